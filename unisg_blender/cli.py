@@ -1,0 +1,83 @@
+"""The command line: one verb per job, each in its own module of ``commands``.
+
+A verb's module has ``HELP`` (one line), ``add_arguments(parser)`` and
+``run(args) -> int``; it is imported only when its verb is called or its help
+is asked for, so that ``unisg --help`` stays fast.
+"""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import os
+import sys
+from collections.abc import Sequence
+
+from . import __version__
+from .errors import MISUSE, UNUSABLE_INPUT, UniSGError
+
+VERBS = {
+    "inspect": "show the entity tree of a scene, or the contents of a dataset",
+    "world": "make procedural scenes",
+    "export": "turn scene files into a dataset for learning",
+    "train": "train a model on a dataset",
+    "generate": "add objects to an empty or an existing scene with a trained model",
+    "benchmark": "measure and write tables and figures",
+    "demo": "run the main job end to end on shipped content",
+}
+
+
+def _overview() -> argparse.ArgumentParser:
+    lines = "\n".join(f"  {verb:<12}{text}" for verb, text in VERBS.items())
+    parser = argparse.ArgumentParser(
+        prog="unisg",
+        description="Scenegraphs that join geometry, behaviour and graph learning.",
+        epilog=f"verbs:\n{lines}\n\n'unisg VERB --help' tells more about one.",
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("--version", action="version", version=f"unisg {__version__}")
+    parser.add_argument("verb", metavar="VERB", choices=VERBS, help="what to do")
+    return parser
+
+
+def _verb_parser(verb: str) -> tuple[argparse.ArgumentParser, object]:
+    module = importlib.import_module(f"{__package__}.commands.{verb}")
+    parser = argparse.ArgumentParser(prog=f"unisg {verb}", description=module.HELP)
+    module.add_arguments(parser)
+    parser.add_argument("--json", action="store_true", help="write a machine-readable report to stdout")
+    parser.add_argument("-q", "--quiet", action="store_true", help="print no progress and no summary")
+    return parser, module
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run one verb.
+
+    Parameters
+    ----------
+    argv
+        The words after the program's name; ``sys.argv[1:]`` when omitted.
+
+    Returns
+    -------
+    int
+        Exit status: 0 done, 1 unusable input (one line on stderr, nothing
+        written), 2 misuse, 3 a batch in which some items failed.
+    """
+    words = list(sys.argv[1:] if argv is None else argv)
+    try:
+        _overview().parse_args(words[:1])
+        parser, module = _verb_parser(words[0])
+        args = parser.parse_args(words[1:])
+    except SystemExit as stop:  # argparse: --help and --version stop with 0, misuse with 2
+        return MISUSE if stop.code not in (0, None) else 0
+    try:
+        return int(module.run(args))  # type: ignore[attr-defined]
+    except UniSGError as error:
+        print(f"unisg {words[0]}: {error}", file=sys.stderr)
+        return UNUSABLE_INPUT
+    except BrokenPipeError:  # the reader of our output (head, less) has gone: that is its right
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
+    except KeyboardInterrupt:
+        print(f"unisg {words[0]}: stopped", file=sys.stderr)
+        return 130

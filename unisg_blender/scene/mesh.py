@@ -1,0 +1,96 @@
+"""Meshes and materials: plain arrays in the object's frame."""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+@dataclass(frozen=True)
+class Material:
+    """A material by name, with the colour that a viewer shows.
+
+    ``base_color`` is linear RGBA in 0..1; ``metallic`` and ``roughness`` are
+    those of a preview surface.
+    """
+
+    name: str
+    base_color: tuple[float, float, float, float] = (0.8, 0.8, 0.8, 1.0)
+    metallic: float = 0.0
+    roughness: float = 0.5
+
+
+@dataclass(frozen=True, eq=False)
+class Mesh:
+    """A polygon mesh, stored once however many entities share it.
+
+    Attributes
+    ----------
+    name
+        Name of the mesh data, not of the object.
+    points
+        float32 (V, 3), metres, object frame.
+    corners
+        int32 (C,): point of each face corner, faces one after another.
+    offsets
+        int32 (F + 1,): face f has corners ``corners[offsets[f]:offsets[f + 1]]``.
+    edges
+        int32 (E, 2): edges that belong to no face.
+    normals
+        float32 (C, 3) unit normals of the corners, or None for flat faces.
+    uvs
+        float32 (C, 2) arrays by layer name.
+    material_index
+        int32 (F,): slot of each face in ``materials``.
+    materials
+        Names of the materials in the mesh's slots.
+    """
+
+    name: str
+    points: NDArray[np.float32]
+    corners: NDArray[np.int32]
+    offsets: NDArray[np.int32]
+    edges: NDArray[np.int32] = field(default_factory=lambda: np.zeros((0, 2), np.int32))
+    normals: NDArray[np.float32] | None = None
+    uvs: dict[str, NDArray[np.float32]] = field(default_factory=dict)
+    material_index: NDArray[np.int32] | None = None
+    materials: tuple[str, ...] = ()
+
+    @cached_property
+    def bounds(self) -> NDArray[np.float64]:
+        """float64 (2, 3): lowest and highest corner of the box around the finite points; zeros if there are none."""
+        finite = self.points[np.isfinite(self.points).all(axis=1)]
+        if not len(finite):
+            return np.zeros((2, 3))
+        return np.stack([finite.min(axis=0), finite.max(axis=0)]).astype(np.float64)
+
+    @cached_property
+    def triangles(self) -> NDArray[np.int32]:
+        """int32 (T, 3): the faces as fans of triangles."""
+        sizes = np.diff(self.offsets)
+        fans = np.maximum(sizes - 2, 0)
+        first = np.repeat(self.offsets[:-1], fans)
+        step = np.arange(fans.sum()) - np.repeat(np.cumsum(fans) - fans, fans)
+        picked = np.stack([first, first + step + 1, first + step + 2], axis=1)
+        return self.corners[picked].astype(np.int32)
+
+    @cached_property
+    def checksum(self) -> str:
+        """Hexadecimal digest of the geometry: points, faces and loose edges."""
+        digest = hashlib.blake2b(digest_size=16)
+        for array in (self.points, self.corners, self.offsets, self.edges):
+            digest.update(np.ascontiguousarray(array).tobytes())
+            digest.update(str(array.shape).encode())
+        return digest.hexdigest()
+
+
+def mesh_from_faces(name: str, points: NDArray[np.floating], faces: list[list[int]] | NDArray[np.integer]) -> Mesh:
+    """A mesh from points (V, 3) in metres and faces given as lists of point numbers."""
+    sizes = [len(face) for face in faces]
+    offsets = np.concatenate([[0], np.cumsum(sizes)]).astype(np.int32)
+    corners = np.concatenate([np.asarray(face, np.int32) for face in faces]) if sizes else np.zeros(0, np.int32)
+    return Mesh(name, np.asarray(points, np.float32).reshape(-1, 3), corners.astype(np.int32), offsets)
