@@ -1,0 +1,156 @@
+"""Formulas on components, applied to batches of numpy arrays or torch tensors.
+
+Every formula of this room is written once, on *components*: a pose's channels
+as separate arrays of one shape, combined with ordinary arithmetic and the few
+functions that numpy and torch share under one name. ``map_rows`` cuts a batch
+into components. In numpy it works through the batch in blocks that stay in the
+processor's cache, always in float64; a tensor is done in one piece, in its own
+dtype, so that gradients flow.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Sequence
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+
+from ..errors import UniSGError
+
+Components = Sequence[Any]  # one array per channel, all of one shape; a plain number stands for a constant channel
+
+BLOCK = 2048  # rows per block: 16 channels of float64 then fit a 256 KiB slice of the second-level cache
+
+
+class PoseError(UniSGError, ValueError):
+    """Numbers that are no pose: wrong shape, NaN, infinity, or a versor of norm zero. Names the row."""
+
+
+def is_tensor(array: object) -> bool:
+    """Whether ``array`` is a torch tensor; never imports torch."""
+    torch = sys.modules.get("torch")
+    return torch is not None and isinstance(array, torch.Tensor)
+
+
+def namespace(array: object) -> ModuleType:
+    """The module whose functions fit ``array``: torch for a tensor, else numpy."""
+    return sys.modules["torch"] if is_tensor(array) else np
+
+
+def as_batch(array: Any, item: tuple[int, ...], what: str) -> Any:
+    """``array`` as a numeric numpy array or a floating tensor of shape (..., *item).
+
+    Raises
+    ------
+    PoseError
+        Where the trailing shape is not ``item``, or the values are not real numbers.
+    """
+    if is_tensor(array):
+        batch = array if array.is_floating_point() else array.to(sys.modules["torch"].get_default_dtype())
+    else:
+        try:
+            batch = np.asarray(array)
+        except ValueError as error:
+            raise PoseError(f"{what} must be an array of shape (..., {_commas(item)}): {error}") from None
+        if batch.dtype.kind not in "fiub":
+            raise PoseError(f"{what} must be real numbers, not {batch.dtype}")
+    if tuple(batch.shape[-len(item) :]) != item:
+        raise PoseError(f"{what} must have the shape (..., {_commas(item)}), not {tuple(batch.shape)}")
+    return batch
+
+
+def map_rows(
+    function: Callable[[Components], Components], batch: Any, item: tuple[int, ...], out: tuple[int, ...], what: str
+) -> Any:
+    """Apply a formula on components to every item of a batch.
+
+    Parameters
+    ----------
+    function
+        Takes one array per number of an item, returns one per number of a result.
+    batch
+        Array or tensor of shape (..., *item), checked by ``as_batch``.
+    item, out
+        Shape of one item and of one result.
+    what
+        What an item is, for error messages.
+
+    Returns
+    -------
+    array or tensor
+        Shape (..., *out); float32 where ``batch`` was float32 or float16, else
+        float64; a tensor keeps its dtype.
+
+    Raises
+    ------
+    PoseError
+        Naming the first row that holds NaN or infinity, or has no result.
+    """
+    leading = tuple(batch.shape[: batch.ndim - len(item)])
+    width = int(np.prod(item))
+    if is_tensor(batch):
+        rows = batch.reshape(int(np.prod(leading)), width)
+        result = _map_tensor(function, rows, int(np.prod(out)), leading, what)
+    else:
+        rows = batch.reshape(int(np.prod(leading)), width)
+        result = _map_blocks(function, rows, int(np.prod(out)), leading, what)
+    return result.reshape(leading + out)
+
+
+def _map_blocks(
+    function: Callable[[Components], Components], rows: np.ndarray, width: int, leading: tuple[int, ...], what: str
+) -> np.ndarray:
+    single = rows.dtype.kind == "f" and rows.dtype.itemsize <= 4
+    result = np.zeros((len(rows), width), np.float32 if single else np.float64)
+    with np.errstate(all="ignore"):  # a row without a result shows as NaN, and is named below
+        for start in range(0, len(rows), BLOCK):
+            block = rows[start : start + BLOCK]
+            _check_finite(block, start, leading, f"{what} holds NaN or infinity")
+            written = result[start : start + BLOCK]
+            for channel, values in enumerate(function(np.ascontiguousarray(block.T, dtype=np.float64))):
+                if not (isinstance(values, float) and values == 0.0):
+                    written[:, channel] = values
+            _check_finite(written, start, leading, f"{what} has no valid pose (a norm of zero, or out of range)")
+    return result
+
+
+def _map_tensor(
+    function: Callable[[Components], Components], rows: Any, width: int, leading: tuple[int, ...], what: str
+) -> Any:
+    torch = sys.modules["torch"]
+    checked = not torch.compiler.is_compiling()
+    if checked:
+        _check_finite(rows, 0, leading, f"{what} holds NaN or infinity")
+    channels = function(rows.unbind(-1))
+    constant = rows[:, 0].detach()
+    filled = [torch.full_like(constant, c) if isinstance(c, float) else c for c in channels]
+    result = torch.stack(filled, -1) if filled else rows.new_zeros((len(rows), width))
+    if checked:
+        _check_finite(result, 0, leading, f"{what} has no valid pose (a norm of zero, or out of range)")
+    return result
+
+
+def _check_finite(block: Any, start: int, leading: tuple[int, ...], problem: str) -> None:
+    if is_tensor(block):
+        good = block.detach().isfinite().all(-1)
+        if bool(good.all()):
+            return
+        first = start + int((~good).nonzero()[0, 0])
+    else:
+        flat = block.ravel(order="K")
+        if flat.dtype.kind != "f" or np.isfinite(
+            flat @ flat
+        ):  # one pass at memory speed; exact look only where it fails
+            return
+        good = np.isfinite(block).all(axis=-1)
+        if good.all():
+            return
+        first = start + int(np.argmin(good))
+    place = "" if not leading else f"row {_commas(tuple(int(i) for i in np.unravel_index(first, leading)))}: "
+    raise PoseError(f"{place}{problem}")
+
+
+def _commas(numbers: tuple[int, ...]) -> str:
+    return ", ".join(str(n) for n in numbers)

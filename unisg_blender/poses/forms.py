@@ -1,0 +1,214 @@
+"""The interchangeable representation forms of a pose: ``FORMS`` and ``convert``.
+
+A form turns affine 4x4 matrices (column vectors, metres, Z up) into feature
+vectors and back, for numpy arrays and torch tensors, batched over any leading
+axes. Scale never enters a rotation: the 3x3 block is split into R S, a form
+holds R and the translation, and S stands beside it in six stretch channels.
+Equation (2) of the UniSG^GA paper lists the forms; the conventions are in
+``docs/poses.md``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import Any
+
+from . import encodings
+from .arrays import Components, as_batch, map_rows
+from .encodings import Block
+from .multivectors import CGA_BLADES, CGA_EVEN, PGA_BLADES, PGA_EVEN
+from .polar import pose_rotation, stretch_of, stretched
+
+STRETCH_CHANNELS = ("stretch_xx", "stretch_yy", "stretch_zz", "stretch_xy", "stretch_xz", "stretch_yz")
+STRETCH_WIDTH = len(STRETCH_CHANNELS)
+
+
+@dataclass(frozen=True)
+class Form:
+    """One way to write poses down as feature vectors.
+
+    Attributes
+    ----------
+    name
+        Key in ``FORMS``.
+    channels
+        Name of each feature, in order.
+    holds_affine
+        Whether the form holds the whole affine by itself: its stretch channels are
+        written for uniformity and not needed by ``decode``.
+    """
+
+    name: str
+    channels: tuple[str, ...]
+    _encode: Callable[[Block], Components] = field(repr=False)
+    _decode: Callable[[Components], Block] = field(repr=False)
+    _project: Callable[[Components], Components] = field(repr=False)
+    holds_affine: bool = False
+
+    @property
+    def width(self) -> int:
+        """Number of features, without stretch."""
+        return len(self.channels)
+
+    def encode(self, matrices: Any, stretch: bool = False) -> Any:
+        """Features of poses.
+
+        Parameters
+        ----------
+        matrices
+            Shape (..., 4, 4): affine matrices, array or tensor.
+        stretch
+            Append the six stretch channels, from which the affine comes back.
+
+        Returns
+        -------
+        array or tensor
+            Shape (..., width) or (..., width + 6). Arrays are float32 where
+            ``matrices`` was, else float64.
+
+        Raises
+        ------
+        PoseError
+            Wrong shape, NaN, infinity, or a last row that is not 0 0 0 1.
+        """
+
+        def features(m: Components) -> Components:
+            block = encodings.split(m, rotation=stretch or not self.holds_affine)
+            channels = tuple(self._encode(block))
+            return (*channels, *stretch_of(block.rotation, block.linear)) if stretch else channels
+
+        batch = as_batch(matrices, (4, 4), "matrices")
+        return map_rows(features, batch, (4, 4), (self.width + STRETCH_WIDTH * stretch,), "the matrix")
+
+    def decode(self, features: Any, stretch: bool = False) -> Any:
+        """Matrices of features; the inverse of ``encode``.
+
+        Expects features that ``encode`` or ``project`` made. Versors may come times
+        any number but zero; no other repair is done: ``project`` first what a network gave.
+
+        Parameters
+        ----------
+        features
+            Shape (..., width), or (..., width + 6) with ``stretch``.
+        stretch
+            Whether the last six channels are stretch.
+
+        Returns
+        -------
+        array or tensor
+            Shape (..., 4, 4).
+
+        Raises
+        ------
+        PoseError
+            Wrong shape, NaN, infinity, or a versor of norm zero.
+        """
+
+        def matrix(x: Components) -> Components:
+            return encodings.join(self._with_stretch(x) if stretch else self._decode(x))
+
+        batch = as_batch(features, (self.width + STRETCH_WIDTH * stretch,), f"{self.name} features")
+        return map_rows(matrix, batch, batch.shape[-1:], (4, 4), f"the {self.name} feature")
+
+    def project(self, features: Any, stretch: bool = False) -> Any:
+        """Nearest valid features, in canonical sign; for what a network gave.
+
+        Motors are taken times any number but zero. Stretch channels, if any, pass
+        through: every value of theirs is valid.
+
+        Parameters
+        ----------
+        features
+            Shape (..., width), or (..., width + 6) with ``stretch``.
+        stretch
+            Whether the last six channels are stretch.
+
+        Returns
+        -------
+        array or tensor
+            The shape of ``features``.
+
+        Raises
+        ------
+        PoseError
+            Wrong shape, NaN, infinity, or features with no nearest pose (a norm of zero).
+        """
+
+        def nearest(x: Components) -> Components:
+            return (*self._project(x[: self.width]), *x[self.width :])
+
+        batch = as_batch(features, (self.width + STRETCH_WIDTH * stretch,), f"{self.name} features")
+        return map_rows(nearest, batch, batch.shape[-1:], tuple(batch.shape[-1:]), f"the {self.name} feature")
+
+    def _with_stretch(self, x: Components) -> Block:
+        block = self._decode(x[: self.width])
+        if self.holds_affine:
+            return block
+        return block._replace(linear=stretched(block.rotation, x[self.width :]))
+
+
+def _form(name: str, channels: str | tuple[str, ...], codec: encodings.Codec, holds_affine: bool = False) -> Form:
+    names = tuple(channels.split()) if isinstance(channels, str) else channels
+    return Form(name, names, codec.encode, codec.decode, codec.project, holds_affine)
+
+
+_MATRIX = tuple(f"m{i}{j}" for i in range(4) for j in range(4))
+_CGA_EVEN_BLADES = tuple(CGA_BLADES[i] for i in CGA_EVEN)
+
+FORMS: Mapping[str, Form] = MappingProxyType(
+    {
+        form.name: form
+        for form in (
+            _form("matrix", _MATRIX, encodings.MATRIX),
+            _form("trs_matrix", _MATRIX, encodings.TRS_MATRIX, holds_affine=True),
+            _form("axis_angle", "tx ty tz angle ax ay az", encodings.AXIS_ANGLE),
+            _form("quaternion", "tx ty tz w x y z", encodings.QUATERNION),
+            _form("sixd", "tx ty tz r00 r10 r20 r01 r11 r21", encodings.SIXD),
+            _form("dual_quaternion", "w x y z dw dx dy dz", encodings.DUAL_QUATERNION),
+            _form("pga", PGA_BLADES, encodings.PGA),
+            _form("pga_even", tuple(PGA_BLADES[i] for i in PGA_EVEN), encodings.PGA_EVEN_ONLY),
+            _form("cga", CGA_BLADES, encodings.CGA),
+            _form("cga_even", _CGA_EVEN_BLADES, encodings.CGA_EVEN_ONLY),
+            _form("cga_similarity", CGA_BLADES, encodings.CGA_SIMILARITY),
+        )
+    }
+)
+
+
+def convert(features: Any, source: str, target: str, stretch: bool = False) -> Any:
+    """Features of one form as features of another, without going through matrices in memory.
+
+    Parameters
+    ----------
+    features
+        Shape (..., width of ``source``), or 6 wider with ``stretch``.
+    source, target
+        Names in ``FORMS``.
+    stretch
+        Whether features come and go with their stretch channels.
+
+    Returns
+    -------
+    array or tensor
+        Shape (..., width of ``target``), or 6 wider with ``stretch``.
+
+    Raises
+    ------
+    PoseError
+        As ``Form.decode``.
+    KeyError
+        An unknown form.
+    """
+    old, new = FORMS[source], FORMS[target]
+
+    def converted(x: Components) -> Components:
+        block = old._with_stretch(x) if stretch else old._decode(x)
+        if old.holds_affine:
+            block = block._replace(rotation=pose_rotation(block.linear))
+        channels = tuple(new._encode(block))
+        return (*channels, *stretch_of(block.rotation, block.linear)) if stretch else channels
+
+    batch = as_batch(features, (old.width + STRETCH_WIDTH * stretch,), f"{source} features")
+    return map_rows(converted, batch, batch.shape[-1:], (new.width + STRETCH_WIDTH * stretch,), f"the {source} feature")
