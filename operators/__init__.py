@@ -8,7 +8,9 @@ from __future__ import annotations
 
 import bpy
 
-MODULES: tuple = ()
+from . import categories, command_line
+
+MODULES: tuple = (categories, command_line)
 
 
 def register() -> None:
