@@ -15,6 +15,7 @@ from ..errors import UniSGError
 
 VERSION = 1
 TYPES = ("Insert", "Remove", "Use", "Tool", "Question", "Parallel")
+MODES = ("all", "any")
 
 
 @dataclass(frozen=True)
@@ -42,14 +43,14 @@ class ActionData:
     uid
         Unique identifier, by which the lesson refers to the action.
     type
-        One of :data:`TYPES`, or a user's own.
+        One of :data:`TYPES`, or a user's own; :mod:`~.behaviour.conditions` says what each asks for.
     name
         What a learner reads.
     targets, tools
         Uids of the entities that the action is about and that are used in it.
     reference
-        Reference pose of the target, 16 numbers row-major (4x4, column vectors,
-        metres), in the frame of the entity ``frame``; None if there is none.
+        Reference pose of the target (of the tool in a Tool action), 16 numbers row-major
+        (affine 4x4, column vectors, metres), in the frame of the entity ``frame``; None if there is none.
     frame
         Uid of the entity in whose frame ``reference`` is given; "" for the world.
     thresholds
@@ -60,6 +61,9 @@ class ActionData:
         Choices of a Question and the positions of the right ones.
     members, mode
         Uids of the actions of a Parallel group, and whether "all" or "any" must be done.
+    names
+        What the entities and members were called by uid when the action was written: for
+        messages about those that are missing, never to look anything up.
     extra
         Fields that this version does not know, kept as they are.
     """
@@ -77,12 +81,16 @@ class ActionData:
     correct: tuple[int, ...] = ()
     members: tuple[str, ...] = ()
     mode: str = "all"
+    names: Mapping[str, str] = field(default_factory=dict)
     extra: Mapping[str, Any] = field(default_factory=dict)
 
     @property
     def reference_matrix(self) -> NDArray[np.float64] | None:
         """The reference pose as float64 (4, 4)."""
         return None if self.reference is None else np.array(self.reference).reshape(4, 4)
+
+
+_OPTIONAL = tuple(item.name for item in fields(ActionData) if item.name not in ("uid", "type", "thresholds", "extra"))
 
 
 def actions_to_json(actions: Sequence[ActionData]) -> str:
@@ -110,13 +118,19 @@ def actions_from_json(text: str) -> tuple[ActionData, ...]:
 def _to_record(action: ActionData) -> dict[str, Any]:
     record: dict[str, Any] = dict(action.extra) | {"version": VERSION, "uid": action.uid, "type": action.type}
     blank = ActionData("", "")
-    for name in ("name", "targets", "tools", "reference", "frame", "trigger", "answers", "correct", "members", "mode"):
+    for name in _OPTIONAL:
         value = getattr(action, name)
         if value != getattr(blank, name):
-            record[name] = list(value) if isinstance(value, tuple) else value
+            record[name] = _plain(value)
     limits = {item.name: getattr(action.thresholds, item.name) for item in fields(Thresholds)}
     limits = {name: value for name, value in limits.items() if value is not None}
     return record | ({"thresholds": limits} if limits else {})
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, Mapping):
+        return dict(value)
+    return list(value) if isinstance(value, tuple) else value
 
 
 def _from_record(record: Any) -> ActionData:
@@ -140,12 +154,17 @@ def _from_record(record: Any) -> ActionData:
     for name, kind in (("name", str), ("frame", str), ("mode", str), ("trigger", bool)):
         if name in values and not isinstance(values[name], kind):
             raise UniSGError(f"action {values['uid']!r}: {name!r} must be a {kind.__name__}")
+    if values.get("mode", "all") not in MODES:
+        raise UniSGError(f"action {values['uid']!r}: 'mode' must be 'all' or 'any'")
     values["reference"] = _reference(values.get("reference"), values["uid"])
+    values["names"] = _names(values.get("names", {}), values["uid"])
     return ActionData(**values, extra=record)
 
 
 def _tuple_of(value: Any, kind: type, name: str, uid: str) -> tuple[Any, ...]:
-    if not isinstance(value, list | tuple) or not all(isinstance(item, kind) for item in value):
+    if not isinstance(value, list | tuple) or not all(
+        isinstance(item, kind) and not isinstance(item, bool) for item in value
+    ):
         raise UniSGError(f"action {uid!r}: {name!r} must be a list of {kind.__name__} values")
     return tuple(value)
 
@@ -156,7 +175,15 @@ def _reference(value: Any, uid: str) -> tuple[float, ...] | None:
     numbers = value if isinstance(value, list | tuple) else ()
     if len(numbers) != 16 or not all(isinstance(item, int | float) and math.isfinite(item) for item in numbers):
         raise UniSGError(f"action {uid!r}: 'reference' must be 16 finite numbers, a 4x4 matrix row by row")
+    if tuple(numbers[12:]) != (0, 0, 0, 1):
+        raise UniSGError(f"action {uid!r}: the last row of 'reference' must be 0 0 0 1")
     return tuple(float(item) for item in numbers)
+
+
+def _names(value: Any, uid: str) -> dict[str, str]:
+    if not isinstance(value, dict) or not all(isinstance(name, str) for name in value.values()):
+        raise UniSGError(f"action {uid!r}: 'names' must map uids to names")
+    return value
 
 
 def _thresholds(value: Any, uid: str) -> Thresholds:
