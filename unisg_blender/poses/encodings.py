@@ -7,7 +7,7 @@ R in it, and the translation.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from .arrays import Components, namespace
 from .motors import dual_part, extract_translation, nearest_motor
@@ -55,12 +55,11 @@ class Codec(NamedTuple):
 
 
 def split(m: Components, rotation: bool = True) -> Block:
-    """Block of the 16 components of a 4x4 matrix; a last row other than 0 0 0 1 gives NaN."""
-    xp = namespace(m[0])
-    affine = xp.abs(m[12]) + xp.abs(m[13]) + xp.abs(m[14]) + xp.abs(m[15] - 1.0) < LAST_ROW_TOLERANCE
-    translation = tuple(x if bool(affine.all()) else xp.where(affine, x, float("nan")) for x in m[3:12:4])
+    """Block of the 16 components of a 4x4 matrix, a last row other than 0 0 0 1 gives NaN."""
     linear = (*m[0:3], *m[4:7], *m[8:11])
-    return Block(linear, pose_rotation(linear) if rotation else linear, translation)
+    excess = abs(m[12]) + abs(m[13]) + abs(m[14]) + abs(m[15] - 1.0)
+    tx = namespace(excess).where(excess > LAST_ROW_TOLERANCE, float("nan"), m[3])
+    return Block(linear, pose_rotation(linear) if rotation else linear, (tx, m[7], m[11]))
 
 
 def join(block: Block) -> Components:
@@ -96,16 +95,20 @@ def _motor(block: Block) -> tuple[Components, Components]:
     return q, dual_part(q, block.translation)
 
 
+def _joined(motor: tuple[Components, Components]) -> Components:
+    return (*motor[0], *motor[1])
+
+
 def _from_motor(r: Components, d: Components) -> Block:
     return _rigid(rotation_from_quaternion(r), extract_translation(r, d))
 
 
-def uniform_scale(block: Block) -> Components:
+def uniform_scale(block: Block) -> Any:
     """The mean of the stretch without its sign, |tr(R^T A)| / 3: exact where A is uniform."""
     return namespace(block.translation[0]).abs(dot(block.rotation, block.linear)) / 3.0
 
 
-def dilation_of(s: Components) -> Components:
+def dilation_of(s: Any) -> Components:
     """D = cosh g - sinh g e45 with g = ln(s) / 2, as (scalar, e45).
 
     Scale 0 has no normalised versor; it gets the null one, 0.5 (1 + e45), whose
@@ -149,9 +152,9 @@ SIXD = Codec(
     _project_sixd,
 )
 DUAL_QUATERNION = Codec(
-    lambda block: sum(_motor(block), ()),
+    lambda block: _joined(_motor(block)),
     lambda x: _from_motor(x[:4], x[4:8]),
-    lambda x: sum(nearest_motor(x[:4], x[4:8]), ()),
+    lambda x: _joined(nearest_motor(x[:4], x[4:8])),
 )
 PGA_EVEN_ONLY = Codec(
     lambda block: pga_even(*_motor(block)),

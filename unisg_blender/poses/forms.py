@@ -80,7 +80,14 @@ class Form:
             return (*channels, *stretch_of(block.rotation, block.linear)) if stretch else channels
 
         batch = as_batch(matrices, (4, 4), "matrices")
-        return map_rows(features, batch, (4, 4), (self.width + STRETCH_WIDTH * stretch,), "the matrix")
+        return map_rows(
+            features,
+            batch,
+            (4, 4),
+            (self.width + STRETCH_WIDTH * stretch,),
+            "the matrix",
+            "has a last row other than 0 0 0 1",
+        )
 
     def decode(self, features: Any, stretch: bool = False) -> Any:
         """Matrices of features; the inverse of ``encode``.

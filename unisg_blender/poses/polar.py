@@ -10,8 +10,6 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
-
 from .arrays import Components, is_tensor, namespace
 from .rotations import cross, dot, scale
 
@@ -56,46 +54,43 @@ def _columns(a: Components) -> tuple[Components, Components, Components]:
 
 def _rotation(a: Components, mirrored: bool) -> Components:
     if not is_tensor(a[0]):
-        return _rotation_values(np.asarray(a), mirrored)
-    torch = namespace(a[0])
-    with torch.no_grad():
-        r = tuple(torch.as_tensor(_rotation_values(torch.stack(tuple(a)), mirrored)))
+        return _rotation_values(a, mirrored)
+    with namespace(a[0]).no_grad():
+        r = _rotation_values(a, mirrored)
         sign = _sign_of_determinant(a) if mirrored else 1.0
     return _newton_step(r, scale(sign, a)) if any(x.requires_grad for x in a) else r
 
 
-def _rotation_values(a: Any, mirrored: bool) -> Any:
-    """Rotations (9, n) of blocks (9, n), arrays or tensors, without gradients."""
-    xp = namespace(a)
+def _rotation_values(a: Components, mirrored: bool) -> Components:
+    """Rotations without gradients; the blocks themselves where they are rotations already."""
+    xp = namespace(a[0])
     other = ~_is_rotation(a)
     if not bool(other.any()):
         return a
-    rest = a[:, other]
+    rest = xp.stack([x[other] for x in a])
     largest = xp.amax(xp.abs(rest), 0)
     rest = rest / xp.where(largest > 0, largest, 1.0)  # squares must neither overflow nor vanish
     r, good = _newton(rest, mirrored)
     if not bool(good.all()):
         r[:, ~good] = _by_svd(rest[:, ~good], mirrored)
-    result = xp.zeros_like(a)
-    result[:, ~other] = a[:, ~other]
+    result = xp.stack(tuple(a))
     result[:, other] = r
-    return result
+    return tuple(result)
 
 
-def _is_rotation(a: Any) -> Any:
+def _is_rotation(a: Components) -> Any:
     """Whether the columns are orthonormal and right-handed, to a few roundings."""
-    xp = namespace(a)
     x, y, z = _columns(a)
     c = cross(x, y)
     errors = (dot(x, x) - 1.0, dot(y, y) - 1.0, dot(x, y), c[0] - z[0], c[1] - z[1], c[2] - z[2])
-    return dot(errors, errors) < (40.0 * xp.finfo(a.dtype).eps) ** 2
+    return dot(errors, errors) < (40.0 * namespace(a[0]).finfo(a[0].dtype).eps) ** 2
 
 
 def _newton(a: Any, mirrored: bool) -> tuple[Any, Any]:
     """Scaled Newton iteration on (9, n), and where its result can be trusted."""
     xp = namespace(a)
     eps = xp.finfo(a.dtype).eps
-    x = tuple(a)
+    x: Components = tuple(a)
     invertible = xp.abs(_determinant(x)) > 1e-10  # below, the sign of the determinant may be rounding: rank decides
     for _ in range(ITERATIONS):
         inverse = _inverse_transpose(x)
