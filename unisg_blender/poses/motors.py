@@ -8,6 +8,8 @@ number but zero.
 
 from __future__ import annotations
 
+from typing import Any
+
 from .arrays import Components, namespace
 from .rotations import canonical_sign, cross, dot, scale
 
@@ -54,3 +56,69 @@ def multiply(a: Components, b: Components) -> Components:
 def conjugate(q: Components) -> Components:
     """(w, -x, -y, -z)."""
     return (q[0], -q[1], -q[2], -q[3])
+
+
+def multiply_motors(a: Components, b: Components) -> Components:
+    """First ``b``, then ``a``: (ra rb, ra db + da rb)."""
+    left, right = multiply(a[:4], b[4:]), multiply(a[4:], b[:4])
+    return (*multiply(a[:4], b[:4]), *(p + q for p, q in zip(left, right, strict=True)))
+
+
+def inverse_motor(m: Components) -> Components:
+    """Inverse of a unit motor: both parts conjugated."""
+    return (*conjugate(m[:4]), *conjugate(m[4:]))
+
+
+def unit_motor(m: Components) -> Components:
+    """``nearest_motor`` on eight components."""
+    r, d = nearest_motor(m[:4], m[4:])
+    return (*r, *d)
+
+
+def logarithm(m: Components) -> Components:
+    """Screw of a unit motor: rotation vector (radians), then the translation that goes with it (metres).
+
+    The angle is that of the motor's own sign: up to pi where w >= 0, beyond it where w < 0.
+    With u, p the halves of the two vectors and h = |u|: r = (cos h, sinc(h) u) and
+    d = (-sinc(h) u.p, sinc(h) p + c(h) (u.p) u), c(h) = (h cos h - sin h) / h^3.
+    """
+    xp = namespace(m[0])
+    w, v, dw, dv = m[0], m[1:4], m[4], m[5:8]
+    squared = dot(v, v)
+    still = squared == 0
+    length = xp.sqrt(xp.where(still, 1.0, squared))
+    k = xp.where(still, 1.0, xp.arctan2(length, w) / length)
+    u = scale(k, v)
+    _, c = _series(dot(u, u))
+    along = -k * dw
+    p = tuple(k * (dv[i] - c * along * u[i]) for i in range(3))
+    return (*scale(2.0, u), *scale(2.0, p))
+
+
+def exponential(screw: Components) -> Components:
+    """Unit motor of a screw, the inverse of ``logarithm``; sign as the angle gives it."""
+    u, p = scale(0.5, screw[:3]), scale(0.5, screw[3:6])
+    squared = dot(u, u)
+    sinc, c = _series(squared)
+    along = dot(u, p)
+    half_angle = _safe_root(squared)
+    d = tuple(sinc * p[i] + c * along * u[i] for i in range(3))
+    return (namespace(squared).cos(half_angle), *scale(sinc, u), -along * sinc, *d)
+
+
+def _safe_root(squared: Any) -> Any:
+    """Square root with gradient 0 instead of infinity at 0."""
+    xp = namespace(squared)
+    return xp.where(squared == 0, 0.0, xp.sqrt(xp.where(squared == 0, 1.0, squared)))
+
+
+def _series(squared: Any) -> tuple[Any, Any]:
+    """sin(h) / h and (h cos h - sin h) / h^3 of h^2, by power series where h is small."""
+    xp = namespace(squared)
+    small = squared < 1e-4
+    h2 = xp.where(small, squared, 0.0)
+    h = xp.sqrt(xp.where(small, 1.0, squared))
+    sine, cosine = xp.sin(h), xp.cos(h)
+    sinc = xp.where(small, 1.0 - h2 / 6.0 * (1.0 - h2 / 20.0), sine / h)
+    c = xp.where(small, -1.0 / 3.0 + h2 / 30.0 * (1.0 - h2 / 28.0), (h * cosine - sine) / (h * h * h))
+    return sinc, c

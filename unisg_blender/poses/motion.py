@@ -1,0 +1,168 @@
+"""Rigid motion: composition, screws (logarithm and exponential), interpolation and blending of poses.
+
+Every function takes and gives poses in the form its ``form`` names, broadcast
+over leading axes, as arrays or tensors; ``"dual_quaternion"`` (8 channels) costs no
+conversion. Screw interpolation (ScLERP) turns and slides about one fixed axis at
+constant speed: the path that exp(t log(a^-1 b)) describes (Kavan et al. 2006).
+"""
+
+from __future__ import annotations
+
+import sys
+from typing import Any
+
+import numpy as np
+
+from .arrays import Components, Formula, as_batch, is_tensor, map_rows, namespace
+from .forms import FORMS, convert
+from .motors import exponential, inverse_motor, logarithm, multiply_motors, unit_motor
+from .rotations import canonical_sign, dot, scale
+
+PIVOT = "dual_quaternion"
+
+
+def compose(a: Any, b: Any, form: str = PIVOT) -> Any:
+    """The pose that applies ``b`` first, then ``a``: shape (..., width)."""
+    product = _map(lambda x: unit_motor(multiply_motors(x[:8], x[8:])), _motors(a, form), _motors(b, form), out=8)
+    return _back(product, form)
+
+
+def inverse(a: Any, form: str = PIVOT) -> Any:
+    """The pose that undoes ``a``: shape (..., width)."""
+    return _back(_map(lambda x: unit_motor(inverse_motor(x)), _motors(a, form), out=8), form)
+
+
+def log(motors: Any, form: str = PIVOT) -> Any:
+    """Screws of poses.
+
+    Parameters
+    ----------
+    motors
+        Shape (..., width of ``form``).
+    form
+        Name in ``FORMS``.
+
+    Returns
+    -------
+    array or tensor
+        Shape (..., 6): the rotation vector (angle times axis, radians, angle in [0, pi]) and
+        the translation vector (metres) of the twist whose exponential is the pose.
+    """
+    return _map(logarithm, _motors(motors, form), out=6)
+
+
+def exp(screws: Any, form: str = PIVOT) -> Any:
+    """Poses (..., width) of screws (..., 6), any angle; the inverse of ``log``."""
+    screws = as_batch(screws, (6,), "screws")
+    return _back(_map(lambda x: unit_motor(exponential(x)), screws, out=8), form)
+
+
+def sclerp(a: Any, b: Any, fraction: Any, form: str = PIVOT, shortest: bool = True) -> Any:
+    """Screw interpolation between poses, for one or many bodies at once.
+
+    Parameters
+    ----------
+    a, b
+        Poses at fraction 0 and 1: shapes (..., width), broadcast against each other.
+    fraction
+        Numbers broadcast against the leading axes; outside [0, 1] the screw goes on.
+    form
+        Name in ``FORMS``.
+    shortest
+        Turn the short way, at most 180 degrees. Otherwise the signs of ``a`` and ``b`` as given
+        decide, in forms that have a sign: opposite ones turn the long way.
+
+    Returns
+    -------
+    array or tensor
+        Poses, shape (..., width), canonical sign.
+    """
+
+    def interpolated(x: Components) -> Components:
+        start = x[:8]
+        step = multiply_motors(inverse_motor(start), x[8:16])
+        if shortest:
+            step = scale(canonical_sign(step[:4]), step)
+        return unit_motor(multiply_motors(start, exponential(scale(x[16], logarithm(step)))))
+
+    ends = _signed(a, form, shortest), _signed(b, form, shortest)
+    return _back(_map(interpolated, *ends, _column(fraction, ends[0]), out=8), form)
+
+
+def blend(motors: Any, weights: Any, form: str = PIVOT) -> Any:
+    """Normalised weighted sum of poses: much cheaper than screws, close to them for near poses.
+
+    Each pose takes the sign nearest to the first one's (dual quaternion linear blending,
+    Kavan et al. 2007). The path of two poses is that of the screw up to second order; only
+    its speed differs.
+
+    Parameters
+    ----------
+    motors
+        Shape (..., K, width of ``form``): K poses to blend.
+    weights
+        Shape (..., K); their sum need not be 1, only not 0.
+    form
+        Name in ``FORMS``.
+
+    Returns
+    -------
+    array or tensor
+        Shape (..., width).
+    """
+    poses = _motors(motors, form)
+    count = poses.shape[-2]
+
+    def blended(x: Components) -> Components:
+        first, total = x[:4], [0.0] * 8
+        for k in range(count):
+            pose = x[8 * k : 8 * k + 8]
+            sign = namespace(x[0]).where(dot(first, pose[:4]) < 0, -1.0, 1.0)
+            total = [t + x[8 * count + k] * sign * c for t, c in zip(total, pose, strict=True)]
+        return unit_motor(total)
+
+    flat = poses.reshape((*poses.shape[:-2], 8 * count))
+    return _back(_map(blended, flat, _like(weights, poses), out=8), form)
+
+
+def _motors(poses: Any, form: str) -> Any:
+    """Unit dual quaternions of canonical sign."""
+    batch = as_batch(poses, (FORMS[form].width,), f"{form} features")
+    return FORMS[PIVOT].project(batch) if form == PIVOT else convert(batch, form, PIVOT)
+
+
+def _signed(poses: Any, form: str, shortest: bool) -> Any:
+    """As ``_motors``; unless ``shortest``, with the sign the poses came with."""
+    motors = _motors(poses, form)
+    if shortest or not {"w", "1"} & set(FORMS[form].channels):
+        return motors
+    batch = as_batch(poses, (FORMS[form].width,), f"{form} features")
+    rotor = slice(3 if form == "quaternion" else 0, None)
+    same = (batch * FORMS[form].project(batch))[..., rotor].sum(-1) >= 0
+    return namespace(batch).where(same, 1.0, -1.0)[..., None] * motors
+
+
+def _back(motors: Any, form: str) -> Any:
+    return motors if form == PIVOT else convert(motors, PIVOT, form)
+
+
+def _like(values: Any, reference: Any) -> Any:
+    if is_tensor(reference):
+        return sys.modules["torch"].as_tensor(values, dtype=reference.dtype, device=reference.device)
+    return np.asarray(values, dtype=reference.dtype)
+
+
+def _column(values: Any, reference: Any) -> Any:
+    return _like(values, reference)[..., None]
+
+
+def _map(formula: Formula, *arrays: Any, out: int) -> Any:
+    """Apply a formula to arrays laid side by side, their leading axes broadcast."""
+    xp = namespace(arrays[0])
+    if len(arrays) > 1:
+        leading = np.broadcast_shapes(*(tuple(a.shape[:-1]) for a in arrays))
+        side_by_side = [xp.broadcast_to(a, (*leading, a.shape[-1])) for a in arrays]
+        batch = xp.concatenate(side_by_side, -1)
+    else:
+        batch = arrays[0]
+    return map_rows(formula, batch, batch.shape[-1:], (out,), "the pose")
