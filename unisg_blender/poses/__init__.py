@@ -7,6 +7,7 @@ from .clifford_interop import from_multivector, to_multivector
 from .forms import FORMS, STRETCH_CHANNELS, STRETCH_WIDTH, Form, convert
 from .motion import blend, compose, exp, inverse, log, sclerp
 from .parts import MotorParts, dilator, rotor, split_motor, translator
+from .reduction import pose_errors, rebuild, reduce_keyframes
 
 __all__ = [
     "FORMS",
@@ -23,6 +24,9 @@ __all__ = [
     "from_multivector",
     "inverse",
     "log",
+    "pose_errors",
+    "rebuild",
+    "reduce_keyframes",
     "rotor",
     "sclerp",
     "split_motor",
