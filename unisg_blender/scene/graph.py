@@ -52,7 +52,7 @@ class Table:
         return Table(moved[order].astype(np.int32), {name: column[order] for name, column in self.columns.items()})
 
 
-def table(rows: Sequence[int], **columns: Sequence[Any] | NDArray[Any]) -> Table:
+def table(rows: Sequence[int] | NDArray[np.integer], **columns: Sequence[Any] | NDArray[Any]) -> Table:
     """A table from rows in any order and columns; lists become object arrays."""
     order = np.argsort(np.asarray(rows, np.int64), kind="stable")
     arrays = {name: _column(values)[order] for name, values in columns.items()}

@@ -1,0 +1,70 @@
+"""Blender's ID custom properties as plain JSON-ready values, and back."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import bpy
+
+LARGEST_INT = 2**31 - 1
+
+
+def custom_properties(owner: bpy.types.ID) -> dict[str, Any]:
+    """The custom properties of an object (or any other ID), as JSON-ready values.
+
+    Arrays become lists, groups dictionaries, references to other IDs
+    ``{"id": type, "name": name}``. Values that have no such form are left out.
+    """
+    values = {}
+    for key in owner.keys():  # noqa: SIM118  an ID is no mapping
+        value = _plain(owner[key])
+        if value is not None and key != "_RNA_UI":
+            values[key] = value
+    return values
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, bool | int | float | str):
+        return value
+    if isinstance(value, bytes):
+        return value.decode("utf-8", "backslashreplace")
+    if isinstance(value, bpy.types.ID):
+        return {"id": value.id_type, "name": value.name}
+    if hasattr(value, "to_dict"):  # an ID property group
+        return {key: plain for key in value.keys() if (plain := _plain(value[key])) is not None}  # noqa: SIM118
+    if hasattr(value, "to_list"):  # an ID property array
+        return value.to_list()
+    if isinstance(value, list | tuple):
+        return [plain for item in value if (plain := _plain(item)) is not None]
+    return None
+
+
+def set_custom_properties(owner: bpy.types.ID, values: Mapping[str, Any]) -> list[str]:
+    """Set custom properties from JSON values; returns the names that Blender refused."""
+    refused = []
+    for key, value in values.items():
+        try:
+            owner[key] = _settable(value)
+        except (TypeError, ValueError, OverflowError, KeyError, RuntimeError):
+            refused.append(key)
+    return refused
+
+
+def _settable(value: Any) -> Any:
+    if isinstance(value, Mapping):
+        if set(value) == {"id", "name"}:
+            found = _find_id(str(value["id"]), str(value["name"]))
+            return found if found is not None else dict(value)
+        return {str(key): _settable(item) for key, item in value.items()}
+    if isinstance(value, int) and not isinstance(value, bool) and abs(value) > LARGEST_INT:
+        return str(value)  # Blender's integers have 32 bits
+    return value
+
+
+def _find_id(kind: str, name: str) -> bpy.types.ID | None:
+    for collection in (bpy.data.objects, bpy.data.collections, bpy.data.materials, bpy.data.meshes, bpy.data.images):
+        found = collection.get(name)
+        if found is not None and found.id_type == kind:
+            return found
+    return None

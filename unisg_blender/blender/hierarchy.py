@@ -1,0 +1,159 @@
+"""Parents and matrices of many Blender objects at once."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from ..scene.hierarchy import compose_world
+
+STEP = 2e-6  # rounding that one product of Blender's float32 matrices may leave, relative
+CHAIN = 5e-6  # ... and a whole chain of them
+
+
+@dataclass(frozen=True)
+class Hierarchy:
+    """Who hangs on whom, and where.
+
+    ``parent`` int32 (N,); ``local`` float64 (N, 4, 4); ``special`` rows that hang
+    on a bone, on vertices or the like, with the frame of that part in its object
+    (``frames``); ``moved`` rows whose evaluated world matrix, ``world`` float64
+    (K, 4, 4), is not what the locals say.
+    """
+
+    parent: NDArray[np.int32]
+    local: NDArray[np.float64]
+    special: NDArray[np.int64]
+    frames: dict[int, NDArray[np.float64]]
+    moved: NDArray[np.int64]
+    world: NDArray[np.float64]
+
+
+def read_hierarchy(
+    objects: bpy.types.bpy_prop_collection,
+    items: Sequence[bpy.types.Object],
+    depsgraph: bpy.types.Depsgraph,
+    active: bool,
+) -> Hierarchy:
+    """Hierarchy of all objects of a collection property.
+
+    Parameters
+    ----------
+    objects, items
+        The same objects as Blender's collection and as a list.
+    depsgraph
+        Where evaluated matrices come from.
+    active
+        True if Blender keeps the objects' own ``matrix_world`` up to date with it,
+        which saves asking for each evaluated object.
+    """
+    rows: dict[bpy.types.Object | None, int] = {item: row for row, item in enumerate(items)}
+    rows[None] = -1
+    above = [item.parent for item in items]
+    parent = np.array([rows.get(item, -1) for item in above], np.int32).reshape(len(items))
+    hangs = np.array([item is not None for item in above], bool)
+    local = read_matrices(objects, "matrix_basis", len(items))
+    terms = np.abs(local)  # what the products sum up: their roundings are relative to this
+    if hangs.any():  # the parent inverse of an object without a parent has no effect
+        inverse = read_matrices(objects, "matrix_parent_inverse", len(items))[hangs]
+        local[hangs], terms[hangs] = inverse @ local[hangs], np.abs(inverse) @ terms[hangs]
+    kind = np.empty(len(items), np.int32)
+    objects.foreach_get("parent_type", kind)
+    special = np.flatnonzero((kind != 0) & hangs)
+    world = _worlds(objects, items, depsgraph, active)
+    frames = {int(row): frame_of_parent(items[row], depsgraph) for row in special}
+    for row, frame in frames.items():
+        local[row], terms[row] = frame @ local[row], np.abs(frame) @ terms[row]
+    for row in np.flatnonzero((parent < 0) & hangs):  # the parent is not among the objects: stand where it stands
+        frame = chain_matrix(above[row], depsgraph)
+        local[row], terms[row] = frame @ local[row], np.abs(frame) @ terms[row]
+    moved = _moved(parent, local, world, terms)
+    moved = np.array([row for row in moved if is_evaluated(items[row], depsgraph)], np.int64)
+    return Hierarchy(parent, local, special, frames, moved, world[moved])
+
+
+def frame_of_parent(item: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> NDArray[np.float64]:
+    """What stands between the parent's matrix and the parent inverse: float64 (4, 4); the identity for most."""
+    kind = item.parent_type
+    if kind == "BONE":
+        bone = item.parent.pose.bones.get(item.parent_bone) if item.parent.pose else None
+        if bone is None:
+            return np.eye(4)
+        if bone.bone.use_relative_parent:
+            return np.array(bone.matrix_channel, np.float64)
+        matrix = np.array(bone.matrix, np.float64)
+        matrix[:3, 3] += matrix[:3, 1] * bone.bone.length  # children hang at the bone's tail
+        return matrix
+    if kind in ("VERTEX", "VERTEX_3"):
+        inner = np.array(item.matrix_parent_inverse, np.float64) @ np.array(item.matrix_basis, np.float64)
+        world = np.array(item.evaluated_get(depsgraph).matrix_world, np.float64)
+        above = np.array(item.parent.evaluated_get(depsgraph).matrix_world, np.float64)
+        if min(abs(np.linalg.det(above)), abs(np.linalg.det(inner))) > 1e-12 and not item.constraints:
+            return np.linalg.inv(above) @ world @ np.linalg.inv(inner)
+    return np.eye(4)
+
+
+def chain_matrix(item: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> NDArray[np.float64]:
+    """World matrix of one object, evaluated where Blender evaluates it, else composed up its parents."""
+    if is_evaluated(item, depsgraph):
+        return np.array(item.evaluated_get(depsgraph).matrix_world, np.float64)
+    basis = np.array(item.matrix_basis, np.float64)
+    if item.parent is None:
+        return basis
+    local = frame_of_parent(item, depsgraph) @ np.array(item.matrix_parent_inverse, np.float64) @ basis
+    return chain_matrix(item.parent, depsgraph) @ local
+
+
+def is_evaluated(item: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> bool:
+    """False for objects that Blender leaves out: disabled in the viewport, or in an excluded collection."""
+    return bool(item.evaluated_get(depsgraph).is_evaluated)
+
+
+def read_matrices(objects: bpy.types.bpy_prop_collection, name: str, count: int) -> NDArray[np.float64]:
+    """A matrix property of all objects, float64 (N, 4, 4)."""
+    buffer = np.empty(16 * count, np.float32)
+    objects.foreach_get(name, buffer)
+    return buffer.reshape(-1, 4, 4).transpose(0, 2, 1).astype(np.float64)  # Blender's buffers are column-major
+
+
+def _worlds(
+    objects: bpy.types.bpy_prop_collection,
+    items: Sequence[bpy.types.Object],
+    depsgraph: bpy.types.Depsgraph,
+    active: bool,
+) -> NDArray[np.float64]:
+    if active:
+        return read_matrices(objects, "matrix_world", len(items))
+    return np.array([item.evaluated_get(depsgraph).matrix_world for item in items], np.float64).reshape(-1, 4, 4)
+
+
+def _moved(
+    parent: NDArray[np.int32], local: NDArray[np.float64], world: NDArray[np.float64], terms: NDArray[np.float64]
+) -> NDArray[np.int64]:
+    """Rows that do not stand where their parent and ``local`` put them, and rows where small roundings add up."""
+    if not len(parent):
+        return np.zeros(0, np.int64)
+    above = np.where((parent >= 0)[:, None, None], world[parent], np.eye(4))
+    terms = np.abs(above) @ terms
+    moved = differ(above @ local, world, STEP, terms)
+    fixed, root = np.where(moved[:, None, None], world, local), np.where(moved, -1, parent)
+    return np.flatnonzero(moved | differ(compose_world(fixed, root), world, CHAIN, terms))
+
+
+def differ(
+    first: NDArray[np.float64], second: NDArray[np.float64], tolerance: float, terms: NDArray[np.float64] | None = None
+) -> NDArray[np.bool_]:
+    """bool (N,): whether matrices differ by more than ``tolerance``.
+
+    Linear block and translation each by its size, which is that of ``second`` or
+    of the ``terms`` that it sums up.
+    """
+    gap, size = np.abs(first - second), np.abs(second) if terms is None else terms
+    linear = size[:, :3, :3].max(axis=(1, 2), initial=0)
+    reach = np.maximum(size[:, :3, 3].max(axis=1, initial=0), linear)
+    bent = gap[:, :3, :3].max(axis=(1, 2), initial=0) > tolerance * linear
+    return np.asarray(bent | (gap[:, :3, 3].max(axis=1, initial=0) > tolerance * reach))

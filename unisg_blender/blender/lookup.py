@@ -1,0 +1,21 @@
+"""From uids to Blender objects: operators hold uids, never objects, across undo and redraw."""
+
+from __future__ import annotations
+
+import bpy
+
+from ..scene.identity import resolve_uids
+from ..scene.properties import UID
+
+
+def stored_uid(owner: bpy.types.Object) -> str:
+    """The uid that an object carries, "" for none."""
+    value = owner.get(UID, "")
+    return value.strip() if isinstance(value, str) else ""
+
+
+def objects_by_uid(scene: bpy.types.Scene) -> dict[str, bpy.types.Object]:
+    """Every object of the scene under the uid that :func:`~.read.read_scene` gives it."""
+    objects = list(scene.objects)
+    uids = resolve_uids([stored_uid(item) for item in objects], [item.name for item in objects])
+    return dict(zip(uids, objects, strict=True))

@@ -1,0 +1,55 @@
+"""Where new objects are listed, and whether they are seen."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import bpy
+
+from ..scene.components import COLLECTIONS, VISIBILITY
+from ..scene.graph import SceneGraph
+
+Objects = Mapping[int, bpy.types.Object]
+
+
+def link_objects(graph: SceneGraph, objects: Objects, default: bpy.types.Collection, scene: bpy.types.Scene) -> None:
+    """Link every object into its collections, made where they are missing; others into ``default``."""
+    found = graph.components.get(COLLECTIONS)
+    listed = set()
+    for row, path in () if found is None else zip(found.rows.tolist(), found.columns["path"], strict=True):
+        if row in objects:
+            collection = _collection(scene.collection, path)
+            if objects[row].name not in collection.objects:
+                collection.objects.link(objects[row])
+            listed.add(row)
+    for row, item in objects.items():
+        if row not in listed:
+            default.objects.link(item)
+
+
+def _collection(top: bpy.types.Collection, path: tuple[str, ...]) -> bpy.types.Collection:
+    for name in path:
+        below = top.children.get(name)
+        if below is None:
+            below = bpy.data.collections.new(name)
+            top.children.link(below)
+        top = below
+    return top
+
+
+def set_visibility(graph: SceneGraph, objects: Objects, scene: bpy.types.Scene) -> None:
+    """Hide what is hidden: by the eye, in viewports, in renders."""
+    found = graph.components.get(VISIBILITY)
+    if found is None:
+        return
+    columns = found.columns
+    for place, row in enumerate(found.rows.tolist()):
+        item = objects.get(row)
+        if item is None:
+            continue
+        item.hide_viewport = bool(columns["viewport"][place])
+        item.hide_render = bool(columns["render"][place])
+        if columns["hidden"][place]:
+            for layer in scene.view_layers:
+                if item.name in layer.objects:
+                    item.hide_set(True, view_layer=layer)
