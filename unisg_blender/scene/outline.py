@@ -1,0 +1,120 @@
+"""The outline of a room, from its floor."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import UniSGError
+from .graph import SceneGraph
+from .hierarchy import world_matrices
+from .mesh import Mesh
+
+FLOOR = "Floor"
+
+
+def floor_row(graph: SceneGraph) -> int:
+    """Row of the floor: the entity of category "Floor" with the largest outline.
+
+    Raises
+    ------
+    UniSGError
+        If no entity with a mesh has that category.
+    """
+    known = graph.vocabulary.index(FLOOR) if FLOOR in graph.vocabulary else len(graph.vocabulary)
+    rows = np.flatnonzero((graph.category == known) & (graph.mesh >= 0))
+    if not len(rows):
+        raise UniSGError(f'the scene has no floor: give the object that is the floor the category "{FLOOR}"')
+    if len(rows) == 1:
+        return int(rows[0])
+    world = world_matrices(graph)
+    sizes = [abs(area(_outline(graph.meshes[graph.mesh[row]], world[row]))) for row in rows]
+    return int(rows[np.argmax(sizes)])
+
+
+def room_outline(graph: SceneGraph) -> NDArray[np.float64]:
+    """The outline of the room's floor seen from above, float64 (K, 2), world metres, counter-clockwise.
+
+    Raises
+    ------
+    UniSGError
+        If the scene has no floor.
+    """
+    row = floor_row(graph)
+    return _outline(graph.meshes[graph.mesh[row]], world_matrices(graph)[row])
+
+
+def mesh_outline(mesh: Mesh) -> NDArray[np.float64]:
+    """The outline of a floor's mesh in its own frame, float64 (K, 2), counter-clockwise."""
+    return _outline(mesh, np.eye(4))
+
+
+def _outline(mesh: Mesh, matrix: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Largest border of the faces that look up; the convex hull of the points where there is none."""
+    points = mesh.points.astype(np.float64) @ matrix[:3, :3].T + matrix[:3, 3]
+    corners = points[mesh.triangles]
+    facing = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    facing *= np.sign(np.linalg.det(matrix[:3, :3]))  # a mirrored floor still looks up
+    up = facing[:, 2] > 0.5 * np.linalg.norm(facing, axis=1)
+    places, weld = np.unique(np.round(points[:, :2], 5), axis=0, return_inverse=True)
+    loops = _border_loops(weld.reshape(-1)[mesh.triangles[up]])
+    if not loops:
+        return _convex_hull(places)
+    polygons = [_without_straight_corners(places[loop]) for loop in loops]
+    largest = max(polygons, key=lambda polygon: abs(area(polygon)))
+    return largest if area(largest) > 0 else largest[::-1]
+
+
+def _border_loops(triangles: NDArray[np.integer]) -> list[list[int]]:
+    """Closed chains of the edges that belong to one triangle only."""
+    directed = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
+    known = set(map(tuple, directed.tolist()))
+    following = {a: b for a, b in known if (b, a) not in known and a != b}
+    loops = []
+    while following:
+        loop = [next(iter(sorted(following)))]
+        while loop[-1] in following:
+            loop.append(following.pop(loop[-1]))
+        if len(loop) > 3 and loop[0] == loop[-1]:
+            loops.append(loop[:-1])
+    return loops
+
+
+def _without_straight_corners(polygon: NDArray[np.float64]) -> NDArray[np.float64]:
+    before, after = polygon - np.roll(polygon, 1, axis=0), np.roll(polygon, -1, axis=0) - polygon
+    bend = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
+    kept = np.abs(bend) > 1e-6 * np.linalg.norm(before, axis=1) * np.linalg.norm(after, axis=1)
+    return polygon[kept] if kept.sum() >= 3 else polygon
+
+
+def _convex_hull(points: NDArray[np.float64]) -> NDArray[np.float64]:
+    from scipy.spatial import ConvexHull, QhullError
+
+    try:
+        return points[ConvexHull(points).vertices]
+    except (QhullError, ValueError):
+        raise UniSGError('the floor has no area: give the category "Floor" to a surface') from None
+
+
+def area(polygon: NDArray[np.float64]) -> float:
+    """Signed area of a polygon (K, 2), positive if counter-clockwise, square metres."""
+    x, y = polygon.T
+    return float(0.5 * (x @ np.roll(y, -1) - y @ np.roll(x, -1)))
+
+
+def outside_distance(polygon: NDArray[np.float64], points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """How far points (..., 2) lie outside a polygon (K, 2), metres; 0 for points inside."""
+    start, edge = polygon, np.roll(polygon, -1, axis=0) - polygon
+    offset = points[..., None, :] - start
+    along = np.clip((offset * edge).sum(-1) / np.maximum((edge**2).sum(-1), 1e-18), 0, 1)
+    distance = np.linalg.norm(offset - along[..., None] * edge, axis=-1).min(axis=-1)
+    return np.where(inside(polygon, points), 0.0, distance)
+
+
+def inside(polygon: NDArray[np.float64], points: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Which points (..., 2) lie inside a polygon (K, 2) of any shape (a ray to the right crosses it oddly often)."""
+    (x0, y0), (x1, y1) = polygon.T, np.roll(polygon, -1, axis=0).T
+    x, y = points[..., 0, None], points[..., 1, None]
+    crosses = (y0 > y) != (y1 > y)
+    height = np.where(y1 == y0, 1.0, y1 - y0)
+    return (crosses & (x < x0 + (y - y0) * (x1 - x0) / height)).sum(axis=-1) % 2 == 1

@@ -1,0 +1,172 @@
+"""A room while it is being furnished: places things, remembers who stands on what, makes the scenegraph."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..scene.actions import ActionData
+from ..scene.builder import SceneBuilder
+from ..scene.graph import SceneGraph
+from ..scene.identity import derived_uid
+from ..scene.lesson import LessonNode
+from ..scene.outline import inside
+from ..scene.relations import Relation
+from .furniture.kit import Asset
+from .furniture.palette import used_by
+from .occupancy import Occupancy
+
+TRIES = 12
+Pose = NDArray[np.float64]
+"""x, y, z in metres and the yaw in radians."""
+
+
+@dataclass(frozen=True, eq=False)
+class Placed:
+    """An asset in the room; ``pose`` is (x, y, z, yaw) in the world."""
+
+    number: int
+    name: str
+    uid: str
+    asset: Asset
+    pose: Pose
+    parent: Placed | None
+    relation: str
+
+    def point(self, x: float, y: float, z: float = 0.0) -> NDArray[np.float64]:
+        """A point of the asset's frame in the world."""
+        cos, sin = np.cos(self.pose[3]), np.sin(self.pose[3])
+        return self.pose[:3] + np.array([cos * x - sin * y, sin * x + cos * y, z])
+
+    def pose_at(self, x: float, y: float, z: float, yaw: float) -> Pose:
+        """A pose in the asset's frame as one in the world."""
+        return np.append(self.point(x, y, z), self.pose[3] + yaw)
+
+    def seen(self, pose: Pose) -> Pose:
+        """A pose in the world as one in the asset's frame."""
+        cos, sin = np.cos(self.pose[3]), np.sin(self.pose[3])
+        x, y, z = pose[:3] - self.pose[:3]
+        return np.array([cos * x + sin * y, cos * y - sin * x, z, pose[3] - self.pose[3]])
+
+
+@dataclass
+class Layout:
+    """The things placed so far in a world with a random generator of its own."""
+
+    title: str
+    rng: np.random.Generator
+    outline: NDArray[np.float64]
+    things: list[Placed] = field(default_factory=list)
+    taken: Occupancy = field(default_factory=Occupancy)
+    _names: Counter[str] = field(default_factory=Counter)
+
+    def add(
+        self, asset: Asset, pose: Sequence[float] | Pose, parent: Placed | None, relation: str = "on_top_of"
+    ) -> Placed:
+        """Put an asset there without asking."""
+        count = self._names[asset.category]
+        self._names[asset.category] += 1
+        name = f"{asset.category}.{count:03d}" if count else asset.category
+        pose = np.asarray(pose, np.float64)
+        thing = Placed(len(self.things), name, derived_uid(self.title, name), asset, pose, parent, relation)
+        self.things.append(thing)
+        self.taken.add(asset.parts, pose, thing.number)
+        return thing
+
+    def keep_out(self, size: Sequence[float], pose: Sequence[float] | Pose) -> None:
+        """Keep a box free (``size`` x, y, z; ``pose`` of the centre of its bottom) until :meth:`open_zones`."""
+        half = np.array(size) / 2
+        box = np.array([[-half[0], -half[1], 0.0], [half[0], half[1], size[2]]])
+        self.taken.add(box[None], np.asarray(pose, np.float64), -1)
+
+    def fits(
+        self, asset: Asset, poses: NDArray[np.float64], parent: Placed, clearance: float = 0.0
+    ) -> NDArray[np.bool_]:
+        """At which poses (T, 4) the asset meets nothing and has its middle in the room."""
+        free = self.taken.free(asset.parts, poses, ignore=parent.number, clearance=clearance)
+        return free & inside(self.outline, poses[:, :2])
+
+    def place(
+        self, asset: Asset, propose: Callable[[], Sequence[float] | Pose], parent: Placed, *,
+        clearance: float = 0.0, relation: str = "on_top_of", tries: int = TRIES,
+    ) -> Placed | None:  # fmt: skip
+        """Put the asset at the first of some proposed poses where it fits; None if there is none."""
+        poses = np.array([propose() for _ in range(tries)], np.float64)
+        good = np.flatnonzero(self.fits(asset, poses, parent, clearance))
+        return self.add(asset, poses[good[0]], parent, relation) if len(good) else None
+
+    def place_on(
+        self, asset: Asset, support: Placed, surface: str, *, yaw: float | None = None, spread: float = 0.1,
+        area: tuple[float, float, float, float] = (0, 0, 1, 1), clearance: float = 0.006, relation: str = "on_top_of",
+        tries: int = TRIES,
+    ) -> Placed | None:  # fmt: skip
+        """Put the asset somewhere on a surface, whole on it.
+
+        ``yaw`` in the support's frame (any when None) with ``spread`` radians of
+        untidiness; ``area`` is the part of the surface to use, as shares (x from, y
+        from, x to, y to).
+        """
+        top = support.asset.surfaces[surface]
+        if asset.size[2] > top.headroom:
+            return None
+        turns = self.rng.uniform(0, 2 * np.pi, tries) if yaw is None else yaw + self.rng.normal(0, spread, tries)
+        cos, sin = np.abs(np.cos(turns)), np.abs(np.sin(turns))
+        bounds = asset.mesh.bounds
+        half, middle = (bounds[1, :2] - bounds[0, :2]) / 2, (bounds[1, :2] + bounds[0, :2]) / 2
+        reach = np.stack([cos * half[0] + sin * half[1], sin * half[0] + cos * half[1]], axis=1)
+        low = (np.array(area[:2]) - 0.5) * top.size
+        high = (np.array(area[2:]) - 0.5) * top.size
+        room = (high - low) / 2 - reach
+        fitting = (room >= 0).all(axis=1)
+        if not fitting.any():
+            return None
+        at = (low + high) / 2 + self.rng.uniform(-1, 1, (tries, 2)) * room + top.center[:2]
+        cos, sin = np.cos(turns), np.sin(turns)
+        at -= np.stack([cos * middle[0] - sin * middle[1], sin * middle[0] + cos * middle[1]], axis=1)
+        poses = np.array([support.pose_at(x, y, top.center[2], turn) for (x, y), turn in zip(at, turns, strict=True)])
+        poses = poses[fitting]
+        good = np.flatnonzero(self.fits(asset, poses, support, clearance))
+        return self.add(asset, poses[good[0]], support, relation) if len(good) else None
+
+    def named(self, category: str) -> list[Placed]:
+        """All things of a category, in the order in which they were placed."""
+        return [thing for thing in self.things if thing.asset.category == category]
+
+    def build(
+        self,
+        actions: dict[str, list[ActionData]] | None = None,
+        operation: LessonNode | None = None,
+        relations: dict[str, list[Relation]] | None = None,
+    ) -> SceneGraph:
+        """The scenegraph; ``actions`` and further ``relations`` by the uid of the entity that they belong to."""
+        builder = SceneBuilder(self.title, used_by(thing.asset.mesh for thing in self.things))
+        for thing in self.things:
+            own = () if thing.parent is None else (Relation(thing.relation, thing.parent.uid),)
+            builder.add(
+                thing.name,
+                uid=thing.uid,
+                parent=-1 if thing.parent is None else thing.parent.number,
+                local=matrix_of(thing.pose if thing.parent is None else thing.parent.seen(thing.pose)),
+                mesh=thing.asset.mesh,
+                category=thing.asset.category,
+                actions=tuple((actions or {}).get(thing.uid, ())),
+                relations=(*own, *(relations or {}).get(thing.uid, ())),
+            )
+        if operation is not None:
+            builder.add("Operation", uid=derived_uid(self.title, "Operation"), lsa=operation)
+        return builder.build()
+
+
+def matrix_of(pose: Sequence[float] | Pose) -> NDArray[np.float64]:
+    """The 4x4 matrix of a pose (x, y, z, yaw)."""
+    cos, sin = np.cos(pose[3]), np.sin(pose[3])
+    return np.array([[cos, -sin, 0, pose[0]], [sin, cos, 0, pose[1]], [0, 0, 1, pose[2]], [0, 0, 0, 1.0]])
+
+
+def facing(start: NDArray[np.float64], target: NDArray[np.float64]) -> float:
+    """The yaw with which a thing at ``start`` turns its front (-y) to ``target`` (both (2+,), metres)."""
+    return float(np.arctan2(target[0] - start[0], start[1] - target[1]))
