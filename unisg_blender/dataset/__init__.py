@@ -1,0 +1,25 @@
+"""Datasets for learning: scenes as columns on disk, as records, and as heterogeneous graphs."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from .encode import Sample
+from .reader import Dataset, Scene, open_dataset
+from .rebuild import to_scenegraph
+from .writer import write_dataset
+
+__all__ = [
+    "Dataset", "Sample", "Scene", "UniSGDataset", "open_dataset", "to_heterodata", "to_scenegraph", "write_dataset",
+]  # fmt: skip
+
+_LAZY = {"UniSGDataset": "graph_data", "to_heterodata": "graph_data"}
+
+
+def __getattr__(name: str) -> Any:
+    """What needs torch is imported when it is first asked for."""
+    if name not in _LAZY:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    from importlib import import_module
+
+    return getattr(import_module(f"{__name__}.{_LAZY[name]}"), name)

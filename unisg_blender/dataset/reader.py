@@ -1,0 +1,209 @@
+"""Read a dataset with numpy alone: shards are mapped into memory when they are first asked for."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections import OrderedDict
+from collections.abc import Iterator, Mapping, Sequence
+from functools import cached_property
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import UniSGError
+from ..poses import FORMS
+from .columns import Columns, cut, join, unpack_strings
+from .schema import SCHEMA, VERSION
+from .shards import DamagedError, checksum, map_shard
+from .writer import read_manifest
+
+
+class Scene:
+    """One scene of a dataset: ``scene["entity.parent"]`` is a column, see :mod:`.schema`."""
+
+    def __init__(self, columns: Columns, form: str, vocabulary: Mapping[str, Sequence[str]]) -> None:
+        self.columns = columns
+        self.form = form
+        self.vocabulary = vocabulary
+
+    def __len__(self) -> int:
+        return len(self.columns["entity.parent"])
+
+    def __getitem__(self, key: str) -> NDArray[Any]:
+        return self.columns[key]
+
+    def strings(self, key: str) -> tuple[str, ...]:
+        """A string column, such as "entity.name"."""
+        return unpack_strings(self.columns, key)
+
+    @property
+    def parent(self) -> NDArray[np.int32]:
+        """int32 (N,): row of the parent, -1 for a root."""
+        return self.columns["entity.parent"]
+
+    @property
+    def features(self) -> NDArray[np.float32]:
+        """float32 (N, width + 6): child-to-parent poses in the dataset's form, then stretch."""
+        return self.columns["entity.features"]
+
+    @property
+    def bounds(self) -> NDArray[np.float32]:
+        """float32 (N, 2, 3): corners of the meshes in their objects' frames, metres."""
+        return self.columns["entity.bounds"]
+
+    @property
+    def categories(self) -> tuple[str, ...]:
+        """The category of each entity, "" for none."""
+        names = (*self.vocabulary["categories"], "")
+        return tuple(names[place] for place in self.columns["entity.category"])
+
+    @property
+    def label(self) -> str:
+        """Which kind of scene it is, "" if that is not known."""
+        return (*self.vocabulary["scenes"], "")[self.columns["scene.label"][0]]
+
+    @property
+    def title(self) -> str:
+        """Name of the scene."""
+        return self.strings("scene.title")[0]
+
+    @property
+    def source(self) -> str:
+        """File or maker that the scene comes from."""
+        return self.strings("scene.source")[0]
+
+    def local(self) -> NDArray[np.float64]:
+        """float64 (N, 4, 4): child-to-parent matrices, decoded from the features."""
+        return FORMS[self.form].decode(self.features.astype(np.float64), stretch=True)
+
+
+class Dataset:
+    """A dataset on disk; use :func:`open_dataset`. Can be sent to other processes, which map it anew."""
+
+    def __init__(self, path: Path, manifest: dict[str, Any], verify: bool, open_shards: int) -> None:
+        self.path = path
+        self.manifest = manifest
+        self.verify = verify
+        self.open_shards = open_shards
+        self.starts = np.cumsum([0, *(shard["scenes"] for shard in manifest["shards"])], dtype=np.int64)
+        self._maps: OrderedDict[int, Columns] = OrderedDict()
+        self._verified: set[int] = set()
+
+    def __getstate__(self) -> dict[str, Any]:
+        return self.__dict__ | {"_maps": OrderedDict(), "_verified": set()}
+
+    @property
+    def form(self) -> str:
+        """Name of the form in which poses are."""
+        return self.manifest["form"]
+
+    @cached_property
+    def vocabulary(self) -> dict[str, tuple[str, ...]]:
+        """The names that numbers stand for: "categories", "relations", "scenes"."""
+        return {kind: tuple(names) for kind, names in self.manifest["vocabulary"].items()}
+
+    @property
+    def categories(self) -> tuple[str, ...]:
+        """Category names by number."""
+        return self.vocabulary["categories"]
+
+    def __len__(self) -> int:
+        return int(self.starts[-1])
+
+    def __getitem__(self, index: int) -> Scene:
+        shard, row = self.locate(range(len(self))[index])
+        return Scene(cut(self.shard(shard), row, row + 1), self.form, self.vocabulary)
+
+    def __iter__(self) -> Iterator[Scene]:
+        return (self[index] for index in range(len(self)))
+
+    def locate(self, index: int) -> tuple[int, int]:
+        """Number of the shard that holds a scene, and the scene's row in it."""
+        shard = int(np.searchsorted(self.starts, index, side="right")) - 1
+        return shard, int(index - self.starts[shard])
+
+    def shard(self, number: int) -> Columns:
+        """The columns of a shard, mapped; the least recently used one is given back beyond ``open_shards``."""
+        if number in self._maps:
+            self._maps.move_to_end(number)
+            return self._maps[number]
+        entry = self.manifest["shards"][number]
+        expected = entry["sha256"] if self.verify and number not in self._verified else None
+        columns, _ = map_shard(self.path / entry["file"], expected)
+        self._verified.add(number)
+        self._maps[number] = columns
+        if len(self._maps) > self.open_shards:
+            self._maps.popitem(last=False)
+        return columns
+
+    def columns(self, start: int, stop: int) -> Columns:
+        """The scenes ``start:stop`` in one set of columns."""
+        parts = []
+        for number in range(self.locate(start)[0], self.locate(stop - 1)[0] + 1):
+            first = int(self.starts[number])
+            low, high = max(start, first), min(stop, int(self.starts[number + 1]))
+            parts.append(cut(self.shard(number), low - first, high - first))
+        return join(parts)
+
+    def files(self) -> list[dict[str, Any]]:
+        """One record per file that was exported: source, checksum, counts, what was lost, or why it failed."""
+        entry = self.manifest["files"]
+        if entry is None:
+            return []
+        try:
+            data = (self.path / entry["file"]).read_bytes()
+        except OSError as error:
+            raise DamagedError(f"{self.path / entry['file']} cannot be read: {error.strerror}") from None
+        if checksum(data) != entry["sha256"]:
+            raise DamagedError(f"{self.path / entry['file']} is damaged: its checksum is not the one in the manifest")
+        return [json.loads(line) for line in data.decode("utf-8", "surrogatepass").splitlines()]
+
+    def check(self) -> None:
+        """Verify the checksum of every file; DamagedError if one is not what was written."""
+        for entry in self.manifest["shards"]:
+            map_shard(self.path / entry["file"], entry["sha256"])
+        self.files()
+
+    def split(self, fractions: Sequence[float], seed: int) -> list[NDArray[np.int64]]:
+        """Scene numbers for training, validation ..., at random by ``seed``, each list ascending.
+
+        ``fractions`` are shares of the whole; what they leave over belongs to nobody.
+        """
+        if not fractions or min(fractions) < 0 or sum(fractions) > 1 + 1e-9:
+            raise UniSGError(f"the shares of a split must be positive and sum to at most 1, not {fractions}")
+        order = np.random.default_rng(seed).permutation(len(self))
+        ends = np.rint(np.cumsum([0, *fractions]) * len(self)).astype(int)
+        return [np.sort(order[a:b]) for a, b in pairwise(ends)]
+
+
+def open_dataset(path: str | os.PathLike[str], verify: bool = True, open_shards: int = 256) -> Dataset:
+    """Open a dataset; needs numpy only.
+
+    Parameters
+    ----------
+    path
+        Its folder.
+    verify
+        Compare the checksum of each shard when it is first used.
+    open_shards
+        How many shards stay mapped at a time.
+
+    Raises
+    ------
+    UniSGError
+        If there is no dataset, or a newer version wrote it.
+    """
+    folder = Path(path)
+    manifest = read_manifest(folder)
+    if manifest is None or manifest.get("schema") != SCHEMA:
+        raise UniSGError(f"{folder} holds no dataset: make one with 'unisg export IN --out {folder}'")
+    if not isinstance(manifest.get("version"), int) or manifest["version"] > VERSION:
+        raise UniSGError(f"{folder} was written by a newer version of this software: update it")
+    known = manifest.get("form")
+    if known not in FORMS:
+        raise UniSGError(f"{folder} is in the form {known!r}, which this software does not know: update it")
+    return Dataset(folder, manifest, verify, open_shards)

@@ -1,0 +1,120 @@
+"""Files of a dataset: written whole or not at all, named after their content, read by memory map."""
+
+from __future__ import annotations
+
+import errno
+import hashlib
+import json
+import mmap
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from safetensors.numpy import save
+
+from ..errors import UniSGError
+from .columns import Columns
+from .schema import SCHEMA, VERSION
+
+DTYPES = {"F64": "<f8", "F32": "<f4", "I64": "<i8", "I32": "<i4", "I8": "i1", "U8": "u1", "BOOL": "?"}
+DIGITS = 16
+
+
+class DamagedError(UniSGError):
+    """A file of a dataset is not what was written."""
+
+
+class DiskFullError(UniSGError):
+    """There is no room for the dataset."""
+
+
+def checksum(data: bytes | memoryview) -> str:
+    """Hexadecimal SHA-256, as ``sha256sum`` prints it."""
+    return hashlib.sha256(data).hexdigest()
+
+
+def write_file(path: Path, data: bytes) -> None:
+    """Write a file so that it is there whole or not at all, also if the process or the machine stops.
+
+    Raises
+    ------
+    DiskFullError
+        If the disk is full; the temporary file is gone then.
+    UniSGError
+        If the file cannot be written for another reason.
+    """
+    temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
+    try:
+        with open(temporary, "wb") as file:
+            file.write(data)
+            file.flush()
+            os.fsync(file.fileno())
+        os.replace(temporary, path)
+    except OSError as error:
+        temporary.unlink(missing_ok=True)
+        if error.errno in (errno.ENOSPC, errno.EDQUOT):
+            raise DiskFullError(f"the disk is full: no room for {path}") from None
+        raise UniSGError(f"cannot write {path}: {error.strerror or error}") from None
+    except BaseException:
+        temporary.unlink(missing_ok=True)
+        raise
+
+
+def write_named(folder: Path, stem: str, suffix: str, data: bytes) -> tuple[str, str]:
+    """Write a file named after its content; returns its name ``stem-<digits of the checksum>suffix`` and checksum."""
+    total = checksum(data)
+    name = f"{stem}-{total[:DIGITS]}{suffix}"
+    write_file(folder / name, data)
+    return name, total
+
+
+def pack_shard(columns: Columns, notes: Mapping[str, Any] | None = None) -> bytes:
+    """Columns as the bytes of a safetensors file; ``notes`` (JSON-ready) go to its metadata."""
+    tensors = {key: np.ascontiguousarray(columns[key]) for key in sorted(columns)}
+    record = {"schema": SCHEMA, "version": VERSION, **(notes or {})}
+    return save(tensors, {"unisg": json.dumps(record, sort_keys=True)})  # one entry: safetensors shuffles several
+
+
+def map_shard(path: Path, expected: str | None = None) -> tuple[Columns, dict[str, Any]]:
+    """Columns and metadata of a shard, as read-only views on its memory map.
+
+    Parameters
+    ----------
+    path
+        The safetensors file.
+    expected
+        Its SHA-256, which is then verified (reads the whole file once).
+
+    Raises
+    ------
+    DamagedError
+        If the file is missing, cut short, no shard, or not the one expected.
+    """
+    try:
+        with open(path, "rb") as file:
+            data = mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ)
+    except (OSError, ValueError) as error:
+        raise DamagedError(f"{path} cannot be read ({error}): the dataset is damaged, export it again") from None
+    if expected is not None and checksum(memoryview(data)) != expected:
+        raise DamagedError(f"{path} is damaged: its checksum is not the one in the manifest; export it again")
+    try:
+        size = int.from_bytes(data[:8], "little")
+        header = json.loads(data[8 : 8 + size])
+        notes = json.loads(header.pop("__metadata__")["unisg"])
+        columns = {key: _view(data, 8 + size, entry) for key, entry in header.items()}
+    except (ValueError, KeyError, TypeError) as error:
+        raise DamagedError(f"{path} is no shard of a dataset: {error}") from None
+    if notes.get("schema") != SCHEMA or notes.get("version", 0) > VERSION:
+        raise DamagedError(f"{path} has a schema that this software does not know: update it")
+    return columns, notes
+
+
+def _view(data: mmap.mmap, base: int, entry: Mapping[str, Any]) -> NDArray[Any]:
+    start, stop = entry["data_offsets"]
+    shape = tuple(entry["shape"])
+    if stop == start:
+        return np.zeros(shape, DTYPES[entry["dtype"]])
+    return np.ndarray(shape, DTYPES[entry["dtype"]], data, base + start)
