@@ -1,0 +1,119 @@
+"""What each type of action asks for, in world space and for all actions of the type at once.
+
+A condition is a function ``condition(batch, moment) -> bool (K,)``: does what the
+K actions of the batch ask for hold at this moment? How long and how often it has
+to hold (the thresholds ``hold`` and ``hits``) is the same for all types and lives
+in :mod:`.state`. A type of your own is such a function, given by name::
+
+    def lift(batch, moment):
+        return moment.world[batch.target, 2, 3] >= batch.distance
+
+    checks = compile_actions(graph, conditions={"Lift": lift})
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .batch import Batch
+from .components import compose, gather, length, rotation_and_size, transform, turn_between
+from .contact import EPSILON, touching
+from .moment import Moment
+
+Condition = Callable[[Batch, Moment], NDArray[np.bool_]]
+
+
+def insert(batch: Batch, moment: Moment) -> NDArray[np.bool_]:
+    """A target is at its reference pose: within ``distance`` and ``angle`` (at the limit still is)."""
+    return batch.any_of(batch.poses.action, at_reference(batch, moment))
+
+
+def remove(batch: Batch, moment: Moment) -> NDArray[np.bool_]:
+    """A target has left its reference pose: farther than ``distance`` or turned by more than ``angle``.
+
+    Without a reference pose it has to leave the pose in which the scene has it.
+    """
+    distance, angle = deviation(batch, moment)
+    away = distance > batch.distance[batch.poses.action] + EPSILON
+    return batch.any_of(batch.poses.action, away | (angle > batch.angle[batch.poses.action] + EPSILON))
+
+
+def use(batch: Batch, moment: Moment) -> NDArray[np.bool_]:
+    """A tool touches a target (or is within ``distance`` of it), with ``force``, and with its trigger if asked."""
+    pressed = moment.trigger[batch.contacts.tool] | ~batch.trigger[batch.contacts.action]
+    return batch.any_of(batch.contacts.action, in_contact(batch, moment, pressed))
+
+
+def tool(batch: Batch, moment: Moment) -> NDArray[np.bool_]:
+    """A tool works: at its reference pose, or where there is none in contact with a target; trigger pressed, ``force``.
+
+    The reference is the pose of the *tool*; every stroke of the trigger is a hit.
+    """
+    poses, contacts = batch.poses, batch.contacts
+    works = at_reference(batch, moment) & moment.trigger[poses.row]
+    works &= moment.force[poses.row] >= batch.force[poses.action] - EPSILON
+    posed = batch.any_of(poses.action, np.ones(len(poses.action), bool))
+    touched = in_contact(batch, moment, moment.trigger[contacts.tool] & ~posed[contacts.action])
+    return batch.any_of(poses.action, works) | batch.any_of(contacts.action, touched)
+
+
+def question(batch: Batch, moment: Moment) -> NDArray[np.bool_]:
+    """The right answers, and no others, are given in this moment."""
+    result = np.zeros(len(batch.actions), bool)
+    for uid, given in moment.answers.items():
+        for place in np.flatnonzero(batch.uid == uid):
+            result[place] = set(given) == set(batch.actions[place].correct)
+    return result
+
+
+CONDITIONS: Mapping[str, Condition] = {
+    "Insert": insert,
+    "Remove": remove,
+    "Use": use,
+    "Tool": tool,
+    "Question": question,
+}
+"""The conditions of the types that come with UniSG. Parallel groups follow their members."""
+
+
+def deviation(batch: Batch, moment: Moment) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Distance in metres and angle in radians of the batch's poses from the places asked for; each (P,).
+
+    The angle is 0 where it decides nothing: where none is asked for, or the distance is too large.
+    """
+    poses = batch.poses
+    frames = poses.frames(moment.world)
+    place = transform(frames, poses.reference[3::4])
+    distance = length(moment.world[poses.row, :3, 3].T - place)
+    angle = np.zeros(len(distance))
+    limit = batch.distance[poses.action] + EPSILON
+    asked = np.flatnonzero(np.isfinite(batch.angle[poses.action]) & (distance <= limit))
+    if len(asked):
+        wanted = compose(frames.take(asked, 1), poses.reference.take(asked, 1))
+        pose = gather(moment.world, poses.row[asked])
+        angle[asked] = turn_between(rotation_and_size(pose)[0], rotation_and_size(wanted)[0])
+    return distance, angle
+
+
+def at_reference(batch: Batch, moment: Moment) -> NDArray[np.bool_]:
+    """Which of the batch's poses are within the distance and angle of their action; bool (P,)."""
+    distance, angle = deviation(batch, moment)
+    near = distance <= batch.distance[batch.poses.action] + EPSILON
+    return near & (angle <= batch.angle[batch.poses.action] + EPSILON)
+
+
+def in_contact(batch: Batch, moment: Moment, usable: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Which ``usable`` (P,) tools touch their targets with the force asked for; bool (P,). No distance given: 0."""
+    contacts = batch.contacts
+    result = np.zeros(len(usable), bool)
+    tried = np.flatnonzero(usable & (moment.force[contacts.tool] >= batch.force[contacts.action] - EPSILON))
+    if len(tried):
+        tool, target = (gather(moment.world, rows[tried]) for rows in (contacts.tool, contacts.target))
+        bounds = contacts.tool_bounds.take(tried, 1), contacts.target_bounds.take(tried, 1)
+        distance = batch.distance[contacts.action[tried]]
+        distance = np.where(np.isfinite(distance), distance, 0.0)
+        result[tried] = touching(tool, bounds[0], target, bounds[1], distance)
+    return result

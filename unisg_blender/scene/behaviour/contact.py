@@ -1,0 +1,135 @@
+"""Contact between bodies: oriented boxes that touch, or come near enough."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..bounds import Boxes, local_bounds, orthonormal_axes
+from ..graph import SceneGraph
+from ..hierarchy import subtree, world_matrices
+from ..overlap import penetration
+from .components import Array, dot, length, rotation_and_size, transform
+from .separation import separation
+
+EPSILON = 1e-9
+"""Metres and radians by which a limit may be missed by rounding: at the exact threshold, the rule decides."""
+
+_ROUNDS = 3
+_CORNERS = np.array(list(product((-1.0, 1.0), repeat=3)))
+
+
+@dataclass(frozen=True, eq=False)
+class Bodies:
+    """K oriented boxes in the world, components first.
+
+    ``center`` (3, K); ``axes`` (9, K), column by column; ``half`` (3, K) half extents along them.
+    """
+
+    center: Array
+    axes: Array
+    half: Array
+
+    def take(self, places: NDArray[np.integer]) -> Bodies:
+        """Some of the bodies."""
+        return Bodies(self.center.take(places, 1), self.axes.take(places, 1), self.half.take(places, 1))
+
+    def boxes(self, places: NDArray[np.integer]) -> Boxes:
+        """Some of the bodies as boxes."""
+        axes = self.axes[:, places].reshape(3, 3, -1).transpose(2, 1, 0)
+        return Boxes(self.center[:, places].T, axes, self.half[:, places].T, np.ones(len(places), bool))
+
+
+def body_bounds(graph: SceneGraph, rows: NDArray[np.integer]) -> Array:
+    """Box of each row's body in its own frame, float64 (6, K): its middle and its half extents, in metres.
+
+    The body is the entity's mesh, or without one all meshes below it; a row with no
+    mesh at or below it is a point.
+    """
+    bounds, world = local_bounds(graph), world_matrices(graph)
+    found = bounds[rows]
+    for place, row in enumerate(rows):
+        if graph.mesh[row] >= 0:
+            continue
+        below = subtree(graph, int(row))
+        below = below[graph.mesh[below] >= 0]
+        if len(below):
+            middle, half = bounds[below].mean(axis=1), (bounds[below, 1] - bounds[below, 0]) / 2
+            corners = middle[:, None] + _CORNERS * half[:, None]
+            local = np.linalg.pinv(world[row]) @ world[below]
+            points = np.einsum("kij,kcj->kci", local[:, :3, :3], corners) + local[:, None, :3, 3]
+            found[place] = points.min(axis=(0, 1)), points.max(axis=(0, 1))
+    low, high = found[:, 0].T, found[:, 1].T
+    return np.concatenate([(low + high) / 2, (high - low) / 2])
+
+
+def bodies_at(pose: Array, bounds: Array) -> Bodies:
+    """Bodies at world poses (12, K) with boxes (6, K) in their own frames, see :func:`body_bounds`."""
+    middle, half = bounds[:3], bounds[3:]
+    axes, size, straight = rotation_and_size(pose)
+    bodies = Bodies(transform(pose, middle), axes, size * half)
+    if not straight.all():  # shear: the axes are made orthonormal, the box still contains the body
+        bent = np.flatnonzero(~straight & np.isfinite(pose).all(axis=0))
+        linear = pose[:, bent].reshape(3, 4, -1).transpose(2, 0, 1)[:, :, :3]
+        frame = orthonormal_axes(linear)
+        bodies.axes[:, bent] = frame.transpose(2, 1, 0).reshape(9, -1)
+        bodies.half[:, bent] = np.einsum("kij,jk->ik", np.abs(np.swapaxes(frame, 1, 2) @ linear), half[:, bent])
+    return bodies
+
+
+def touching(
+    first: Array, first_bounds: Array, second: Array, second_bounds: Array, distance: Array
+) -> NDArray[np.bool_]:
+    """Whether body k of ``first`` comes within ``distance[k]`` metres of body k of ``second``; bool (K,).
+
+    Both are given by their world poses (12, K) and their boxes (6, K) in their own frames.
+    """
+    distance = distance + EPSILON
+    center, radius = _sphere(first, first_bounds)
+    other_center, other_radius = _sphere(second, second_bounds)
+    result = length(center - other_center) <= radius + other_radius + distance
+    near = np.flatnonzero(result)
+    if len(near):
+        bodies = (
+            bodies_at(first.take(near, 1), first_bounds.take(near, 1)),
+            bodies_at(second.take(near, 1), second_bounds.take(near, 1)),
+        )
+        result[near] = _touching_near(*bodies, distance[near])
+    return result
+
+
+def _sphere(pose: Array, bounds: Array) -> tuple[Array, Array]:
+    """Centres (3, K) and radii (K,) of spheres around the bodies, whatever their scale and shear."""
+    stretch = np.sqrt(sum(pose[4 * i + j] * pose[4 * i + j] for i in range(3) for j in range(3)))
+    return transform(pose, bounds[:3]), stretch * length(bounds[3:])
+
+
+def _touching_near(first: Bodies, second: Bodies, distance: Array) -> NDArray[np.bool_]:
+    """The cheap proof of contact first, the exact test for the few that it leaves open."""
+    result = np.zeros(len(distance), bool)
+    open_rows, one, other = np.arange(len(distance)), first, second
+    point = second.center
+    for _ in range(_ROUNDS):  # there and back: points of both boxes that come nearer to each other
+        there = _nearest_inside(one, point)
+        point = _nearest_inside(other, there)
+        touch = length(point - there) <= distance[open_rows]
+        result[open_rows[touch]] = True
+        if touch.any():
+            left = np.flatnonzero(~touch)
+            open_rows, one, other, point = open_rows[left], one.take(left), other.take(left), point[:, left]
+        if not len(open_rows):
+            return result
+    depth = penetration(first.boxes(open_rows), second.boxes(open_rows))
+    result[open_rows] = depth >= -EPSILON
+    rows = open_rows[(depth < -EPSILON) & (depth >= -distance[open_rows])]  # at corners it may be more than -depth
+    result[rows] = separation(first.boxes(rows), second.boxes(rows)) <= distance[rows]
+    return result
+
+
+def _nearest_inside(bodies: Bodies, points: Array) -> Array:
+    offset, axes = points - bodies.center, bodies.axes.reshape(3, 3, -1)
+    seen = [np.clip(dot(axes[k], offset), -bodies.half[k], bodies.half[k]) for k in range(3)]
+    return bodies.center + seen[0] * axes[0] + seen[1] * axes[1] + seen[2] * axes[2]
