@@ -1,0 +1,34 @@
+"""Points moved and scaled into the unit sphere, and back."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+@dataclass(frozen=True, eq=False)
+class Placement:
+    """Where a shape lies: ``center`` float64 (3,) and ``scale``, the radius of its unit sphere, in the shape's unit."""
+
+    center: NDArray[np.float64]
+    scale: float
+
+    def restore(self, points: NDArray[np.floating]) -> NDArray[np.float64]:
+        """Points (..., 3) of the unit sphere in the shape's own frame and unit."""
+        return points * self.scale + self.center
+
+
+def normalise(points: NDArray[np.floating]) -> tuple[NDArray[np.float32], Placement]:
+    """Points (n, 3) with their mean at the origin and the farthest at distance 1, and where they were.
+
+    Mean and farthest distance turn with the shape, so that a rotated shape is
+    normalised to the same shape, rotated. Points that all coincide stay at the
+    origin, with scale 1.
+    """
+    center = points.mean(axis=0, dtype=np.float64)
+    moved = points - center
+    scale = float(np.sqrt(np.einsum("nk,nk->n", moved, moved).max(initial=0.0)))
+    scale = scale if scale > 1e-12 * (1 + np.abs(center).max()) else 1.0
+    return (moved / scale).astype(np.float32), Placement(center, scale)
