@@ -13,9 +13,14 @@ try:
 except ImportError:
     raise MissingPackageError("bpy", "blender") from None
 
+from .files import SUFFIXES, new_file, open_file, read_file, save_blend
 from .lookup import objects_by_uid
+from .picture import render_picture
 from .read import read_scene, read_scenes
 from .report import ReadReport
 from .write import write_rows, write_scene
 
-__all__ = ["ReadReport", "objects_by_uid", "read_scene", "read_scenes", "write_rows", "write_scene"]
+__all__ = [
+    "SUFFIXES", "ReadReport", "new_file", "objects_by_uid", "open_file", "read_file", "read_scene", "read_scenes",
+    "render_picture", "save_blend", "write_rows", "write_scene",
+]  # fmt: skip

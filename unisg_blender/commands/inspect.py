@@ -1,0 +1,64 @@
+"""``unisg inspect``: the entity tree of a scene file, or the contents of a dataset."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from pathlib import Path
+from typing import Any
+
+from ..errors import DONE
+
+HELP = "Show the entity tree of a scene file, with components and behaviour, or the contents of a dataset."
+SHOWN = 1000
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """What the verb takes."""
+    parser.add_argument("path", metavar="FILE_OR_DATASET", type=Path, help="a scene file, or the folder of a dataset")
+    parser.add_argument(
+        "--geometry",
+        choices=("evaluated", "original", "none"),
+        default="evaluated",
+        help="meshes with modifiers applied (default), as they are edited, or none",
+    )
+    parser.add_argument(
+        "--limit", type=int, default=SHOWN, metavar="N", help=f"show at most N entities ({SHOWN}; 0: all)"
+    )
+
+
+def run(args: argparse.Namespace) -> int:
+    """Print the tree, or with ``--json`` everything as one JSON object."""
+    if args.path.is_dir():
+        return _inspect_dataset(args)
+    from ..blender.files import read_file
+    from ..scene.describe import summary, to_records, tree_lines
+
+    graph, report = read_file(args.path, geometry=args.geometry)
+    if args.json:
+        record = {"file": str(args.path), **summary(graph), "records": to_records(graph), "not_represented": [*report]}
+        print(json.dumps(record, ensure_ascii=False, default=str))
+        return DONE
+    print("\n".join(tree_lines(graph, args.limit or None)))
+    if not args.quiet:
+        print("\n" + "\n".join(_summary_lines(summary(graph))))
+        for line in report:
+            print(f"not represented: {line}", file=sys.stderr)
+    return DONE
+
+
+def _inspect_dataset(args: argparse.Namespace) -> int:
+    from ..dataset.describe import describe_dataset, description_lines  # its own room knows what stands in a dataset
+
+    record = describe_dataset(args.path)
+    print(json.dumps(record, ensure_ascii=False) if args.json else "\n".join(description_lines(record)))
+    return DONE
+
+
+def _summary_lines(record: dict[str, Any]) -> list[str]:
+    lines = [f"{record['title']}: {record['entities']} entities, {record['roots']} roots, {record['meshes']} meshes"]
+    for key in ("types", "categories", "components"):
+        if record[key]:
+            lines.append(f"{key}: " + ", ".join(f"{name} {count}" for name, count in record[key].items()))
+    return lines
