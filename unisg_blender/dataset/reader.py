@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from ..errors import UniSGError
 from ..poses import FORMS
 from .columns import Columns, cut, join, unpack_strings
+from .encode import widths
 from .schema import SCHEMA, VERSION
 from .shards import DamagedError, checksum, map_shard
 from .writer import read_manifest
@@ -111,6 +112,11 @@ class Dataset:
         """Category names by number."""
         return self.vocabulary["categories"]
 
+    @cached_property
+    def widths(self) -> dict[str, int]:
+        """The widths that :data:`.schema.COLUMNS` names."""
+        return widths(self.form, self.manifest["mesh_feature_width"])
+
     def __len__(self) -> int:
         return int(self.starts[-1])
 
@@ -169,15 +175,20 @@ class Dataset:
         self.files()
 
     def split(self, fractions: Sequence[float], seed: int) -> list[NDArray[np.int64]]:
-        """Scene numbers for training, validation ..., at random by ``seed``, each list ascending.
+        """Scene numbers for training, validation ...; see :func:`split_rows`."""
+        return split_rows(len(self), fractions, seed)
 
-        ``fractions`` are shares of the whole; what they leave over belongs to nobody.
-        """
-        if not fractions or min(fractions) < 0 or sum(fractions) > 1 + 1e-9:
-            raise UniSGError(f"the shares of a split must be positive and sum to at most 1, not {fractions}")
-        order = np.random.default_rng(seed).permutation(len(self))
-        ends = np.rint(np.cumsum([0, *fractions]) * len(self)).astype(int)
-        return [np.sort(order[a:b]) for a, b in pairwise(ends)]
+
+def split_rows(count: int, fractions: Sequence[float], seed: int) -> list[NDArray[np.int64]]:
+    """Numbers below ``count`` in disjoint lists, at random by ``seed``, each ascending.
+
+    ``fractions`` are shares of the whole; what they leave over belongs to nobody.
+    """
+    if not fractions or min(fractions) < 0 or sum(fractions) > 1 + 1e-9:
+        raise UniSGError(f"the shares of a split must be positive and sum to at most 1, not {fractions}")
+    order = np.random.default_rng(seed).permutation(count)
+    ends = np.rint(np.cumsum([0, *fractions]) * count).astype(int)
+    return [np.sort(order[a:b]) for a, b in pairwise(ends)]
 
 
 def open_dataset(path: str | os.PathLike[str], verify: bool = True, open_shards: int = 256) -> Dataset:
