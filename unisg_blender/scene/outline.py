@@ -52,12 +52,18 @@ def mesh_outline(mesh: Mesh) -> NDArray[np.float64]:
 def _outline(mesh: Mesh, matrix: NDArray[np.float64]) -> NDArray[np.float64]:
     """Largest border of the faces that look up; the convex hull of the points where there is none."""
     points = mesh.points.astype(np.float64) @ matrix[:3, :3].T + matrix[:3, 3]
-    corners = points[mesh.triangles]
-    facing = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    facing *= np.sign(np.linalg.det(matrix[:3, :3]))  # a mirrored floor still looks up
-    up = facing[:, 2] > 0.5 * np.linalg.norm(facing, axis=1)
+    following = np.arange(1, len(mesh.corners) + 1)
+    filled = np.diff(mesh.offsets) > 0
+    following[mesh.offsets[1:][filled] - 1] = mesh.offsets[:-1][filled]
+    start, stop = mesh.corners, mesh.corners[following]
+    face = np.repeat(np.arange(len(filled)), np.diff(mesh.offsets))
+    normal = np.zeros((len(filled), 3))  # twice the area, by Newell's method: faces need not be convex
+    np.add.at(normal, face, np.cross(points[start], points[stop]))
+    normal *= np.sign(np.linalg.det(matrix[:3, :3]))  # a mirrored floor still looks up
+    up = (normal[:, 2] > 0.5 * np.linalg.norm(normal, axis=1))[face]
     places, weld = np.unique(np.round(points[:, :2], 5), axis=0, return_inverse=True)
-    loops = _border_loops(weld.reshape(-1)[mesh.triangles[up]])
+    weld = weld.reshape(-1)
+    loops = _border_loops(np.stack([weld[start[up]], weld[stop[up]]], axis=1))
     if not loops:
         return _convex_hull(places)
     polygons = [_without_straight_corners(places[loop]) for loop in loops]
@@ -65,16 +71,15 @@ def _outline(mesh: Mesh, matrix: NDArray[np.float64]) -> NDArray[np.float64]:
     return largest if area(largest) > 0 else largest[::-1]
 
 
-def _border_loops(triangles: NDArray[np.integer]) -> list[list[int]]:
-    """Closed chains of the edges that belong to one triangle only."""
-    directed = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
-    known = set(map(tuple, directed.tolist()))
-    following = {a: b for a, b in known if (b, a) not in known and a != b}
+def _border_loops(edges: NDArray[np.integer]) -> list[list[int]]:
+    """Closed chains of the directed edges (E, 2) that no other face runs along the other way."""
+    known = set(map(tuple, edges.tolist()))
+    after = {a: b for a, b in sorted(known) if (b, a) not in known and a != b}
     loops = []
-    while following:
-        loop = [next(iter(sorted(following)))]
-        while loop[-1] in following:
-            loop.append(following.pop(loop[-1]))
+    while after:
+        loop = [next(iter(after))]
+        while loop[-1] in after:
+            loop.append(after.pop(loop[-1]))
         if len(loop) > 3 and loop[0] == loop[-1]:
             loops.append(loop[:-1])
     return loops

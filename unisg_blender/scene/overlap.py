@@ -87,7 +87,7 @@ def _grid_pairs(low: NDArray[np.float64], high: NDArray[np.float64]) -> tuple[ND
     for cell_level in np.unique(level):
         cell = 2.0**cell_level
         residents, visitors = np.flatnonzero(level == cell_level), np.flatnonzero(level <= cell_level)
-        keys, homes = _cell_keys(middle, residents, cell), None
+        keys = _cell_keys(middle, residents, cell)
         order = np.argsort(keys, kind="stable")
         for step in around:
             homes = _cell_keys(middle + step * cell, visitors, cell)
@@ -105,8 +105,8 @@ def _grid_pairs(low: NDArray[np.float64], high: NDArray[np.float64]) -> tuple[ND
 
 def _cell_keys(points: NDArray[np.float64], rows: NDArray[np.int64], cell: float) -> NDArray[np.int64]:
     """One number per cell; cells far apart may share one, which costs a test and never loses a pair."""
-    x, y, z = np.floor(points[rows] / cell).astype(np.int64).T
-    return x * 73856093 ^ y * 19349663 ^ z * 83492791
+    x, y, z = (np.floor(points[rows] / cell).astype(np.int64) & 0x1FFFFF).T
+    return x << 42 | y << 21 | z
 
 
 def mesh_parts(mesh: Mesh) -> NDArray[np.float64]:

@@ -109,13 +109,13 @@ def mount(layout: Layout, sides: list[Side], asset: Asset, height: float, tries:
         room = side.length / 2 - half - 0.1
         if room <= 0:
             continue
-        xs = layout.rng.uniform(-room, room, tries)
         y = -building.WALL_THICKNESS / 2 - asset.mesh.bounds[1, 1]
-        xs = [x for x in xs if not side.blocked(x, half + 0.1, height + asset.size[2])]
+        xs = [
+            x for x in layout.rng.uniform(-room, room, tries) if not side.blocked(x, half + 0.1, height + asset.size[2])
+        ]
         poses = np.array([side.wall.pose_at(x, y, height, 0.0) for x in xs]).reshape(-1, 4)
-        good = np.flatnonzero(layout.fits(asset, poses, side.wall, 0.03)) if len(poses) else ()
-        if len(good):
-            return layout.add(asset, poses[good[0]], side.wall, "hangs_from")
+        for pose in poses[layout.fits(asset, poses, side.wall, 0.03)]:
+            return layout.add(asset, pose, side.wall, "hangs_from")
     return None
 
 

@@ -74,11 +74,12 @@ def sharps_dish(layout: Layout, support: Placed, surface: str, area: Area) -> li
     """Scalpels apart from the rest, in a kidney dish; on the surface where no dish fits."""
     rng = layout.rng
     dish = layout.place_on(tools.kidney_dish(0.25), support, surface, yaw=float(rng.choice([0, np.pi])), area=area)
-    if dish is None:
-        return [found for _ in range(2) if (found := layout.place_on(tools.scalpel(), support, surface, yaw=0.0))]
     found = []
     for _ in range(int(rng.integers(1, 3))):
-        scalpel = layout.place_on(tools.scalpel(), dish, "inside", yaw=np.pi / 2, spread=0.08, relation="inside")
+        if dish is None:
+            scalpel = layout.place_on(tools.scalpel(), support, surface, yaw=0.0, area=area)
+        else:
+            scalpel = layout.place_on(tools.scalpel(), dish, "inside", yaw=np.pi / 2, spread=0.08, relation="inside")
         found += [scalpel] if scalpel else []
     return found
 

@@ -14,10 +14,16 @@ FLOOR_THICKNESS = 0.10
 
 @cache
 def floor(outline: tuple[tuple[float, float], ...], material: str) -> Asset:
-    """The floor of a room: its outline, counter-clockwise; the origin lies in its upper side, where things stand."""
+    """The floor of a room: its outline, counter-clockwise; the origin lies in its upper side.
+
+    At most one corner may point inwards.
+    """
     low, high = np.min(outline, axis=0), np.max(outline, axis=0)
     middle = (*((low + high) / 2).tolist(), 0.0)
-    slab = prism(material, outline, -FLOOR_THICKNESS, 0.0)
+    corners = np.array(outline)
+    before, after = corners - np.roll(corners, 1, axis=0), np.roll(corners, -1, axis=0) - corners
+    bend = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
+    slab = prism(material, np.roll(corners, -int(np.argmin(bend)), axis=0), -FLOOR_THICKNESS, 0.0)
     return asset("Floor", [slab], {"top": Surface(middle, tuple((high - low).tolist()))}, origin="own")
 
 

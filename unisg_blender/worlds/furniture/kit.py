@@ -92,12 +92,15 @@ def prism(
     at: Vector = (0, 0),
     taper: float = 1.0,
 ) -> Part:
-    """A counter-clockwise outline (K, 2), moved to ``at``, between two heights; its top is ``taper`` times as large."""
+    """A counter-clockwise outline (K, 2), moved to ``at``, between two heights; its top is ``taper`` times as large.
+
+    All of the outline must be visible from its first point: faces are cut into fans of triangles there.
+    """
     base = np.asarray(outline, np.float64)
     count = len(base)
     rings = [np.column_stack([base * scale + at, np.full(count, z)]) for scale, z in ((1.0, low), (taper, high))]
     sides = [[i, (i + 1) % count, count + (i + 1) % count, count + i] for i in range(count)]
-    caps = [list(range(count))[::-1], list(range(count, 2 * count))]
+    caps = [[0, *range(count - 1, 0, -1)], list(range(count, 2 * count))]
     return Part(material, np.concatenate(rings), sides + caps)
 
 
@@ -105,13 +108,13 @@ def rod(
     material: str, radius: float, start: Vector, end: Vector, sides: int = 8, end_radius: float | None = None
 ) -> Part:
     """A round bar between two points; with another ``end_radius`` a cone's frustum."""
-    start, end = np.asarray(start, np.float64), np.asarray(end, np.float64)
-    along = (end - start) / np.linalg.norm(end - start)
+    first, last = np.asarray(start, np.float64), np.asarray(end, np.float64)
+    along = (last - first) / np.linalg.norm(last - first)
     across = np.eye(3)[np.argmin(np.abs(along))]
     u = np.cross(across, along)
     u /= np.linalg.norm(u)
     ring = _circle(sides) @ np.stack([u, np.cross(along, u)])
-    points = np.concatenate([start + radius * ring, end + (radius if end_radius is None else end_radius) * ring])
+    points = np.concatenate([first + radius * ring, last + (radius if end_radius is None else end_radius) * ring])
     walls = [[i, (i + 1) % sides, sides + (i + 1) % sides, sides + i] for i in range(sides)]
     return Part(material, points, [*walls, list(range(sides))[::-1], list(range(sides, 2 * sides))])
 

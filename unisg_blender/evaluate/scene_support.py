@@ -1,0 +1,135 @@
+"""What carries what, and how far off its support each thing is."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..scene.bounds import Boxes
+from ..scene.graph import SceneGraph
+from ..scene.overlap import PartBoxes, nearby_pairs, part_boxes, penetration
+
+SUPPORT_KINDS = ("on_top_of", "inside", "hangs_from")
+"""Relations to what carries an entity."""
+
+_FOOT = 0.02
+"""Parts whose bottom is no more than this above the lowest one are what a thing stands on, metres."""
+
+
+def supports(graph: SceneGraph) -> NDArray[np.int64]:
+    """Row of what carries each entity: the nearest ancestor with geometry, -1 for none, int64 (N,)."""
+    found = np.full(len(graph), -1, np.int64)
+    for row, above in enumerate(graph.parent):  # parents come first
+        if above >= 0:
+            found[row] = above if graph.mesh[above] >= 0 else found[above]
+    return found
+
+
+def hanging(graph: SceneGraph) -> NDArray[np.bool_]:
+    """Which entities hang from what carries them (relation ``hangs_from``), bool (N,)."""
+    hangs = np.zeros(len(graph), bool)
+    relations = graph.components.get("relations")
+    if relations is not None:
+        hangs[relations.rows[relations.columns["kind"] == "hangs_from"]] = True
+    return hangs
+
+
+def support_gaps(
+    graph: SceneGraph, rows: NDArray[np.bool_] | None = None, boxes: PartBoxes | None = None
+) -> NDArray[np.float64]:
+    """How far each entity floats above (positive) or is sunk into (negative) what carries it, float64 (N,) metres.
+
+    gap = (lowest point of the entity) - (top of that part of its support, among those
+    which lie under or in its feet as seen from above, whose top is nearest). It is
+    infinite where nothing of the support lies under it. The support is the nearest
+    ancestor with geometry; where there is none, everything else in the scene. For
+    what hangs, the gap is the distance to its support (a lower bound by separating
+    axes), never negative. NaN for rows that are not asked for or have no geometry.
+
+    Parameters
+    ----------
+    graph
+        The scene.
+    rows
+        bool (N,): whom to measure; all when omitted.
+    boxes
+        The scene's part boxes, if they are known.
+    """
+    boxes = part_boxes(graph) if boxes is None else boxes
+    asked = np.ones(len(graph), bool) if rows is None else rows
+    asked = asked & np.isin(np.arange(len(graph)), boxes.owner)
+    carrier, hangs = supports(graph), hanging(graph)
+    gaps = np.full(len(graph), np.nan)
+    gaps[asked] = np.inf
+    low, high = _heights(boxes.boxes)
+    bottom = np.full(len(graph), np.inf)
+    np.minimum.at(bottom, boxes.owner, low)
+    feet = low <= bottom[boxes.owner] + _FOOT
+    carried = carrier >= 0
+    first, second = _parts_of_pairs(boxes, np.flatnonzero(asked & carried), carrier)
+    standing = ~hangs[boxes.owner[first]] & feet[first]
+    _nearest_top(gaps, boxes, bottom, high, first[standing], second[standing])
+    loose = np.flatnonzero(asked & ~carried)
+    if len(loose):
+        first, second = _parts_above(boxes, loose)
+        standing = feet[first]
+        _nearest_top(gaps, boxes, bottom, high, first[standing], second[standing])
+    first, second = _parts_of_pairs(boxes, np.flatnonzero(asked & carried & hangs), carrier)
+    apart = np.maximum(-penetration(boxes.boxes.take(first), boxes.boxes.take(second)), 0.0)
+    np.minimum.at(gaps, boxes.owner[first], apart)
+    return gaps
+
+
+def _heights(boxes: Boxes) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    reach = (np.abs(boxes.axes[:, 2]) * boxes.half).sum(axis=1)
+    return boxes.center[:, 2] - reach, boxes.center[:, 2] + reach
+
+
+def _parts_of_pairs(
+    boxes: PartBoxes, rows: NDArray[np.int64], carrier: NDArray[np.int64]
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """All pairs (part of a row, part of its carrier)."""
+    start, stop = (np.searchsorted(boxes.owner, np.arange(len(carrier)), side) for side in ("left", "right"))
+    found = [
+        np.stack(np.meshgrid(np.arange(start[row], stop[row]), np.arange(start[on], stop[on]), indexing="ij"))
+        .reshape(2, -1)
+        for row, on in zip(rows, carrier[rows], strict=True)
+    ]  # fmt: skip
+    first, second = np.concatenate([np.zeros((2, 0), np.int64), *found], axis=1)
+    return first, second
+
+
+def _parts_above(boxes: PartBoxes, rows: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """All pairs (part of one of the rows, part of another entity) that share ground seen from above."""
+    pairs = nearby_pairs(_upright(boxes.boxes))
+    pairs = np.concatenate([pairs, pairs[:, ::-1]])
+    owners = boxes.owner[pairs]
+    pairs = pairs[np.isin(owners[:, 0], rows) & (owners[:, 0] != owners[:, 1])]
+    return pairs[:, 0], pairs[:, 1]
+
+
+def _nearest_top(
+    gaps: NDArray[np.float64], boxes: PartBoxes, bottom: NDArray[np.float64], high: NDArray[np.float64],
+    first: NDArray[np.int64], second: NDArray[np.int64],
+) -> None:  # fmt: skip
+    """Enter, for each owner of ``first``, the gap to that top of ``second`` under it which is nearest."""
+    ground = _upright(boxes.boxes)
+    under = penetration(ground.take(first), ground.take(second)) > 1e-6
+    first, second = first[under], second[under]
+    rows = boxes.owner[first]
+    gap = bottom[rows] - high[second]
+    order = np.lexsort((gap, np.abs(gap), rows))
+    rows, place = np.unique(rows[order], return_index=True)
+    gaps[rows] = gap[order][place]
+
+
+def _upright(boxes: Boxes) -> Boxes:
+    """The boxes as columns without end: what overlaps here shares ground as seen from above."""
+    level = np.argmax(np.linalg.norm(boxes.axes[:, :2], axis=1), axis=1)
+    along = boxes.axes[np.arange(len(level)), :2, level]
+    along = along / np.linalg.norm(along, axis=1, keepdims=True)
+    axes = np.zeros_like(boxes.axes)
+    axes[:, :2, 0], axes[:, 0, 1], axes[:, 1, 1], axes[:, 2, 2] = along, -along[:, 1], along[:, 0], 1.0
+    half = np.einsum("pjk,pk->pj", np.abs(np.swapaxes(axes, 1, 2) @ boxes.axes), boxes.half)
+    half[:, 2] = 1e3
+    return Boxes(boxes.center * (1.0, 1.0, 0.0), axes, half, boxes.solid)
