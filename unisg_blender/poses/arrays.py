@@ -59,7 +59,7 @@ def as_batch(array: Any, item: tuple[int, ...], what: str) -> Any:
             raise PoseError(f"{what} must be an array of shape (..., {_commas(item)}): {error}") from None
         if batch.dtype.kind not in "fiub":
             raise PoseError(f"{what} must be real numbers, not {batch.dtype}")
-    if tuple(batch.shape[-len(item) :]) != item:
+    if tuple(batch.shape[max(batch.ndim - len(item), 0) :]) != item:
         raise PoseError(f"{what} must have the shape (..., {_commas(item)}), not {tuple(batch.shape)}")
     return batch
 

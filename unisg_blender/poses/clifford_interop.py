@@ -8,7 +8,7 @@ import numpy as np
 
 from ..errors import MissingPackageError
 from .arrays import PoseError, is_tensor
-from .forms import convert
+from .forms import FORMS, convert
 
 _FULL = {"pga_even": "pga", "cga_even": "cga"}
 
@@ -75,7 +75,8 @@ def from_multivector(multivectors: Any, form: str | None = None) -> np.ndarray:
         raise PoseError("multivectors must be of clifford.pga (16 coefficients) or of clifford.g3c (32)")
     if form is None:
         return coefficients
-    return convert(coefficients, "pga" if width == 16 else "cga_similarity", form)
+    full = "pga" if width == 16 else "cga_similarity"
+    return convert(FORMS[full].project(coefficients), full, form)
 
 
 def _coefficients(multivectors: Any) -> np.ndarray:

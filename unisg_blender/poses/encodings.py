@@ -109,14 +109,19 @@ def uniform_scale(block: Block) -> Any:
 
 
 def dilation_of(s: Any) -> Components:
-    """D = cosh g - sinh g e45 with g = ln(s) / 2, as (scalar, e45).
+    """(a, b, a + b) of D = a + b e45 = cosh g - sinh g e45 with g = ln(s) / 2.
 
-    Scale 0 has no normalised versor; it gets the null one, 0.5 (1 + e45), whose
-    scale D0 - D1 over D0 + D1 is 0.
+    Scale 0 has no normalised versor; it gets the null one, 0.5 (1 + e45).
     """
     xp = namespace(s)
     root = xp.sqrt(xp.where(s == 0, 1.0, s))
-    return (0.5 * (s + 1.0) / root, 0.5 * (1.0 - s) / root)
+    return (0.5 * (s + 1.0) / root, 0.5 * (1.0 - s) / root, 1.0 / root)
+
+
+def nearest_similarity(m: Components) -> tuple[Components, Components, Any]:
+    """Unit motor (r, d) and scale s >= 0 of the 16 even coefficients of a versor times any number."""
+    r, d, a, b = from_similarity_even(m)
+    return *nearest_motor(r, scale(1.0 / (a + b), d)), namespace(a).abs((a - b) / (a + b))
 
 
 def _encode_similarity(block: Block) -> Components:
@@ -124,14 +129,19 @@ def _encode_similarity(block: Block) -> Components:
 
 
 def _decode_similarity(m: Components) -> Block:
-    r, d, (a, b) = from_similarity_even(m)
-    rigid = _from_motor(r, d)
-    return rigid._replace(linear=scale(a - b, rigid.rotation))
+    """Of a normalised versor: a + b = 1 / (a - b), so neither has to be found by cancellation."""
+    xp = namespace(m[0])
+    r, d, a, b = from_similarity_even(m)
+    larger = a + xp.abs(b)
+    total = xp.where(b >= 0, larger, 1.0 / larger)
+    null = a < 0.75  # a normalised versor has a >= 1, the null one of scale 0 has a = 0.5
+    rigid = _from_motor(r, scale(1.0 / total, d))
+    return rigid._replace(linear=scale(xp.where(null, 0.0, 1.0 / (total * total)), rigid.rotation))
 
 
 def _project_similarity(m: Components) -> Components:
-    r, d, (a, b) = from_similarity_even(m)
-    return similarity_even(*nearest_motor(r, d), dilation_of(namespace(a).abs(a - b)))
+    r, d, s = nearest_similarity(m)
+    return similarity_even(r, d, dilation_of(s))
 
 
 MATRIX = Codec(lambda block: join(block._replace(linear=block.rotation)), _decode_matrix, _project_matrix)

@@ -92,8 +92,8 @@ class Form:
     def decode(self, features: Any, stretch: bool = False) -> Any:
         """Matrices of features; the inverse of ``encode``.
 
-        Expects features that ``encode`` or ``project`` made. Versors may come times
-        any number but zero; no other repair is done: ``project`` first what a network gave.
+        Expects features that ``encode`` or ``project`` made; ``project`` first what a network
+        gave. Motors may come times any number but zero, ``cga_similarity`` with either sign.
 
         Parameters
         ----------

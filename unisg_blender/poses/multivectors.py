@@ -7,7 +7,9 @@ here are ever non-zero in a motor.
 
 from __future__ import annotations
 
-from .arrays import Components
+from typing import Any
+
+from .arrays import Components, namespace
 from .rotations import dot, scale
 
 PGA_BLADES = (
@@ -49,28 +51,30 @@ def from_cga_even(m: Components) -> tuple[Components, Components]:
 
 
 def similarity_even(r: Components, d: Components, dilation: Components) -> Components:
-    """The 16 even coefficients of T R D, with D = ``dilation[0]`` + ``dilation[1]`` e45.
+    """The 16 even coefficients of T R D, with D = a + b e45 and ``dilation`` = (a, b, a + b).
 
-    R D spreads r over the slots with and without e45; einf D = (D0 + D1) einf
-    scales the dual part.
+    R D spreads r over the slots with and without e45; einf D = (a + b) einf scales the
+    dual part. The sum is given, because it cancels where the scale is large.
     """
-    a, b = dilation
-    plain = cga_even(scale(a, r), scale(a + b, d))
+    a, b, total = dilation
+    plain = cga_even(scale(a, r), scale(total, d))
     w, x, y, z = scale(b, r)
     return (*plain[:10], w, *plain[11:13], 0.0 - z, y, 0.0 - x)
 
 
-def from_similarity_even(m: Components) -> tuple[Components, Components, Components]:
-    """(r, d, dilation) of the 16 even coefficients of a versor T R D times any number.
+def from_similarity_even(m: Components) -> tuple[Components, Components, Any, Any]:
+    """(r, (a + b) d, a, b) of the 16 even coefficients of a versor T R D times any number.
 
-    ``r`` and ``d`` are a motor up to a factor; the dilation is in units in which
-    D0 + D1 = 1, so that its scale is D0 - D1.
+    ``r`` is the unit quaternion, in the sign it came with. It stands in the versor twice, as a r
+    and as b r: both are taken, with the sign of b, so that nothing cancels.
     """
     plain, d = from_cga_even(m)
     mixed = (m[10], -m[15], m[14], -m[13])
-    r = tuple(p + q for p, q in zip(plain, mixed, strict=True))
-    factor = 1.0 / dot(r, r)
-    return r, d, (factor * dot(plain, r), factor * dot(mixed, r))
+    xp = namespace(m[0])
+    sign = xp.where(dot(plain, mixed) < 0, -1.0, 1.0)
+    both = tuple(p + sign * q for p, q in zip(plain, mixed, strict=True))
+    r = scale(1.0 / xp.sqrt(dot(both, both)), both)
+    return r, d, dot(plain, r), dot(mixed, r)
 
 
 def spread(even: Components, slots: tuple[int, ...], width: int) -> Components:

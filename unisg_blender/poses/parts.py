@@ -10,14 +10,13 @@ from __future__ import annotations
 from typing import Any, Literal, NamedTuple
 
 from .arrays import Components, PoseError, as_batch, map_rows, namespace
-from .encodings import dilation_of
+from .encodings import dilation_of, nearest_similarity
 from .motors import dual_part, extract_translation
 from .multivectors import (
     CGA_EVEN,
     PGA_EVEN,
     cga_even,
     from_pga_even,
-    from_similarity_even,
     gather,
     pga_even,
     similarity_even,
@@ -96,10 +95,10 @@ def split_motor(multivectors: Any) -> MotorParts:
     PoseError
         Wrong shape, NaN, infinity, or a rotor of norm zero.
     """
-    width = multivectors.shape[-1] if hasattr(multivectors, "shape") and multivectors.shape else len(multivectors)
+    batch = as_batch(multivectors, (), "multivectors")
+    width = batch.shape[-1] if batch.ndim else 0
     if width not in (16, 32):
         raise PoseError(f"a multivector has 16 (PGA) or 32 (CGA) coefficients, not {width}")
-    batch = as_batch(multivectors, (width,), "multivectors")
 
     def part(formula: Any) -> Any:
         return map_rows(formula, batch, (width,), (width,), "the rotor of the multivector")
@@ -116,12 +115,11 @@ def split_motor(multivectors: Any) -> MotorParts:
 def _motor(m: Components) -> tuple[Components, Components]:
     if len(m) == 16:
         return from_pga_even(gather(m, PGA_EVEN))
-    return from_similarity_even(gather(m, CGA_EVEN))[:2]
+    return nearest_similarity(gather(m, CGA_EVEN))[:2]
 
 
 def _dilation(m: Components) -> Components:
-    plain, mixed = from_similarity_even(gather(m, CGA_EVEN))[2]
-    return dilation_of(plain - mixed)
+    return dilation_of(nearest_similarity(gather(m, CGA_EVEN))[2])
 
 
 def _full(r: Components, d: Components, width: int) -> Components:
