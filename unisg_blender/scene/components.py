@@ -89,3 +89,8 @@ RECORDING = "recording"
 
 LIBRARY = "library"
 """Entities that come from another file: ``path`` object (str) as the file has it."""
+
+EVENTS = "events"
+"""What happened to actions while a recording was made; rows are the entities that the actions belong to. ``time``
+float64: seconds; ``action`` object (str): uid of the action; ``event`` object (str): one word, such as "started",
+"performed" or "failed"; several per entity."""

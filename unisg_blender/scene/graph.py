@@ -63,7 +63,8 @@ def _column(values: Sequence[Any] | NDArray[Any]) -> NDArray[Any]:
     if isinstance(values, np.ndarray):
         return values
     column = np.empty(len(values), object)
-    column[:] = values
+    for place, value in enumerate(values):  # one by one: numpy would unpack tuples and arrays of equal length
+        column[place] = value
     return column
 
 

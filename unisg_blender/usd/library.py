@@ -1,0 +1,43 @@
+"""Where Pixar's ``pxr`` comes from: Blender's own inside Blender, ``usd-core`` elsewhere."""
+
+from __future__ import annotations
+
+import sys
+
+from ..errors import MissingPackageError, UniSGError
+
+
+def missing_pxr() -> str:
+    """Why USD files cannot be read or written here, "" if they can: for grey buttons."""
+    try:
+        require_pxr()
+    except UniSGError as error:
+        return str(error)
+    return ""
+
+
+def require_pxr() -> None:
+    """Make ``import pxr`` work.
+
+    The two builds cannot live in one process, so a process with ``bpy`` uses
+    Blender's; a process that will open Blender files as well must import ``bpy``
+    before its first USD file.
+
+    Raises
+    ------
+    UniSGError
+        If this Blender has no USD modules for Python.
+    MissingPackageError
+        If there is no Blender and ``usd-core`` is not installed.
+    """
+    if "pxr.Usd" in sys.modules:
+        return
+    bpy = sys.modules.get("bpy")
+    if bpy is not None:
+        if not hasattr(bpy.utils, "expose_bundled_modules"):
+            raise UniSGError("this Blender offers no USD to Python: use Blender 4.4 or newer for USD files")
+        bpy.utils.expose_bundled_modules()
+    try:
+        from pxr import Usd  # noqa: F401
+    except ImportError:
+        raise MissingPackageError("usd-core", "usd") from None

@@ -1,0 +1,103 @@
+"""From a USD stage to a scenegraph."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import UniSGError
+from ..scene.assemble import Columns, assemble
+from ..scene.graph import SceneGraph
+from ..scene.identity import resolve_uids
+from . import schema
+from .elements import is_elements, read_elements
+from .read_behaviour import read_entries
+from .read_components import keep_hidden, read_components
+from .read_instances import read_instances
+from .read_meshes import MeshShelf
+from .read_motion import read_motion
+from .read_transforms import read_transforms
+from .stage import quiet, stage_frame
+from .traverse import find_entities
+
+
+@dataclass
+class Reader:
+    """What stays the same while one stage is read."""
+
+    frame: NDArray[np.float64]  # the stage's frame to metres and Z up
+    rate: float  # time codes per second
+    shelf: MeshShelf
+    prototypes: dict[Any, SceneGraph]
+    progress: Callable[[int, int], None] | None
+
+
+def read_stage(stage: Any, title: str, progress: Callable[[int, int], None] | None = None) -> SceneGraph:
+    """The scenegraph of a composed stage; ``title`` for stages that have none.
+
+    Raises
+    ------
+    UniSGError
+        If the stage was written by a newer version.
+    """
+    with quiet() as messages:
+        graph = read_elements(stage, title) if is_elements(stage) else _read_scene(stage, title, progress)
+    for text in dict.fromkeys(messages):
+        warnings.warn(f"{title}: {text}", stacklevel=3)
+    return graph
+
+
+def _read_scene(stage: Any, title: str, progress: Callable[[int, int], None] | None) -> SceneGraph:
+    frame = stage_frame(stage)
+    reader = Reader(frame, float(stage.GetTimeCodesPerSecond()), MeshShelf(frame), {}, progress)
+    tops = stage.GetPseudoRoot().GetChildren()
+    scene = next((prim for prim in tops if prim.HasAttribute(schema.SCENE_VERSION)), None)
+    if scene is None:
+        return read_graph(tops, reader, title)
+    version = scene.GetAttribute(schema.SCENE_VERSION).Get()
+    if not isinstance(version, int) or version > schema.VERSION:
+        raise UniSGError(f"{title}: has version {version}; this software reads up to {schema.VERSION}: update it")
+    reader.shelf.keep_materials(scene.GetChild(schema.MATERIAL_SCOPE))
+    tops = [*scene.GetChildren(), *(prim for prim in tops if prim != scene)]
+    return read_graph(tops, reader, scene.GetMetadata("displayName") or scene.GetName(), scene)
+
+
+def read_graph(tops: list[Any], reader: Reader, title: str, holder: Any = None, *, nested: bool = False) -> SceneGraph:
+    """The scenegraph of some prims and all below them.
+
+    ``holder`` is the prim that has their component tables; ``nested`` reads what a
+    stage does not show by itself, as prototypes.
+    """
+    found = find_entities(tops, nested)
+    entries = read_entries(found)
+    uids = resolve_uids([entry.stored.uid for entry in entries], [entry.name for entry in entries])
+    frames = read_transforms(found, reader.frame)
+    shelf_mesh = reader.shelf.column(found.shape, found.kind)
+    used, mesh = np.unique(shelf_mesh[shelf_mesh >= 0], return_inverse=True)
+    column = np.full(len(entries), -1, np.int32)
+    column[shelf_mesh >= 0] = mesh.reshape(-1)
+    tables = read_components(holder, uids) | frames.tables | read_motion(found, frames, reader.rate)
+    tables |= read_instances(found, reader)
+    keep_hidden(found, tables)
+    uid_of_path = {prim.GetPath(): uid for prim, uid in zip(found.prim, uids, strict=True)}
+    if reader.progress is not None and not nested:
+        reader.progress(len(entries), len(entries))
+    return assemble(
+        Columns(
+            name=[entry.name for entry in entries],
+            type=[entry.type or kind for entry, kind in zip(entries, found.kind, strict=True)],
+            parent=np.array(found.parent, np.int32),
+            local=frames.local,
+            mesh=column,
+            meshes=[reader.shelf.meshes[index] for index in used],
+            properties=[entry.with_relations(uid_of_path) for entry in entries],
+            materials={} if nested else reader.shelf.materials,
+            components=tables,
+            title=title,
+        )
+    )
