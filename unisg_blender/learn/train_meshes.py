@@ -30,10 +30,10 @@ class MeshTraining:
     samples turned about any axis and not only about the vertical one.
     """
 
-    steps: int = 2000
-    batch: int = 32
-    points: int = 1024
-    targets: int = 512
+    steps: int = 3000
+    batch: int = 16
+    points: int = 768
+    targets: int = 400
     rate: float = 2e-3
     jitter: float = 0.005
     stretch: float = 1.3

@@ -90,17 +90,25 @@ def _sized(mesh: Mesh, row: dict[str, str]) -> Mesh:
     return replace(mesh, name=row["name"], points=points.astype(np.float32))
 
 
-def world_models(rooms: int, seed: int = 0, per_category: int = 8) -> list[Model]:
+def world_models(worlds: Sequence[str], rooms: int, seed: int = 0, per_category: int = 8) -> list[Model]:
     """The meshes of procedurally made rooms, each once, at most ``per_category`` of a category.
 
-    ``rooms`` rooms are made of every world. One in five meshes, by its checksum,
-    is in split "test".
+    ``rooms`` rooms are made of each of the named worlds. One in five meshes, by
+    its checksum, is in split "test".
+
+    Raises
+    ------
+    UniSGError
+        If there is no world of a name.
     """
     from ..worlds import WORLDS
 
+    unknown = sorted(set(worlds) - set(WORLDS))
+    if unknown:
+        raise UniSGError(f"there is no world {unknown[0]!r}: choose among {', '.join(WORLDS)}")
     found: dict[str, Model] = {}
     counts: Counter[str] = Counter()
-    for name in sorted(WORLDS):
+    for name in worlds:
         for number in range(rooms):
             graph = WORLDS[name](seed + number)
             for row in np.flatnonzero(graph.mesh >= 0):

@@ -17,6 +17,10 @@ CHUNK = 250_000
 """Triangles measured at once, so that a mesh of millions of faces needs little memory."""
 
 
+class NoSurfaceError(UniSGError):
+    """A mesh has no faces with an area."""
+
+
 @dataclass(frozen=True, eq=False)
 class SurfaceSamples:
     """Points on a surface.
@@ -52,16 +56,17 @@ def sample_surface(mesh: Mesh, count: int, seed: int = 0) -> SurfaceSamples:
 
     Raises
     ------
+    NoSurfaceError
+        If the mesh has no faces, or none with an area.
     UniSGError
-        If ``count`` is below 1 or the mesh has no surface: no faces, or none with
-        an area.
+        If ``count`` is below 1.
     """
     if count < 1:
         raise UniSGError(f"the number of samples must be 1 or more, not {count}")
     triangles = inner_triangles(mesh)
     areas = triangle_areas(mesh.points, triangles)
     if not areas.sum() > 0:
-        raise UniSGError(f"mesh {mesh.name!r} has no surface to sample: it needs faces with an area")
+        raise NoSurfaceError(f"mesh {mesh.name!r} has no surface to sample: it needs faces with an area")
     generator = np.random.default_rng(seed)
     points, faces = _uniform(mesh.points, triangles, areas, OVERSAMPLING * count, generator)
     kept = eliminate(points, count, float(areas.sum()))
@@ -101,7 +106,8 @@ def eliminate(points: NDArray[np.floating], count: int, area: float) -> NDArray[
     weight = np.square(np.square(np.square(1 - np.sqrt(np.einsum("pk,pk->p", apart, apart)) / reach)))
     surplus = len(points) - count
     while surplus > 0:
-        crowding: NDArray[np.float64] = np.bincount(first, weight, len(points))
+        crowding = np.zeros(len(points))
+        crowding += np.bincount(first, weight, len(points))
         crowding += np.bincount(second, weight, len(points))
         crowding[~alive] = -1
         worst = np.partition(crowding, -surplus)[-surplus]  # local maxima below it would survive one-by-one removal
