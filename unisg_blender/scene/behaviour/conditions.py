@@ -19,8 +19,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .batch import Batch
-from .components import compose, gather, length, rotation_and_size, transform, turn_between
+from .components import gather
 from .contact import EPSILON, touching
+from .deviation import deviation
 from .moment import Moment
 
 Condition = Callable[[Batch, Moment], NDArray[np.bool_]]
@@ -77,25 +78,6 @@ CONDITIONS: Mapping[str, Condition] = {
     "Question": question,
 }
 """The conditions of the types that come with UniSG. Parallel groups follow their members."""
-
-
-def deviation(batch: Batch, moment: Moment) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Distance in metres and angle in radians of the batch's poses from the places asked for; each (P,).
-
-    The angle is 0 where it decides nothing: where none is asked for, or the distance is too large.
-    """
-    poses = batch.poses
-    frames = poses.frames(moment.world)
-    place = transform(frames, poses.reference[3::4])
-    distance = length(moment.world[poses.row, :3, 3].T - place)
-    angle = np.zeros(len(distance))
-    limit = batch.distance[poses.action] + EPSILON
-    asked = np.flatnonzero(np.isfinite(batch.angle[poses.action]) & (distance <= limit))
-    if len(asked):
-        wanted = compose(frames.take(asked, 1), poses.reference.take(asked, 1))
-        pose = gather(moment.world, poses.row[asked])
-        angle[asked] = turn_between(rotation_and_size(pose)[0], rotation_and_size(wanted)[0])
-    return distance, angle
 
 
 def at_reference(batch: Batch, moment: Moment) -> NDArray[np.bool_]:

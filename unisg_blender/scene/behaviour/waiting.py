@@ -1,0 +1,72 @@
+"""Nodes of a lesson that wait for each other, so that nobody can ever begin."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from .outline import Outline
+
+
+def circles(plan: Outline) -> Iterator[tuple[str, int]]:
+    """Messages about nodes that can never be reached, each with a node's place.
+
+    Every node has a beginning and an end; each rule of the lesson (see
+    :mod:`.progress`) says which of these comes before which. What is left when
+    everything that waits for nothing is taken away again and again (Kahn 1962)
+    stands in a circle, or waits for one.
+    """
+    after = _after(plan)
+    waits = [0] * len(after)
+    for later in after:
+        for node in later:
+            waits[node] += 1
+    ready = [node for node, count in enumerate(waits) if not count]
+    while ready:
+        for node in after[ready.pop()]:
+            waits[node] -= 1
+            if not waits[node]:
+                ready.append(node)
+    stuck = {node for node, count in enumerate(waits) if count}
+    if not stuck:
+        return
+    circle = _circle(after, stuck)
+    names = list(dict.fromkeys(plan.label(node // 2) for node in circle))
+    yield f"{', '.join(names)} wait for each other: none of them can begin", circle[0] // 2
+    held = {node // 2 for node in stuck if node % 2 == 0} - {node // 2 for node in circle}
+    for place in sorted(held):
+        if plan.nodes[place].kind == "action":
+            yield f"{plan.label(place)} can never be reached", place
+
+
+def _after(plan: Outline) -> list[list[int]]:
+    """What comes after what: node 2 p is the beginning of place p, 2 p + 1 its end."""
+    after: list[list[int]] = [[] for _ in range(2 * len(plan.nodes))]
+    for place in range(len(plan.nodes)):
+        after[2 * place].append(2 * place + 1)
+        above = plan.parent[place]
+        if above >= 0:
+            after[2 * above].append(2 * place)
+            after[2 * place + 1].append(2 * above + 1)
+        earlier = plan.earlier(place)
+        if earlier:
+            after[2 * earlier[-1] + 1].append(2 * place + 1)  # later it would be skipped
+            mandatory = [sibling for sibling in earlier if plan.mandatory[sibling]]
+            if mandatory:
+                after[2 * mandatory[-1] + 1].append(2 * place)
+        for wanted in plan.requires[place]:
+            after[2 * wanted + 1].append(2 * place)
+    return after
+
+
+def _circle(after: list[list[int]], stuck: set[int]) -> list[int]:
+    """One circle among the stuck nodes, in the order of waiting."""
+    before: dict[int, int] = {}
+    for node in sorted(stuck):
+        for later in after[node]:
+            if later in stuck:
+                before.setdefault(later, node)
+    node, seen = next(iter(before)), list[int]()
+    while node not in seen:
+        seen.append(node)
+        node = before[node]
+    return seen[seen.index(node) :][::-1]
