@@ -1,0 +1,8 @@
+"""Generation: new objects for empty and existing scenes, from a trained model. Needs numpy and onnxruntime only."""
+
+from __future__ import annotations
+
+from .generator import Generator
+from .results import Generated, Placement
+
+__all__ = ["Generated", "Generator", "Placement"]

@@ -1,0 +1,127 @@
+"""The generator: asks a model where new things could be, settles them and puts them into the scenegraph."""
+
+from __future__ import annotations
+
+import os
+from collections import abc
+from collections.abc import Mapping
+
+import numpy as np
+
+from ..dataset.assets import STRUCTURE
+from ..errors import UniSGError
+from ..scene import SceneGraph
+from ..scene.outline import FLOOR
+from .cgvae import CgvaeProposer
+from .contract import Contract
+from .extend import Names, extend, uid_maker
+from .library import Library
+from .model import Model, load_model
+from .order import in_order
+from .placing import Placing
+from .proposals import Proposer
+from .results import Generated, Placement
+from .shells import add_shell
+
+
+class Generator:
+    """Adds objects of chosen categories to scenes; see :meth:`load` and :meth:`add`."""
+
+    def __init__(self, model: Model) -> None:
+        self.model = model
+        self.contract = model.contract
+        self.library = Library(model)
+        self._proposer: Proposer = _proposer(model)
+
+    @staticmethod
+    def load(path: str | os.PathLike[str]) -> Generator:
+        """A generator with the model of an ONNX file.
+
+        Raises
+        ------
+        UniSGError
+            If the file is missing, no ONNX model, or made for something else.
+        """
+        return Generator(load_model(path))
+
+    @property
+    def categories(self) -> tuple[str, ...]:
+        """What it can add."""
+        return self.contract.vocabulary
+
+    def sample_counts(self, rng: np.random.Generator) -> dict[str, int]:
+        """How many objects of each category a room has: those of a training scene drawn at random."""
+        rooms = self.contract.habits.rooms
+        counts = rooms[rng.integers(len(rooms))]
+        return {name: int(count) for name, count in zip(self.categories, counts, strict=True) if count}
+
+    def add(
+        self, scene: SceneGraph, counts: Mapping[str, int], seed: int | None = None, *, bulk: bool = False,
+        settle: bool = True,
+    ) -> Generated:  # fmt: skip
+        """Add objects to a scene; what is there already stays as it is.
+
+        Parameters
+        ----------
+        scene
+            Any scenegraph; it may be empty.
+        counts
+            How many objects of each category. Asked for a "Floor" in a scene
+            without one, the generator starts with a room shell.
+        seed
+            Same seed, same result; None for another result every time.
+        bulk
+            Propose places for all objects at once, none of them seeing the others; they are still settled
+            one after another.
+        settle
+            False takes every first proposal as it is, collisions and all.
+
+        Raises
+        ------
+        UniSGError
+            For a category that the model does not know, a number below 1, or nothing to add.
+        """
+        steps = self.steps(scene, counts, seed, bulk=bulk, settle=settle)
+        while True:
+            try:
+                next(steps)
+            except StopIteration as done:
+                result: Generated = done.value
+                return result
+
+    def steps(
+        self, scene: SceneGraph, counts: Mapping[str, int], seed: int | None = None, *, bulk: bool = False,
+        settle: bool = True,
+    ) -> abc.Generator[Placement, None, Generated]:  # fmt: skip
+        """As :meth:`add`, object by object: yields each placement, returns the result at the end."""
+        _check_counts(counts, self.contract)
+        names, make_uid = Names(scene.name), uid_maker(scene, seed)
+        rng = np.random.default_rng(seed)
+        before = set(scene.uid)
+        wanted = in_order(counts, self.contract.habits)
+        placements: list[Placement] = []
+        if FLOOR in counts and FLOOR not in scene.vocabulary:
+            scene, placements = add_shell(scene, counts, self.library, rng, names, make_uid)
+            wanted = [name for name in wanted if name not in STRUCTURE]
+            yield from placements
+        work = Placing(self._proposer, self.library, self.contract, scene, rng, settle)
+        early = work.propose_all(wanted) if bulk else [None] * len(wanted)
+        for name, proposals in zip(wanted, early, strict=True):
+            placements.append(work.place(name, names, make_uid, proposals))
+            yield placements[-1]
+        result = extend(scene, work.additions, names, make_uid)
+        rows = np.array([row for row, uid in enumerate(result.uid) if uid not in before], np.int64)
+        return Generated(result, rows, tuple(placements))
+
+
+def _proposer(model: Model) -> Proposer:
+    return CgvaeProposer(model)
+
+
+def _check_counts(counts: Mapping[str, int], contract: Contract) -> None:
+    if not counts:
+        raise UniSGError("nothing to add: give categories and numbers, such as Scalpel=2")
+    contract.check_categories(list(counts))
+    for name, count in counts.items():
+        if isinstance(count, bool) or not isinstance(count, int | np.integer) or count < 1:
+            raise UniSGError(f"the number of {name!r} must be a whole number from 1 on, not {count!r}")

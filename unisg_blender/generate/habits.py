@@ -1,0 +1,159 @@
+"""What training scenes say about categories: where they stand, how they rest, what may overlap what."""
+
+from __future__ import annotations
+
+from collections import Counter, defaultdict
+from collections.abc import Iterable, Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+
+from ..scene.overlap import nearby_pairs, penetration
+from .things import CONTACT, Things, covers, part_tops
+
+RESTS, HANGS, BESIDE, INSIDE = "rests", "hangs", "beside", "inside"
+"""How a thing is held: on a surface, from the underside, at the side, or anywhere within its support."""
+
+RARE = 0.01
+"""Supports that hold less than this share of a category's things are left out."""
+
+OVERLAP_SCENES = 150
+"""Scenes in which overlaps are measured: a tenth of a second each."""
+
+_SHALLOW = 0.002
+
+
+@dataclass(frozen=True)
+class Habit:
+    """How things of a category stand on one kind of support.
+
+    ``support`` "" means that they have none; ``count`` how often that was seen;
+    ``contact`` how they are held; ``gap`` the median of the clearance in metres
+    where they are held at the side.
+    """
+
+    support: str
+    count: int
+    contact: str
+    gap: float = 0.0
+
+
+@dataclass(frozen=True)
+class Habits:
+    """The habits of all categories, JSON-ready through :meth:`to_record`.
+
+    Attributes
+    ----------
+    supports
+        By category: its habits, the commonest first.
+    sizes
+        By category: median width, depth and height in metres.
+    overlaps
+        By "A|B" (sorted): metres that boxes of these categories may reach into each other.
+    rooms
+        Counts of the categories (in vocabulary order) in some of the scenes.
+    """
+
+    supports: dict[str, list[Habit]]
+    sizes: dict[str, list[float]]
+    overlaps: dict[str, float]
+    rooms: list[list[int]]
+
+    def to_record(self) -> dict[str, Any]:
+        """Plain data for JSON."""
+        return asdict(self)
+
+    @staticmethod
+    def from_record(record: dict[str, Any]) -> Habits:
+        """The habits of a record; KeyError or TypeError if it is none."""
+        supports = {name: [Habit(**habit) for habit in habits] for name, habits in record["supports"].items()}
+        return Habits(supports, record["sizes"], record["overlaps"], record["rooms"])
+
+    def habit(self, category: str, support: str) -> Habit | None:
+        """How a category stands on a kind of support; None if that was never seen."""
+        return next((habit for habit in self.supports.get(category, ()) if habit.support == support), None)
+
+
+def learn_habits(scenes: Iterable[Things], vocabulary: Sequence[str], rooms: int = 256) -> Habits:
+    """Habits out of the things of training scenes, whose categories are numbered as in ``vocabulary``."""
+    names = (*vocabulary, "")
+    contacts: dict[tuple[str, str], list[tuple[str, float]]] = defaultdict(list)
+    sizes: dict[str, list[Any]] = defaultdict(list)
+    depths: dict[str, list[float]] = defaultdict(list)
+    counts = []
+    for number, things in enumerate(scenes):
+        counts.append(np.bincount(things.category[things.category >= 0], minlength=len(vocabulary)).tolist())
+        for thing in np.flatnonzero(things.category >= 0):
+            category, support = names[things.category[thing]], int(things.support[thing])
+            below = names[things.category[support]] if support >= 0 else ""
+            contacts[category, below].append(contact(things, int(thing), support))
+            sizes[category].append(2 * things.half[thing])
+        for pair, depth in _overlaps(things, names) if number < OVERLAP_SCENES else ():
+            depths[pair].append(depth)
+    return Habits(
+        supports=_supports(contacts),
+        sizes={name: np.median(sizes[name], axis=0).round(4).tolist() for name in vocabulary if name in sizes},
+        overlaps={pair: round(limit, 4) for pair, values in depths.items() if (limit := _tolerance(values)) > _SHALLOW},
+        rooms=counts[:: max(1, len(counts) // rooms)][:rooms],
+    )
+
+
+def contact(things: Things, thing: int, support: int) -> tuple[str, float]:
+    """How a thing is held by its support, and the clearance at its side in metres."""
+    if support < 0:
+        return (RESTS if abs(things.bottom[thing]) <= CONTACT else INSIDE), 0.0
+    parts = things.parts_of(support)
+    level = np.abs(part_tops(parts) - things.bottom[thing]) <= CONTACT
+    if (level & covers(parts, things.center[thing, :2], 0.05)).any():
+        return RESTS, 0.0
+    if abs(things.bottom[support] - things.top[thing]) <= CONTACT:
+        return HANGS, 0.0
+    gap = side_gap(things, thing, support)
+    return (BESIDE, gap) if -CONTACT <= gap <= 0.15 else (INSIDE, 0.0)
+
+
+def side_gap(things: Things, thing: int, support: int) -> float:
+    """Horizontal clearance in metres between a thing and its support's box, negative where they overlap."""
+    turn = things.yaw[thing] - things.yaw[support]
+    cos, sin = abs(np.cos(turn)), abs(np.sin(turn))
+    half = things.half[thing]
+    reach = np.array([cos * half[0] + sin * half[1], sin * half[0] + cos * half[1]])
+    offset = things.center[thing, :2] - things.center[support, :2]
+    c, s = np.cos(things.yaw[support]), np.sin(things.yaw[support])
+    local = np.abs([c * offset[0] + s * offset[1], c * offset[1] - s * offset[0]])
+    return float((local - reach - things.half[support, :2]).max())
+
+
+def _supports(contacts: dict[tuple[str, str], list[tuple[str, float]]]) -> dict[str, list[Habit]]:
+    found: dict[str, list[Habit]] = defaultdict(list)
+    for (category, support), seen in contacts.items():
+        kind = Counter(kind for kind, _ in seen).most_common(1)[0][0]
+        gap = float(np.median([gap for other, gap in seen if other == kind]))
+        found[category].append(Habit(support, len(seen), kind, round(gap, 4)))
+    for habits in found.values():
+        habits.sort(key=lambda habit: (-habit.count, habit.support))
+        total = sum(habit.count for habit in habits)
+        habits[:] = [habit for habit in habits if habit.count >= RARE * total] or habits[:1]
+    return dict(sorted(found.items()))
+
+
+def _overlaps(things: Things, names: Sequence[str]) -> list[tuple[str, float]]:
+    """Depth to which any two things whose boxes come near each other overlap, by pair of categories."""
+    pairs = nearby_pairs(things.parts)
+    pairs = pairs[things.owner[pairs[:, 0]] != things.owner[pairs[:, 1]]]
+    depth = penetration(things.parts.take(pairs[:, 0]), things.parts.take(pairs[:, 1]))
+    deepest: dict[tuple[int, int], float] = {}
+    for first, second, value in zip(*things.owner[pairs.T], depth, strict=True):
+        key = (min(first, second), max(first, second))
+        deepest[key] = max(deepest.get(key, 0.0), float(value))
+    return [(pair_key(names[things.category[a]], names[things.category[b]]), d) for (a, b), d in deepest.items()]
+
+
+def pair_key(first: str, second: str) -> str:
+    """The key of a pair of categories in either order."""
+    return "|".join(sorted((first, second)))
+
+
+def _tolerance(depths: list[float]) -> float:
+    return float(np.quantile(depths, 0.9)) if len(depths) >= 5 else 0.0

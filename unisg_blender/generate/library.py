@@ -1,0 +1,56 @@
+"""Where the shape of a new thing comes from: the scene's own, else the assets beside the model, else a plain box."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..dataset.assets import Asset, thing_of
+from ..scene import SceneGraph
+from .model import Model
+from .pieces import Piece, box_piece
+
+
+class Library:
+    """Assets of a model, opened as they are needed and kept."""
+
+    def __init__(self, model: Model) -> None:
+        self.model = model
+        self._known: dict[int, Piece] = {}
+        self._own: dict[tuple[int, str], list[Piece]] = {}
+        self._scene: SceneGraph | None = None
+
+    def piece(self, category: str, scene: SceneGraph, rng: np.random.Generator) -> Piece:
+        """Something of a category, drawn at random among what there is."""
+        own = self.of_scene(category, scene)
+        if own:
+            return own[int(rng.integers(len(own)))]
+        file = self.model.assets
+        numbers = file.numbers(category) if file is not None else []
+        if not numbers:
+            return box_piece(category, np.array(self.model.contract.habits.sizes[category]))
+        number = numbers[int(rng.integers(len(numbers)))]
+        if number not in self._known:
+            assert file is not None
+            self._known[number] = Piece(file.asset(number))
+        return self._known[number]
+
+    def of_scene(self, category: str, scene: SceneGraph) -> list[Piece]:
+        """The different things of a category that a scene has already."""
+        if scene is not self._scene:
+            self._scene, self._own = scene, {}
+        key = (id(scene), category)
+        if key not in self._own:
+            found: dict[tuple[int, ...], Piece] = {}
+            if category in scene.vocabulary:
+                for row in np.flatnonzero(scene.category == scene.vocabulary.index(category)):
+                    piece = Piece(thing_of(scene, int(row)))
+                    meshes = tuple(id(mesh) for mesh in piece.asset.graph.meshes)
+                    if meshes:
+                        found.setdefault(meshes, piece)
+            self._own[key] = list(found.values())
+        return self._own[key]
+
+    def shells(self) -> list[Asset]:
+        """The room shells beside the model."""
+        file = self.model.assets
+        return [] if file is None else [file.asset(number) for number in file.numbers("")]

@@ -1,0 +1,69 @@
+"""A trained model: an ONNX file, its contract, and the assets beside it."""
+
+from __future__ import annotations
+
+import os
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..dataset.asset_file import AssetFile
+from ..errors import UniSGError
+from .contract import KEY, Contract
+
+ASSETS_SUFFIX = ".assets.safetensors"
+
+
+class Model:
+    """An opened model; :meth:`run` computes its outputs."""
+
+    def __init__(self, path: Path, session: Any, contract: Contract) -> None:
+        self.path = path
+        self.contract = contract
+        self._session = session
+        self._inputs = {item.name for item in session.get_inputs()}
+
+    def run(self, outputs: list[str], **inputs: NDArray[Any]) -> list[NDArray[np.float32]]:
+        """The named outputs for the given inputs (those that the network does not use are left out)."""
+        return self._session.run(outputs, {name: value for name, value in inputs.items() if name in self._inputs})
+
+    @cached_property
+    def assets(self) -> AssetFile | None:
+        """The assets file beside the model, None if there is none."""
+        path = assets_path(self.path)
+        return AssetFile(path) if path.is_file() else None
+
+
+def assets_path(model: Path) -> Path:
+    """Where the assets of a model are: ``room.onnx`` has ``room.assets.safetensors``."""
+    return model.with_suffix(ASSETS_SUFFIX)
+
+
+def load_model(path: str | os.PathLike[str], threads: int = 1) -> Model:
+    """Open a model and check its contract.
+
+    Raises
+    ------
+    UniSGError
+        If the file is missing, no ONNX file, without a contract, or of another contract or task.
+    """
+    import onnxruntime
+
+    file = Path(path)
+    if not file.is_file():
+        raise UniSGError(f"there is no model {file}: train one with 'unisg train cgvae', or give another path")
+    options = onnxruntime.SessionOptions()
+    options.intra_op_num_threads = threads
+    options.log_severity_level = 3
+    try:
+        session = onnxruntime.InferenceSession(str(file), options, providers=["CPUExecutionProvider"])
+    except Exception as error:  # onnxruntime has no common base class for its errors
+        reason = str(error).strip().splitlines()[0][:120]
+        raise UniSGError(f"{file} is no ONNX model that can be run ({reason}): give another file") from None
+    text = session.get_modelmeta().custom_metadata_map.get(KEY)
+    if text is None:
+        raise UniSGError(f"{file} is an ONNX model of another kind: it has no UniSG metadata; use 'unisg train'")
+    return Model(file, session, Contract.from_json(text, file))

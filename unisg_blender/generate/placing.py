@@ -1,0 +1,158 @@
+"""Placing: one object after another gets proposals, is settled and takes up space."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..scene import SceneGraph, world_matrices
+from ..scene.outline import FLOOR, room_outline
+from .contract import Contract
+from .extend import Addition, Names, UidMaker
+from .habits import RESTS, Habit
+from .library import Library
+from .pieces import Piece
+from .proposals import Proposals, Proposer, Scene
+from .results import Placement
+from .settle import Support, fitting, rest, search
+from .space import Space
+from .things import things_of
+
+BATCHES = (4, 12, 48)
+"""Proposals asked for at a time, until one fits: at most 64 draws for an object."""
+
+SEARCHED = 4
+"""Supports whose whole surface is searched when no proposal fits."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Spot:
+    """A place (4,) on a thing (-1: the ground), whether it ``fits``, and how it was found."""
+
+    thing: int
+    place: NDArray[np.float64]
+    fits: bool
+    draws: int
+    searched: bool = False
+
+
+class Placing:
+    """One call of :meth:`Generator.add`: the scene while it grows."""
+
+    def __init__(
+        self,
+        proposer: Proposer,
+        library: Library,
+        contract: Contract,
+        graph: SceneGraph,
+        rng: np.random.Generator,
+        settle: bool,
+    ) -> None:
+        self.proposer, self.library, self.contract = proposer, library, contract
+        self.habits, self.vocabulary = self.contract.habits, self.contract.vocabulary
+        self.graph, self.rng, self.settle = graph, rng, settle
+        things = things_of(graph, self.vocabulary)
+        self.scene = Scene.of(things, world_matrices(graph)[things.row])
+        self.uids = [graph.uid[row] for row in things.row]
+        self.names = [graph.name[row] for row in things.row]
+        self.kinds = [graph.category_name(row) for row in things.row]
+        has_floor = FLOOR in self.kinds and (graph.mesh[things.row] >= 0)[self.kinds.index(FLOOR)]
+        outline = room_outline(graph) if has_floor else None
+        self.space = Space(things.parts, things.owner, things.category, outline, self.habits, self.vocabulary)
+        self.additions: list[Addition] = []
+
+    def propose_all(self, wanted: list[str]) -> list[Proposals | None]:
+        """First proposals for all objects, none of them seeing another."""
+        return [self._propose(name, self._piece(name), BATCHES[0], self._allowed(name)[0]) for name in wanted]
+
+    def _piece(self, name: str) -> Piece:
+        return self.library.piece(name, self.graph, self.rng)
+
+    def _propose(self, name: str, piece: Piece, count: int, allowed: NDArray[np.bool_]) -> Proposals:
+        return self.proposer.propose(self.scene, self.vocabulary.index(name), piece, count, self.rng, allowed)
+
+    def _allowed(self, name: str) -> tuple[NDArray[np.bool_], str]:
+        """Which things may hold a category, and what to say where none of the usual ones is there."""
+        usual = [habit.support for habit in self.habits.supports[name]]
+        allowed = np.isin(np.array(self.kinds, object), [kind for kind in usual if kind])
+        if allowed.any() or "" in usual:
+            return allowed, ""
+        return np.array([kind == FLOOR for kind in self.kinds], bool), f"no {' or '.join(usual[:3])} in the scene"
+
+    def _support(self, name: str, thing: int) -> Support:
+        kind = self.kinds[thing] if thing >= 0 else ""
+        habit = self.habits.habit(name, kind) or Habit(kind, 0, RESTS)
+        return Support(thing, habit, self.space.surfaces(thing), kind == FLOOR)
+
+    def place(self, name: str, names: Names, make_uid: UidMaker, early: Proposals | None) -> Placement:
+        """Find a place for one object and add it, or say why there is none."""
+        start = time.perf_counter()
+        piece = self._piece(name)
+        allowed, missing = self._allowed(name)
+        spot, note = None, missing
+        if missing and self.habits.supports[name][0].contact != RESTS:
+            note = f"{missing} to hold it"
+        elif not self.settle:
+            spot = self._first(name, piece, allowed, early)
+        else:
+            spot = self._drawn(name, piece, allowed, early)
+            note = missing if spot.fits else "no room was found"
+        spent = 1e3 * (time.perf_counter() - start)
+        if spot is None or (self.settle and not spot.fits):
+            return Placement(name, draws=0 if spot is None else spot.draws, milliseconds=spent, note=note)
+        return self._add(piece, name, spot, names, make_uid, note, spent)
+
+    def _first(self, name: str, piece: Piece, allowed: NDArray[np.bool_], early: Proposals | None) -> _Spot:
+        """The first proposal as it is."""
+        proposals = early or self._propose(name, piece, 1, allowed)
+        return _Spot(int(proposals.support[0]), proposals.places[0], True, 1)
+
+    def _drawn(self, name: str, piece: Piece, allowed: NDArray[np.bool_], early: Proposals | None) -> _Spot:
+        """The first proposal that fits after settling, else the free place nearest to the first of all."""
+        category, draws, seen = self.vocabulary.index(name), 0, []
+        for count in BATCHES:
+            proposals = early or self._propose(name, piece, count, allowed)
+            early = None
+            seen.append(proposals)
+            places, good = self._settle(name, piece, proposals)
+            if good.any():
+                best = int(good.argmax())
+                return _Spot(int(proposals.support[best]), places[best], True, draws + best + 1)
+            draws += len(places)
+        order = np.concatenate([proposals.support for proposals in seen])
+        places = np.concatenate([proposals.places for proposals in seen])
+        _, first = np.unique(order, return_index=True)
+        for row in np.sort(first)[:SEARCHED]:
+            thing = int(order[row])
+            found = search(piece, places[row], category, self._support(name, thing), self.space)
+            if found is not None:
+                return _Spot(thing, found, True, draws, searched=True)
+        return _Spot(int(order[0]), places[0], False, draws)
+
+    def _settle(self, name: str, piece: Piece, proposals: Proposals) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+        """The proposals' places after settling, and which of them fit."""
+        places = proposals.places.copy()
+        good = np.zeros(len(places), bool)
+        for thing in np.unique(proposals.support):
+            mine, support = proposals.support == thing, self._support(name, int(thing))
+            places[mine] = rest(piece, places[mine], support, self.space)
+            good[mine] = fitting(piece, places[mine], self.vocabulary.index(name), support, self.space)
+        return places, good
+
+    def _add(
+        self, piece: Piece, name: str, spot: _Spot, names: Names, make_uid: UidMaker, note: str, spent: float
+    ) -> Placement:
+        category, world = self.vocabulary.index(name), piece.world(spot.place)
+        depth = float(self.space.depth(piece, spot.place[None], category)[0])
+        self.scene.add(category, spot.thing, world, piece, spot.place)
+        self.space.add(piece.boxes_at(spot.place[None]), category)
+        own, uid = names.new(name), make_uid(name)
+        above, held_by = (self.uids[spot.thing], self.names[spot.thing]) if spot.thing >= 0 else ("", "")
+        self.additions.append(Addition(piece.asset, uid, own, above, world, name))
+        self.uids.append(uid)
+        self.names.append(own)
+        self.kinds.append(name)
+        return Placement(name, own, uid, held_by, world, depth, spot.draws, spot.searched, spent, note)

@@ -1,0 +1,76 @@
+"""What the generator answers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..scene import SceneGraph
+
+
+@dataclass(frozen=True, eq=False)
+class Placement:
+    """What became of one object that was asked for.
+
+    Attributes
+    ----------
+    category, name, uid
+        What it is; name and uid are "" if it was refused.
+    support
+        Name of what it stands on or hangs from, "" for the ground.
+    world
+        Its matrix in the world (4, 4), None if it was refused.
+    collision
+        Metres by which it reaches into something, beyond what is usual; 0 after settling.
+    draws
+        Proposals looked at.
+    searched
+        True if no proposal fitted and the free place nearest to the first one was taken.
+    milliseconds
+        Time for this object.
+    note
+        What should be known: why it was refused, or which usual support is missing.
+    """
+
+    category: str
+    name: str = ""
+    uid: str = ""
+    support: str = ""
+    world: NDArray[np.float64] | None = None
+    collision: float = 0.0
+    draws: int = 0
+    searched: bool = False
+    milliseconds: float = 0.0
+    note: str = ""
+
+    @property
+    def refused(self) -> bool:
+        """Nothing was added."""
+        return self.world is None
+
+    def to_record(self) -> dict[str, Any]:
+        """JSON-ready."""
+        world = None if self.world is None else self.world.round(6).tolist()
+        return {**self.__dict__, "world": world, "refused": self.refused, "milliseconds": round(self.milliseconds, 2)}
+
+
+@dataclass(frozen=True, eq=False)
+class Generated:
+    """The extended scene, the rows that are new in it, and what became of each object asked for."""
+
+    scene: SceneGraph
+    rows: NDArray[np.int64]
+    objects: tuple[Placement, ...]
+
+    @property
+    def added(self) -> int:
+        """How many objects were added."""
+        return sum(not placement.refused for placement in self.objects)
+
+    @property
+    def refused(self) -> tuple[Placement, ...]:
+        """The objects for which there was no room."""
+        return tuple(placement for placement in self.objects if placement.refused)

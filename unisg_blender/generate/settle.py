@@ -1,0 +1,186 @@
+"""Settling: proposed places become places where a thing rests on its support, is in the room and touches nothing."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..scene import Boxes
+from ..scene.outline import inside
+from .habits import BESIDE, HANGS, RESTS, Habit
+from .pieces import Piece
+from .space import Space, footprints
+
+OUTSIDE = 0.001
+"""Metres by which a footprint may leave the room."""
+
+SEARCH = 9
+"""Places along each side of a surface that the last search tries, with three turns each."""
+
+
+@dataclass(frozen=True, eq=False)
+class Support:
+    """What a thing is to be held by: ``thing`` is its number (-1: the ground at height 0), ``habit`` how."""
+
+    thing: int
+    habit: Habit
+    surfaces: Boxes
+    floor: bool
+
+    @property
+    def contact(self) -> str:
+        """How the thing is held."""
+        return self.habit.contact
+
+
+@dataclass(frozen=True, eq=False)
+class Surfaces:
+    """Level rectangles: ``center``, direction ``along`` of the first side, ``half`` (S, 2) each, and height ``top``."""
+
+    center: NDArray[np.float64]
+    along: NDArray[np.float64]
+    half: NDArray[np.float64]
+    top: NDArray[np.float64]
+
+
+def rectangles(parts: Boxes) -> Surfaces:
+    """The upper sides of boxes that have an axis near the vertical."""
+    up = np.abs(parts.axes[:, 2, :]).argmax(axis=1)
+    each = np.arange(len(up))
+    first, second = (up + 1) % 3, (up + 2) % 3
+    along = parts.axes[each, :2, first]
+    along = along / np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-9)
+    half = np.stack([parts.half[each, first], parts.half[each, second]], axis=1)
+    top = parts.center[:, 2] + np.abs(parts.axes[each, 2, up]) * parts.half[each, up]
+    return Surfaces(parts.center[:, :2], along, half, top)
+
+
+def rest(piece: Piece, places: NDArray[np.float64], support: Support, space: Space) -> NDArray[np.float64]:
+    """The places (T, 4), each moved as little as need be so that the piece is held the way its habit says."""
+    places = places.copy()
+    if support.contact == RESTS:
+        if support.thing < 0:
+            places[:, 2] = 0.0
+        elif len(support.surfaces.center):
+            places = _onto_surface(piece, places, rectangles(support.surfaces), clamp=not support.floor)
+        if support.floor:
+            places = into_room(piece, places, space)
+    elif support.contact == HANGS and len(support.surfaces.center):
+        corners = support.surfaces
+        low = corners.center[:, 2] - (np.abs(corners.axes[:, 2, :]) * corners.half).sum(axis=1)
+        places[:, 2] = low.min() - 2 * piece.half[2]
+    elif support.contact == BESIDE and len(support.surfaces.center):
+        places = _to_side(piece, places, support, space)
+    return places
+
+
+def _onto_surface(piece: Piece, places: NDArray[np.float64], tops: Surfaces, clamp: bool) -> NDArray[np.float64]:
+    """Each place on the surface nearest to it, its footprint on it as far as it is large enough."""
+    across = np.stack([-tops.along[:, 1], tops.along[:, 0]], axis=1)
+    offset = places[:, None, :2] - tops.center
+    local = np.stack([(offset * tops.along).sum(-1), (offset * across).sum(-1)], axis=2)  # (T, S, 2)
+    beyond = np.maximum(np.abs(local) - tops.half, 0).sum(axis=2)
+    small = 0.05 * (tops.half.prod(axis=1) < 0.2 * piece.half[:2].prod())  # prefer what can carry the piece
+    nearest = (np.abs(tops.top - places[:, 2, None]) + 2 * beyond + small).argmin(axis=1)
+    result = places.copy()
+    result[:, 2] = tops.top[nearest]
+    if not clamp:
+        return result
+    turn = places[:, 3] - np.arctan2(tops.along[nearest, 1], tops.along[nearest, 0])
+    cos, sin = np.abs(np.cos(turn)), np.abs(np.sin(turn))
+    reach = np.stack([cos * piece.half[0] + sin * piece.half[1], sin * piece.half[0] + cos * piece.half[1]], axis=1)
+    room = np.maximum(tops.half[nearest] - reach, 0)
+    mine = np.clip(local[np.arange(len(places)), nearest], -room, room)
+    result[:, :2] = tops.center[nearest] + mine[:, :1] * tops.along[nearest] + mine[:, 1:] * across[nearest]
+    return result
+
+
+def into_room(piece: Piece, places: NDArray[np.float64], space: Space) -> NDArray[np.float64]:
+    """The places pulled into the room's outline where their footprints leave it."""
+    if space.outline is None:
+        return places
+    result = places.copy()
+    start, edge = space.outline, np.roll(space.outline, -1, axis=0) - space.outline
+    for _ in range(4):
+        corners = footprints(piece.half, result)
+        wrong = ~inside(space.outline, corners)
+        if not wrong.any():
+            break
+        offset = corners[:, :, None] - start
+        along = np.clip((offset * edge).sum(-1) / (edge**2).sum(-1), 0, 1)
+        pull = start + along[..., None] * edge - corners[:, :, None]
+        length = np.linalg.norm(pull, axis=-1)
+        nearest = length.argmin(axis=2)[..., None]
+        step = np.take_along_axis(pull, nearest[..., None], axis=2)[:, :, 0]
+        far = np.take_along_axis(length, nearest, axis=2)[..., 0] * wrong
+        worst = far.argmax(axis=1)
+        rows = np.arange(len(result))
+        length_of = np.maximum(far[rows, worst], 1e-12)[:, None]
+        result[:, :2] += step[rows, worst] * (1 + 1e-4 / length_of) * (far[rows, worst] > 0)[:, None]
+    return result
+
+
+def _to_side(piece: Piece, places: NDArray[np.float64], support: Support, space: Space) -> NDArray[np.float64]:
+    """The places moved along the normal of the support's nearest side until the usual gap is left."""
+    parts = support.surfaces
+    largest = int(parts.half.prod(axis=1).argmax())
+    axes, half, middle = parts.axes[largest, :2, :2], parts.half[largest, :2], parts.center[largest, :2]
+    turn = places[:, 3] - np.arctan2(axes[1, 0], axes[0, 0])
+    cos, sin = np.abs(np.cos(turn)), np.abs(np.sin(turn))
+    reach = np.stack([cos * piece.half[0] + sin * piece.half[1], sin * piece.half[0] + cos * piece.half[1]], axis=1)
+    local = (places[:, :2] - middle) @ axes
+    thin = int(half.argmin())
+    sides = np.sign(local[:, thin]) + (local[:, thin] == 0)
+    if space.outline is not None and half[thin] < 0.3:  # a wall: the side that looks into the room
+        inner = middle + np.outer([1, -1], axes[:, thin]) * (half[thin] + 0.05)
+        into = inside(space.outline, inner)
+        if into[0] != into[1]:
+            sides[:] = 1.0 if into[0] else -1.0
+    local[:, thin] = sides * (half[thin] + reach[:, thin] + max(support.habit.gap, 0.0))
+    long = 1 - thin
+    room = max(half[long] - float(reach[:, long].min(initial=0)), 0)
+    local[:, long] = np.clip(local[:, long], -room, room)
+    result = places.copy()
+    result[:, :2] = middle + local @ axes.T
+    return result
+
+
+def fitting(
+    piece: Piece, places: NDArray[np.float64], category: int, support: Support, space: Space
+) -> NDArray[np.bool_]:
+    """At which places (T,) the piece meets nothing and is in the room (things held at a side may stick out)."""
+    good = space.depth(piece, places, category) <= 0
+    if support.contact == RESTS and good.any():
+        good[good] = space.outside(piece, places[good]) <= OUTSIDE
+    return good
+
+
+def search(
+    piece: Piece, near: NDArray[np.float64], category: int, support: Support, space: Space
+) -> NDArray[np.float64] | None:
+    """The free place nearest to ``near`` (4,) among a grid over the support's surface; None if there is none."""
+    if support.contact != RESTS:
+        return None
+    straight = near[3] + np.pi / 4
+    if support.thing < 0 or not len(support.surfaces.center):
+        spread = np.linspace(-1.5, 1.5, SEARCH)
+        grid = near[:2] + np.stack(np.meshgrid(spread, spread), axis=-1).reshape(-1, 2)
+    else:
+        tops = rectangles(support.surfaces)
+        best = int((np.abs(tops.top - near[2]) - 0.1 * tops.half.prod(axis=1)).argmin())
+        across = np.array([-tops.along[best, 1], tops.along[best, 0]])
+        straight = np.arctan2(tops.along[best, 1], tops.along[best, 0])
+        spread = np.linspace(-1, 1, SEARCH)
+        u, v = (side.reshape(-1, 1) for side in np.meshgrid(spread, spread))
+        grid = tops.center[best] + u * tops.half[best, 0] * tops.along[best] + v * tops.half[best, 1] * across
+    order = np.argsort(((grid - near[:2]) ** 2).sum(axis=1))
+    turns = (near[3], straight, straight + np.pi / 2)
+    places = np.stack([np.array([x, y, near[2], yaw]) for x, y in grid[order] for yaw in turns])
+    for start in range(0, len(places), 81):
+        some = rest(piece, places[start : start + 81], support, space)
+        good = np.flatnonzero(fitting(piece, some, category, support, space))
+        if len(good):
+            return some[good[0]]
+    return None

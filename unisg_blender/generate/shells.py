@@ -1,0 +1,80 @@
+"""The shell of a new room: floor, walls, doors and windows of one of the rooms kept beside the model."""
+
+from __future__ import annotations
+
+import time
+from collections import Counter
+from collections.abc import Mapping
+
+import numpy as np
+
+from ..dataset.assets import STRUCTURE, Asset
+from ..errors import UniSGError
+from ..scene import SceneGraph, subtree, take, world_matrices
+from .extend import Addition, Names, UidMaker, extend
+from .library import Library
+from .results import Placement
+
+
+def add_shell(
+    scene: SceneGraph, counts: Mapping[str, int], library: Library, rng: np.random.Generator, names: Names,
+    make_uid: UidMaker,
+) -> tuple[SceneGraph, list[Placement]]:  # fmt: skip
+    """The scene with a room shell whose counts come nearest to those asked for, and what became of each part.
+
+    Raises
+    ------
+    UniSGError
+        If the model has no shells beside it.
+    """
+    start = time.perf_counter()
+    wanted = {name: int(counts[name]) for name in STRUCTURE if name in counts}
+    shells = library.shells()
+    if not shells:
+        raise UniSGError("the model has no room shells beside it: add to a scene that has a floor, or export again")
+    missing = np.array([_difference(shell.graph, wanted) for shell in shells])
+    best = np.flatnonzero(missing == missing.min())
+    graph = shells[int(best[rng.integers(len(best))])].graph
+    rows = _chosen(graph, wanted)
+    world = world_matrices(graph)
+    additions, made = [], {}
+    for row in rows:
+        kind = graph.category_name(row)
+        made[row] = make_uid(kind)
+        above = made.get(int(graph.parent[row]), "")
+        part = take(graph, np.array([row]))
+        additions.append(Addition(Asset(kind, part), made[row], names.new(kind), above, world[row], kind))
+    spent = 1e3 * (time.perf_counter() - start) / max(len(rows), 1)
+    placements = [
+        Placement(item.category, item.name, item.uid, _name_of(additions, item.parent), item.world, milliseconds=spent)
+        for item in additions
+    ]
+    left = Counter(wanted) - Counter(item.category for item in additions)
+    placements += [Placement(kind, note="the rooms beside the model have no more") for kind in left.elements()]
+    return extend(scene, additions, names, make_uid), placements
+
+
+def _counts(graph: SceneGraph) -> Counter[str]:
+    return Counter(graph.category_name(row) for row in range(len(graph)))
+
+
+def _difference(graph: SceneGraph, wanted: Mapping[str, int]) -> int:
+    have = _counts(graph)
+    return sum(abs(have[name] - count) for name, count in wanted.items())
+
+
+def _chosen(graph: SceneGraph, wanted: Mapping[str, int]) -> list[int]:
+    """Rows of the shell that were asked for, at most as many of each kind, without what hangs under others left out."""
+    left, dropped, rows = Counter(wanted), set(), []
+    for row in range(len(graph)):
+        kind = graph.category_name(row)
+        if row in dropped or left[kind] <= 0:
+            dropped.update(subtree(graph, row).tolist())
+            continue
+        left[kind] -= 1
+        rows.append(row)
+    return rows
+
+
+def _name_of(additions: list[Addition], uid: str) -> str:
+    return next((item.name for item in additions if item.uid == uid), "")

@@ -1,0 +1,109 @@
+"""The space of a scene that is being filled: what takes it up, and where there is room."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..scene import Boxes
+from ..scene.outline import outside_distance
+from ..scene.overlap import penetration
+from .habits import Habits
+from .pieces import Piece
+
+TOUCH = 0.001
+"""Metres that boxes may reach into each other anyway."""
+
+
+class Space:
+    """World boxes of all parts with whose they are, and the outline of the room.
+
+    Parameters
+    ----------
+    parts, owner
+        World boxes of the parts and int64 (P,) the thing that each belongs to.
+    category
+        int64 (K,): the things' categories as positions in ``vocabulary``, -1 for others.
+    outline
+        Outline of the room (M, 2) in world metres, None if there is none.
+    """
+
+    def __init__(
+        self, parts: Boxes, owner: NDArray[np.int64], category: NDArray[np.int64], outline: NDArray[np.float64] | None,
+        habits: Habits, vocabulary: Sequence[str],
+    ) -> None:  # fmt: skip
+        self.boxes = parts
+        self.owner = owner
+        self.category = category
+        self.outline = outline
+        self.limits = _limits(habits, vocabulary)
+        self.low, self.high = world_bounds(parts)
+
+    def add(self, parts: Boxes, category: int) -> int:
+        """Take up space with a new thing; returns its number."""
+        number = len(self.category)
+        low, high = world_bounds(parts)
+        self.boxes = Boxes(
+            np.concatenate([self.boxes.center, parts.center]),
+            np.concatenate([self.boxes.axes, parts.axes]),
+            np.concatenate([self.boxes.half, parts.half]),
+            np.concatenate([self.boxes.solid, parts.solid]),
+        )
+        self.owner = np.append(self.owner, np.full(len(parts.center), number))
+        self.category = np.append(self.category, category)
+        self.low, self.high = np.concatenate([self.low, low]), np.concatenate([self.high, high])
+        return number
+
+    def surfaces(self, thing: int) -> Boxes:
+        """The parts of a thing."""
+        return self.boxes.take(np.flatnonzero(self.owner == thing))
+
+    def depth(self, piece: Piece, places: NDArray[np.float64], category: int) -> NDArray[np.float64]:
+        """Metres (T,) by which a piece at places (T, 4) reaches too deep into anything; 0 where it fits."""
+        found = np.zeros(len(places))
+        boxes = piece.boxes_at(places)
+        count = len(boxes.center) // max(len(places), 1)
+        if not count or not len(self.low):
+            return found
+        low, high = world_bounds(boxes)
+        near = np.flatnonzero(((self.low < high.max(axis=0)) & (self.high > low.min(axis=0))).all(axis=1))
+        hit = ((low[:, None] < self.high[near]) & (high[:, None] > self.low[near])).all(axis=2)
+        mine, other = np.nonzero(hit)
+        if len(mine):
+            other = near[other]
+            limit = self.limits[category, self.category[self.owner[other]]] + TOUCH
+            excess = penetration(boxes.take(mine), self.boxes.take(other)) - limit
+            np.maximum.at(found, mine // count, np.maximum(excess, 0))
+        return found
+
+    def outside(self, piece: Piece, places: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Metres (T,) by which the footprint at places (T, 4) leaves the room; 0 without an outline."""
+        if self.outline is None:
+            return np.zeros(len(places))
+        return outside_distance(self.outline, footprints(piece.half, places)).max(axis=1)
+
+
+def footprints(half: NDArray[np.float64], places: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Corners (T, 4, 2) of the box's footprint at places (T, 4), world metres."""
+    cos, sin = np.cos(places[:, 3]), np.sin(places[:, 3])
+    u = half[0] * np.stack([cos, sin], axis=1)
+    v = half[1] * np.stack([-sin, cos], axis=1)
+    return places[:, None, :2] + np.stack([u + v, v - u, -u - v, u - v], axis=1)
+
+
+def world_bounds(boxes: Boxes) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Lowest and highest corners (P, 3) of boxes in the world."""
+    reach = (np.abs(boxes.axes) @ boxes.half[:, :, None])[:, :, 0]
+    return boxes.center - reach, boxes.center + reach
+
+
+def _limits(habits: Habits, vocabulary: Sequence[str]) -> NDArray[np.float64]:
+    """Allowed overlap by two categories, (C + 1, C + 1); the last row and column are for other categories."""
+    place = {name: number for number, name in enumerate((*vocabulary, ""))}
+    limits = np.zeros((len(place), len(place)))
+    for pair, depth in habits.overlaps.items():
+        first, second = (place.get(name, -1) for name in pair.split("|"))
+        limits[first, second] = limits[second, first] = depth
+    return limits

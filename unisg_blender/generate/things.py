@@ -1,0 +1,178 @@
+"""What a generator sees of a scene: things, their upright boxes, and what each of them stands on."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..dataset.assets import heading
+from ..scene import Boxes, SceneGraph, world_matrices
+from ..scene.overlap import part_boxes
+
+CONTACT = 0.02
+"""Metres within which a bottom counts as resting on a surface."""
+
+_CORNERS = np.stack(np.meshgrid(*[[-1.0, 1.0]] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
+
+
+@dataclass(frozen=True, eq=False)
+class Things:
+    """The things of a scene, K of them with P parts: entities with their uncategorised descendants.
+
+    Attributes
+    ----------
+    row
+        int64 (K,): row of the entity in the scene.
+    category
+        int64 (K,): position in the vocabulary asked for, -1 for others.
+    support
+        int64 (K,): the thing that it is parented to or else rests on, -1 for none.
+    center, half
+        (K, 3): middle and half extents of the upright box turned by ``yaw``, metres.
+    yaw
+        (K,): turn about the vertical, radians.
+    parts, owner
+        World boxes of the connected parts of the meshes, and int64 (P,) whose they are, ascending.
+    """
+
+    row: NDArray[np.int64]
+    category: NDArray[np.int64]
+    support: NDArray[np.int64]
+    center: NDArray[np.float64]
+    half: NDArray[np.float64]
+    yaw: NDArray[np.float64]
+    parts: Boxes
+    owner: NDArray[np.int64]
+
+    def __len__(self) -> int:
+        return len(self.row)
+
+    @property
+    def bottom(self) -> NDArray[np.float64]:
+        """Heights of the lowest points, (K,)."""
+        return self.center[:, 2] - self.half[:, 2]
+
+    @property
+    def top(self) -> NDArray[np.float64]:
+        """Heights of the highest points, (K,)."""
+        return self.center[:, 2] + self.half[:, 2]
+
+    def parts_of(self, thing: int) -> Boxes:
+        """The parts of one thing."""
+        return self.parts.take(np.arange(*np.searchsorted(self.owner, (thing, thing + 1))))
+
+
+def things_of(graph: SceneGraph, vocabulary: Sequence[str]) -> Things:
+    """The things of a scene, categories numbered as in ``vocabulary``."""
+    thing_at = thing_rows(graph)
+    rows, place = np.unique(thing_at[thing_at >= 0], return_inverse=True)
+    number = np.full(len(graph) + 1, -1, np.int64)
+    number[np.flatnonzero(thing_at >= 0)] = place
+    shapes = part_boxes(graph)
+    owner = number[shapes.owner]
+    order = np.argsort(owner, kind="stable")
+    parts, owner = shapes.boxes.take(order), owner[order]
+    world = world_matrices(graph)[rows]
+    yaw = heading(world[:, :3, :3])
+    center, half = _upright(parts, owner, yaw, world[:, :3, 3])
+    known = {name: position for position, name in enumerate(vocabulary)}
+    codes = np.array([known.get(name, -1) for name in graph.vocabulary] + [-1], np.int64)
+    above = graph.parent[rows]
+    parent = np.where(above >= 0, number[above], -1)
+    things = Things(rows, codes[graph.category[rows]], parent, center, half, yaw, parts, owner)
+    return _with_supports(things)
+
+
+def thing_rows(graph: SceneGraph) -> NDArray[np.int64]:
+    """int64 (N,): for each entity the row of the thing that it is or belongs to, -1 for none.
+
+    A thing is an entity with a category, or one with a mesh that hangs under none.
+    """
+    found = np.full(len(graph) + 1, -1, np.int64)
+    for row in range(len(graph)):  # parents come first
+        above = found[graph.parent[row]]
+        inherits = graph.category[row] < 0 and above >= 0 and graph.category[above] >= 0
+        if inherits:
+            found[row] = above
+        elif graph.category[row] >= 0 or graph.mesh[row] >= 0:
+            found[row] = row
+    return found[:-1]
+
+
+def upright_box(parts: Boxes, yaw: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Lowest and highest corner (3,) each, in the frame turned by ``yaw``, of the box around all parts."""
+    corners = parts.center[:, None] + (_CORNERS * parts.half[:, None]) @ np.swapaxes(parts.axes, 1, 2)
+    cos, sin = np.cos(yaw), np.sin(yaw)
+    seen = corners.reshape(-1, 3) @ np.array([[cos, -sin, 0], [sin, cos, 0], [0, 0, 1]])
+    return seen.min(axis=0), seen.max(axis=0)
+
+
+def _upright(
+    parts: Boxes, owner: NDArray[np.int64], yaw: NDArray[np.float64], origin: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Centres and half extents of the things' boxes; things without geometry have a point at their origin."""
+    corners = parts.center[:, None] + (_CORNERS * parts.half[:, None]) @ np.swapaxes(parts.axes, 1, 2)
+    seen = turned(corners, -yaw[owner][:, None])
+    low, high = np.full((len(yaw), 3), np.inf), np.full((len(yaw), 3), -np.inf)
+    if len(owner):
+        first = np.flatnonzero(np.diff(owner, prepend=-1))
+        low[owner[first]] = np.minimum.reduceat(seen.min(axis=1), first)
+        high[owner[first]] = np.maximum.reduceat(seen.max(axis=1), first)
+    bare = ~np.isfinite(low[:, 0])
+    low[bare] = high[bare] = turned(origin, -yaw)[bare]
+    return turned((low + high) / 2, yaw), (high - low) / 2
+
+
+def turned(points: NDArray[np.float64], angle: NDArray[np.float64] | float) -> NDArray[np.float64]:
+    """Points (..., 3) or (..., 2) turned about the vertical by angles (...,), radians."""
+    cos, sin = np.cos(angle), np.sin(angle)
+    result = np.array(points, np.float64)
+    result[..., 0] = cos * points[..., 0] - sin * points[..., 1]
+    result[..., 1] = sin * points[..., 0] + cos * points[..., 1]
+    return result
+
+
+def _with_supports(things: Things) -> Things:
+    """Give roots, and what hangs under something without geometry, the thing that they rest on."""
+    support = things.support.copy()
+    bare = things.half.max(axis=1) <= 0
+    for thing in np.flatnonzero((support < 0) | bare[np.maximum(support, 0)]):
+        below = resting_on(things, int(thing))
+        if below >= 0:
+            support[thing] = below
+    return Things(
+        things.row, things.category, support, things.center, things.half, things.yaw, things.parts, things.owner
+    )
+
+
+def resting_on(things: Things, thing: int) -> int:
+    """The thing on one of whose parts the bottom of ``thing`` rests, the highest one; -1 for none."""
+    own = things.owner == thing
+    tops = part_tops(things.parts)
+    near = (np.abs(tops - things.bottom[thing]) <= CONTACT) & ~own
+    if not near.any() or not own.any():
+        return -1
+    under = np.flatnonzero(near & covers(things.parts, things.center[thing, :2]))
+    return int(things.owner[under[np.argmax(tops[under])]]) if len(under) else -1
+
+
+def part_tops(parts: Boxes) -> NDArray[np.float64]:
+    """Height of the highest point of each box, (P,)."""
+    return parts.center[:, 2] + (np.abs(parts.axes[:, 2, :]) * parts.half).sum(axis=1)
+
+
+def part_bottoms(parts: Boxes) -> NDArray[np.float64]:
+    """Height of the lowest point of each box, (P,)."""
+    return parts.center[:, 2] - (np.abs(parts.axes[:, 2, :]) * parts.half).sum(axis=1)
+
+
+def covers(parts: Boxes, point: NDArray[np.float64], margin: float = 0.0) -> NDArray[np.bool_]:
+    """Which boxes, seen from above, a point (2,) lies in; for boxes with one axis upright."""
+    offset = np.zeros((len(parts.center), 3))
+    offset[:, :2] = point - parts.center[:, :2]
+    along = np.abs(np.einsum("pij,pi->pj", parts.axes, offset))
+    upright = np.abs(parts.axes[:, 2, :]) > 0.7
+    return (upright | (along <= parts.half + margin)).all(axis=1)

@@ -1,0 +1,120 @@
+"""The trainer: the only place that knows Lightning."""
+
+from __future__ import annotations
+
+import logging
+import os
+import warnings
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pytorch_lightning as lightning
+import torch
+from pytorch_lightning.callbacks import Callback, ModelCheckpoint, TQDMProgressBar
+from pytorch_lightning.loggers import CSVLogger
+from torch import Tensor, nn
+from torch.utils.data import DataLoader
+
+Terms = Callable[[nn.Module, Any], Mapping[str, Tensor]]
+"""Loss terms of a batch by name; "loss" is what is minimised."""
+
+
+@dataclass(frozen=True)
+class Schedule:
+    """How long and how fast: AdamW with one cycle of the learning rate, 10 % of it warm-up."""
+
+    epochs: int
+    rate: float = 2e-3
+    weight_decay: float = 0.01
+    clip: float = 2.0
+    devices: int = 1
+    nodes: int = 1
+
+
+class _Task(lightning.LightningModule):
+    def __init__(self, network: nn.Module, terms: Terms, schedule: Schedule) -> None:
+        super().__init__()
+        self.network, self.terms, self.schedule = network, terms, schedule
+
+    def training_step(self, batch: Any, _: int) -> Tensor:
+        return self._step(batch, "train")
+
+    def validation_step(self, batch: Any, _: int) -> Tensor:
+        return self._step(batch, "val")
+
+    def _step(self, batch: Any, stage: str) -> Tensor:
+        terms = self.terms(self.network, batch)
+        for name, value in terms.items():
+            self.log(
+                f"{stage}_{name}", value.detach(), on_step=False, on_epoch=True, prog_bar=name == "loss", batch_size=1
+            )
+        return terms["loss"]
+
+    def configure_optimizers(self) -> Any:
+        plan = self.schedule
+        optimizer = torch.optim.AdamW(self.network.parameters(), plan.rate, weight_decay=plan.weight_decay)
+        steps = max(int(self.trainer.estimated_stepping_batches), 2)
+        cycle = torch.optim.lr_scheduler.OneCycleLR(optimizer, plan.rate, total_steps=steps, pct_start=0.1)
+        return {"optimizer": optimizer, "lr_scheduler": {"scheduler": cycle, "interval": "step"}}
+
+
+class _BestLosses(Callback):
+    def __init__(self) -> None:
+        self.last: dict[str, float] = {}
+
+    def on_train_end(self, trainer: Any, pl_module: Any) -> None:
+        self.last = {name: float(value) for name, value in trainer.callback_metrics.items()}
+
+
+def fit(
+    network: nn.Module,
+    terms: Terms,
+    train: DataLoader[Any],
+    val: DataLoader[Any],
+    schedule: Schedule,
+    folder: Path,
+    *,
+    seed: int,
+    quiet: bool = False,
+) -> dict[str, float]:
+    """Train a network in place; checkpoints and ``metrics.csv`` go to ``folder``.
+
+    An interrupted training goes on where its last checkpoint stands when it is
+    called again with the same folder. Same seed, same result on the same machine.
+
+    Returns
+    -------
+    dict
+        The last values of all terms, named "train_..." and "val_...".
+    """
+    logging.getLogger("pytorch_lightning").setLevel(logging.ERROR)
+    warnings.filterwarnings("ignore", module="pytorch_lightning")
+    lightning.seed_everything(seed, workers=True, verbose=False)
+    checkpoint = ModelCheckpoint(folder, filename="best", monitor="val_loss", save_last=True, save_top_k=1)
+    losses = _BestLosses()
+    trainer = lightning.Trainer(
+        max_epochs=schedule.epochs,
+        accelerator="cpu",
+        devices=schedule.devices,
+        num_nodes=schedule.nodes,
+        gradient_clip_val=schedule.clip,
+        deterministic=True,
+        callbacks=[checkpoint, losses, *([] if quiet else [TQDMProgressBar(refresh_rate=5)])],
+        logger=CSVLogger(folder, name="", version=""),
+        enable_progress_bar=not quiet,
+        enable_model_summary=False,
+        num_sanity_val_steps=0,
+        log_every_n_steps=1,
+    )
+    last = folder / "last.ckpt"
+    task = _Task(network, terms, schedule)
+    trainer.fit(task, train, val, ckpt_path=str(last) if last.is_file() else None)
+    network.eval()
+    return losses.last
+
+
+def use_threads(count: int | None = None) -> None:
+    """Let torch use ``count`` threads, by default as many as OMP_NUM_THREADS says or there are cores."""
+    torch.set_num_threads(count or int(os.environ.get("OMP_NUM_THREADS", 0)) or os.cpu_count() or 1)

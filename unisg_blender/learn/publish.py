@@ -1,0 +1,50 @@
+"""What goes with a trained model: where it comes from, and its assets."""
+
+from __future__ import annotations
+
+import platform
+from dataclasses import asdict
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+import torch
+from torch import nn
+
+from .. import __version__
+from ..dataset.asset_file import AssetFile, save_assets
+from ..dataset.assets import FILE
+from ..dataset.reader import Dataset
+from ..generate.model import assets_path
+from .scenes import dataset_checksum
+
+
+def provenance(
+    dataset: Dataset, settings: Any, train: int, val: int, losses: dict[str, float], network: nn.Module
+) -> dict[str, Any]:
+    """Dataset, counts, software, settings, losses and date of a training."""
+    return {
+        "dataset": {"sha256": dataset_checksum(dataset), "scenes": len(dataset), **dataset.manifest["counts"]},
+        "scenes_trained": train,
+        "scenes_held_out": val,
+        "settings": asdict(settings),
+        "losses": {name: round(value, 6) for name, value in sorted(losses.items())},
+        "parameters": sum(parameter.numel() for parameter in network.parameters()),
+        "software": f"unisg_blender {__version__}, torch {torch.__version__}, Python {platform.python_version()}",
+        "date": datetime.now(UTC).strftime("%Y-%m-%d"),
+    }
+
+
+def save_model_assets(dataset: Dataset, out: Path) -> int:
+    """Put the dataset's assets beside the model; returns how many there are, 0 where the dataset has none.
+
+    Without them the generator makes new objects out of those in the scene, else plain boxes.
+    """
+    path = dataset.path / FILE
+    if not path.is_file():
+        assets_path(out).unlink(missing_ok=True)
+        return 0
+    file = AssetFile(path)
+    assets = [file.asset(number) for number in range(len(file.index["assets"]))]
+    save_assets(assets_path(out), assets)
+    return len(assets)

@@ -1,0 +1,174 @@
+"""Train the paper's CGVAE on a dataset and write it as a model for the generator."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor, nn
+from torch.utils.data import DataLoader
+
+from ..dataset.reader import Dataset
+from ..generate.cgvae import edges_of, node_features
+from ..generate.contract import Contract
+from ..generate.habits import learn_habits
+from ..poses import FORMS
+from .cgvae import Cgvae, CgvaeSizes, cgvae_losses
+from .export import export_onnx
+from .fit import Schedule, fit
+from .publish import provenance, save_model_assets
+from .scenes import TrainingScene, load_scenes, vocabulary_of
+
+CONSTANT = 1e-6
+"""A channel that spreads less than this over the training set is constant and not learned."""
+
+import os
+KL_WEIGHT = float(os.environ.get("KLW", "1e-2"))
+HELD_OUT = 0.1
+
+
+@dataclass(frozen=True)
+class Settings:
+    """What a user can choose."""
+
+    form: str = "cga_even"
+    epochs: int = 100
+    seed: int = 0
+    batch: int = 16
+    latent: int = 16
+    devices: int = 1
+    nodes: int = 1
+    command: str = ""
+
+
+def train_paper(
+    dataset: Dataset, out: Path, settings: Settings, *, logs: Path | None = None, quiet: bool = False
+) -> dict[str, Any]:
+    """Train, export and put the assets beside the model; returns the contract's provenance.
+
+    Raises
+    ------
+    UniSGError
+        Too few scenes or categories.
+    """
+    vocabulary = vocabulary_of(dataset)
+    scenes = load_scenes(dataset, vocabulary, quiet)
+    contract = _contract(scenes, vocabulary, settings)
+    train, val = split(scenes, settings.seed)
+    torch.manual_seed(settings.seed)
+    network = Cgvae(CgvaeSizes(len(contract.kept), len(vocabulary), latent=settings.latent))
+    with tempfile.TemporaryDirectory() as scratch:
+        losses = fit(
+            network, _terms, _loader(train, contract, settings, True), _loader(val, contract, settings, False),
+            Schedule(settings.epochs, devices=settings.devices, nodes=settings.nodes), logs or Path(scratch),
+            seed=settings.seed, quiet=quiet,
+        )  # fmt: skip
+    source = provenance(dataset, settings, len(train), len(val), losses, network)
+    write_cgvae(network, replace(contract, provenance=source), out)
+    save_model_assets(dataset, out)
+    return source
+
+
+def split(scenes: Sequence[TrainingScene], seed: int) -> tuple[list[TrainingScene], list[TrainingScene]]:
+    """Scenes to train on and scenes to watch the loss on, at least one each."""
+    order = np.random.default_rng(seed).permutation(len(scenes))
+    count = max(1, round(HELD_OUT * len(scenes)))
+    return [scenes[i] for i in np.sort(order[count:])], [scenes[i] for i in np.sort(order[:count])]
+
+
+def _contract(scenes: Sequence[TrainingScene], vocabulary: tuple[str, ...], settings: Settings) -> Contract:
+    mean, scale, kept = normalisation([scene.local for scene in scenes], settings.form)
+    habits = learn_habits((scene.things for scene in scenes), vocabulary)
+    return Contract(
+        kind="cgvae",
+        vocabulary=vocabulary,
+        habits=habits,
+        form=settings.form,
+        mean=tuple(mean.tolist()),
+        scale=tuple(scale.tolist()),
+        kept=tuple(kept.tolist()),
+        latent=settings.latent,
+    )
+
+
+def normalisation(
+    poses: Sequence[NDArray[np.float64]], form: str
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.int64]]:
+    """Mean and spread of all channels of a form (stretch included), and the channels that vary."""
+    raw = FORMS[form].encode(np.concatenate(poses), stretch=True)
+    mean, spread = raw.mean(axis=0), raw.std(axis=0)
+    kept = np.flatnonzero(spread > CONSTANT)
+    return mean, np.where(spread > CONSTANT, spread, 1.0), kept
+
+
+@dataclass(frozen=True, eq=False)
+class _Nodes:
+    features: Tensor
+    category: Tensor
+    edges: Tensor
+    parent: Tensor
+
+
+def _loader(
+    scenes: Sequence[TrainingScene], contract: Contract, settings: Settings, shuffle: bool
+) -> DataLoader[Mapping[str, Tensor]]:
+    nodes = [_nodes(scene, contract) for scene in scenes]
+    order = torch.Generator().manual_seed(settings.seed)
+    return DataLoader(nodes, batch_size=settings.batch, shuffle=shuffle, collate_fn=_collate, generator=order)  # type: ignore[arg-type]
+
+
+def _nodes(scene: TrainingScene, contract: Contract) -> _Nodes:
+    category = np.where(scene.things.category < 0, len(contract.vocabulary), scene.things.category)
+    return _Nodes(
+        torch.from_numpy(node_features(scene.local, contract)),
+        torch.from_numpy(category),
+        torch.from_numpy(edges_of(scene.things.support)),
+        torch.from_numpy(scene.things.support.copy()),
+    )
+
+
+def _collate(scenes: Sequence[_Nodes]) -> dict[str, Tensor]:
+    counts = torch.tensor([len(scene.category) for scene in scenes])
+    start = (torch.cumsum(counts, 0) - counts).tolist()
+    shifted = [torch.where(s.parent >= 0, s.parent + first, -1) for s, first in zip(scenes, start, strict=True)]
+    return {
+        "features": torch.cat([scene.features for scene in scenes]),
+        "category": torch.cat([scene.category for scene in scenes]),
+        "edges": torch.cat([scene.edges + first for scene, first in zip(scenes, start, strict=True)], dim=1),
+        "parent": torch.cat(shifted),
+        "scene": torch.repeat_interleave(torch.arange(len(scenes)), counts),
+    }
+
+
+def _terms(network: nn.Module, batch: Mapping[str, Tensor]) -> dict[str, Tensor]:
+    assert isinstance(network, Cgvae)
+    noise = torch.randn(len(batch["category"]), network.sizes.latent)
+    losses = cgvae_losses(network, **batch, noise=noise)
+    loss = losses.mse + losses.bce + KL_WEIGHT * losses.kl
+    return {"loss": loss, "mse": losses.mse, "bce": losses.bce, "kl": losses.kl}
+
+
+def example_inputs(sizes: CgvaeSizes, nodes: int = 5) -> dict[str, Tensor]:
+    """Inputs of the right kinds for a scene of some nodes in a chain."""
+    chain = torch.stack([torch.arange(nodes - 1), torch.arange(1, nodes)])
+    return {
+        "features": torch.zeros(nodes, sizes.features),
+        "category": torch.arange(nodes) % (sizes.categories + 1),
+        "edges": torch.cat([chain, chain.flip(0)], dim=1),
+        "noise": torch.zeros(nodes, sizes.latent),
+        "known": torch.ones(nodes),
+    }
+
+
+def write_cgvae(network: Cgvae, contract: Contract, out: Path) -> None:
+    """Write the network as an ONNX file with its contract."""
+    node = {0: "nodes"}
+    dynamic = {"features": node, "category": node, "edges": {1: "edges"}, "noise": node, "known": node}
+    outputs = ["decoded", "adjacency", "latent"]
+    export_onnx(network, example_inputs(network.sizes), outputs, dynamic, contract.to_json(), out)
