@@ -79,12 +79,18 @@ def take_strings(columns: Columns, key: str, rows: NDArray[np.integer]) -> Colum
 
 
 def _used_meshes(columns: Columns, mesh: NDArray[np.int32]) -> Columns:
-    """The rows of the mesh table that ``mesh`` names, and ``entity.mesh`` pointing to them."""
-    used, place = np.unique(mesh, return_inverse=True)
-    hidden = int(len(used) > 0 and used[0] < 0)  # -1, "no mesh", sorts first and stays -1
-    rows = used[hidden:]
+    """The rows of the mesh table that ``mesh`` names, in order of first use, and ``entity.mesh`` pointing to them."""
+    rows = in_order_of_appearance(mesh[mesh >= 0])
+    place = np.full(len(columns["mesh.bounds"]) + 1, -1, np.int32)  # the last one is for index -1, "no mesh"
+    place[rows] = np.arange(len(rows))
     part = {key: columns[key][rows] for key, table in COLUMN_TABLES.items() if table == "mesh"}
-    return part | take_strings(columns, "mesh.name", rows) | {"entity.mesh": (place - hidden).astype(np.int32)}
+    return part | take_strings(columns, "mesh.name", rows) | {"entity.mesh": place[mesh]}
+
+
+def in_order_of_appearance(values: NDArray[Any]) -> NDArray[Any]:
+    """Each value once, in the order in which they come."""
+    found, first = np.unique(values, return_index=True)
+    return found[np.argsort(first)]
 
 
 def join(parts: Sequence[Columns]) -> Columns:
@@ -149,12 +155,7 @@ class Vocabulary:
         for key, kind in REFERENCES.items():
             places = np.full(len(names[kind]) + 1, -1, np.int32)
             values = columns[key]
-            for old in _in_order_of_appearance(values[values >= 0]):  # only what occurs enters the vocabulary
+            for old in in_order_of_appearance(values[values >= 0]):  # only what occurs enters the vocabulary
                 places[old] = self.place(kind, names[kind][old])
             moved[key] = places[values]
         return columns | moved
-
-
-def _in_order_of_appearance(values: NDArray[np.int32]) -> NDArray[np.int32]:
-    found, first = np.unique(values, return_index=True)
-    return found[np.argsort(first)]

@@ -16,7 +16,7 @@ from ..scene import Mesh, SceneGraph, local_bounds
 from ..scene.behaviour.links import NODE_CHANNELS
 from ..scene.behaviour.vector import WIDTH as ACTION_WIDTH
 from .behaviour_rows import behaviour_rows, relation_rows
-from .columns import COLUMN_TABLES, Columns, Vocabulary, pack_strings
+from .columns import COLUMN_TABLES, Columns, Vocabulary, in_order_of_appearance, pack_strings
 from .schema import COLUMNS, MESH_CHANNELS, STRINGS, TABLES
 
 MeshEncoder = Callable[[Mesh], NDArray[np.floating]]
@@ -97,7 +97,10 @@ def _stack(parts: list[Any], dtype: str, shape: tuple[int, ...]) -> NDArray[Any]
 
 def _scene_rows(sample: Sample, vocabulary: Vocabulary, meshes: _MeshTable) -> dict[str, Any]:
     graph = sample.graph
-    found = {int(index): vocabulary.place("categories", graph.vocabulary[index]) for index in _first_seen(graph)}
+    used = graph.category[graph.category >= 0]
+    found = {
+        int(index): vocabulary.place("categories", graph.vocabulary[index]) for index in in_order_of_appearance(used)
+    }
     moved = graph.components.get("world")
     return {
         "local": graph.local,
@@ -118,13 +121,6 @@ def _scene_rows(sample: Sample, vocabulary: Vocabulary, meshes: _MeshTable) -> d
     }
 
 
-def _first_seen(graph: SceneGraph) -> NDArray[np.int32]:
-    """The categories that occur, in the order in which the entities bring them."""
-    used = graph.category[graph.category >= 0]
-    values, first = np.unique(used, return_index=True)
-    return values[np.argsort(first)]
-
-
 @dataclass
 class _MeshTable:
     """The meshes of some scenes, each once."""
@@ -141,9 +137,8 @@ class _MeshTable:
 
     def places(self, graph: SceneGraph) -> NDArray[np.int32]:
         """Rows of the table for the entities of a scene, whose meshes are taken in; -1 for none."""
-        used = np.unique(graph.mesh[graph.mesh >= 0])
         place = np.full(len(graph.meshes) + 1, -1, np.int32)
-        for index in used:
+        for index in in_order_of_appearance(graph.mesh[graph.mesh >= 0]):
             place[index] = self._row(graph.meshes[index])
         return place[graph.mesh]
 

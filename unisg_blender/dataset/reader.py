@@ -166,7 +166,7 @@ class Dataset:
             raise DamagedError(f"{self.path / entry['file']} cannot be read: {error.strerror}") from None
         if checksum(data) != entry["sha256"]:
             raise DamagedError(f"{self.path / entry['file']} is damaged: its checksum is not the one in the manifest")
-        return [json.loads(line) for line in data.decode("utf-8", "surrogatepass").splitlines()]
+        return [json.loads(line) for line in data.decode().split("\n") if line]
 
     def check(self) -> None:
         """Verify the checksum of every file; DamagedError if one is not what was written."""

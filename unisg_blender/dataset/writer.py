@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 from collections import deque
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -121,10 +122,10 @@ class DatasetWriter:
             "files": None,
         }
         if files is not None:
-            lines = "".join(json.dumps(record, ensure_ascii=False, sort_keys=True) + "\n" for record in files)
-            name, total = write_named(self.folder, "files", ".jsonl", lines.encode("utf-8", "surrogatepass"))
+            lines = "".join(json.dumps(record, sort_keys=True) + "\n" for record in files)
+            name, total = write_named(self.folder, "files", ".jsonl", lines.encode())
             manifest["files"] = {"file": name, "sha256": total}
-        write_file(self.folder / MANIFEST, json.dumps(manifest, ensure_ascii=False, indent=1).encode())
+        write_file(self.folder / MANIFEST, json.dumps(manifest, indent=1).encode())
         remove_strays(self.folder, manifest)
         return manifest
 
@@ -151,24 +152,31 @@ def read_manifest(folder: Path) -> dict[str, Any] | None:
 
 
 @contextmanager
-def dataset_folder(out: str | os.PathLike[str], overwrite: bool = False) -> Iterator[Path]:
-    """A locked folder to write a dataset to; when writing fails it is left as it was found.
+def dataset_folder(out: str | os.PathLike[str], overwrite: bool = False, resume: bool = False) -> Iterator[Path]:
+    """A locked folder to write a dataset to; when writing fails, the dataset that it held is still whole.
+
+    Parameters
+    ----------
+    out
+        The folder, made if it is missing.
+    overwrite
+        Replace a dataset or an unfinished export that it holds.
+    resume
+        Go on with them.
 
     Raises
     ------
     UniSGError
-        If the folder holds a dataset already (unless ``overwrite``), holds
-        something else, is being written to, or cannot be written.
+        If the folder holds one of them and neither is asked for, holds something
+        else, is being written to, or cannot be written.
     """
     folder = Path(out)
     existed = folder.exists()
     try:
         with folder_lock(folder):
-            before = read_manifest(folder)
-            if before is not None and not overwrite:
-                raise UniSGError(f"{folder} holds a dataset already: choose another folder, or ask to overwrite it")
-            if before is None and not all(_is_ours(path.name) for path in folder.iterdir()):
-                raise UniSGError(f"{folder} is not empty and holds no dataset: choose another folder")
+            _check_free(folder, overwrite, resume)
+            if overwrite:
+                shutil.rmtree(folder / PARTS, ignore_errors=True)
             try:
                 yield folder
             except BaseException:
@@ -179,6 +187,18 @@ def dataset_folder(out: str | os.PathLike[str], overwrite: bool = False) -> Iter
             (folder / LOCK).unlink(missing_ok=True)
             folder.rmdir()
         raise
+
+
+def _check_free(folder: Path, overwrite: bool, resume: bool) -> None:
+    manifest = read_manifest(folder)
+    if manifest is None and not all(_is_ours(path.name) for path in folder.iterdir()):
+        raise UniSGError(f"{folder} is not empty and holds no dataset: choose another folder")
+    if overwrite or resume:
+        return
+    if (folder / PARTS).exists():
+        raise UniSGError(f"{folder} holds an unfinished export: resume it, or ask to overwrite it")
+    if manifest is not None:
+        raise UniSGError(f"{folder} holds a dataset already: choose another folder, or ask to overwrite it")
 
 
 def _is_ours(name: str) -> bool:

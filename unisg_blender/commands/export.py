@@ -1,0 +1,129 @@
+"""``unisg export``: scene files become a dataset for learning."""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import json
+from collections.abc import Iterator
+from concurrent.futures import Executor
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ..errors import DONE, SOME_FAILED, MissingPackageError, UniSGError
+
+if TYPE_CHECKING:
+    from ..dataset.progress import Progress
+
+HELP = "Turn scene files into a dataset for learning."
+EPILOG = "A file that crashes, hangs or cannot be read costs only itself; the dataset's list of files says why."
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """What the verb takes."""
+    from ..poses import FORMS
+
+    parser.epilog = EPILOG
+    parser.add_argument("inputs", metavar="IN", nargs="+", help="scene files, folders and globs")
+    parser.add_argument("--out", metavar="DATASET", type=Path, required=True, help="folder of the dataset")
+    parser.add_argument("--form", choices=FORMS, default="quaternion", help="form of the poses (quaternion)")
+    parser.add_argument("--jobs", metavar="N", type=_positive, help="files read at a time (one per processor)")
+    parser.add_argument("--timeout", metavar="SECONDS", type=float, default=300.0, help="limit for one file (300)")
+    parser.add_argument("--memory", metavar="GIB", type=float, default=0.0, help="limit for one reading process (none)")
+    parser.add_argument("--mapping", metavar="FILE", type=Path, help="JSON or TOML: name patterns to categories")
+    parser.add_argument("--folder-labels", action="store_true", help="a file's folder names its kind of scene")
+    parser.add_argument(
+        "--mesh-features", metavar="MODULE:FUNCTION", default="", help="encoder that gives a vector for each mesh"
+    )
+    parser.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask scheduler that runs the files")
+    again = parser.add_mutually_exclusive_group()
+    again.add_argument("--resume", action="store_true", help="go on with an interrupted export, or update a dataset")
+    again.add_argument("--overwrite", action="store_true", help="replace the dataset in that folder")
+
+
+def _positive(text: str) -> int:
+    number = int(text)
+    if number < 1:
+        raise argparse.ArgumentTypeError("must be at least 1")
+    return number
+
+
+def run(args: argparse.Namespace) -> int:
+    """Export, show progress and one line per file that lost something or failed."""
+    from ..dataset.export import ExportOptions, export_dataset
+    from ..dataset.mapping import read_mapping
+    from ..dataset.progress import Progress
+
+    options = ExportOptions(
+        form=args.form,
+        timeout=args.timeout,
+        memory=int(args.memory * 2**30),
+        mapping=None if args.mapping is None else read_mapping(args.mapping),
+        folder_labels=args.folder_labels,
+        mesh_encoder=args.mesh_features,
+    )
+    bar = Progress(0, "files", args.quiet)
+    counts = {"done": 0, "failed": 0}
+
+    def finished(record: dict[str, Any]) -> None:
+        counts["done"] += 1
+        counts["failed"] += record["status"] == "failed"
+        _show_file(bar, record)
+        bar.update(counts["done"], counts["failed"])
+
+    with _executor(args.scheduler) as executor:
+        try:
+            records = export_dataset(
+                args.inputs,
+                args.out,
+                options,
+                executor=executor,
+                jobs=args.jobs,
+                resume=args.resume,
+                overwrite=args.overwrite,
+                started=bar.start,
+                finished=finished,
+            )
+        finally:
+            bar.close()
+    return _report(args, records)
+
+
+def _show_file(bar: Progress, record: dict[str, Any]) -> None:
+    """One line about a file: why it failed, or what of it is not in the dataset."""
+    if record["status"] == "failed":
+        bar.write(f"{record['source']}: FAILED: {record['reason']}")
+    elif record["status"] == "ok":
+        note = record["not_represented"]
+        bar.write(f"{record['source']}: {f'not represented: {note}' if note else 'complete'}")
+
+
+@contextlib.contextmanager
+def _executor(address: str | None) -> Iterator[Executor | None]:
+    """Dask's executor for a scheduler's address; None without one."""
+    if address is None:
+        yield None
+        return
+    try:
+        from distributed import Client
+    except ImportError:
+        raise MissingPackageError("distributed", "cluster") from None
+    try:
+        client = Client(address, timeout=20)
+    except (OSError, ValueError) as error:
+        raise UniSGError(f"no Dask scheduler answers at {address}: {error}") from None
+    with client:
+        yield client.get_executor(pure=False)
+
+
+def _report(args: argparse.Namespace, records: list[dict[str, Any]]) -> int:
+    failed = [record for record in records if record["status"] == "failed"]
+    scenes = sum(record.get("scenes", 0) for record in records)
+    entities = sum(record.get("entities", 0) for record in records)
+    if args.json:
+        report = {"out": str(args.out), "files": len(records), "failed": len(failed), "scenes": scenes}
+        print(json.dumps(report | {"entities": entities, "records": records}))
+    elif not args.quiet:
+        words = f", {len(failed)} could not be read" if failed else ""
+        print(f"{args.out}: {scenes} scenes with {entities} entities from {len(records)} files{words}")
+    return SOME_FAILED if failed else DONE
