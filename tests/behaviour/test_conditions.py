@@ -31,6 +31,7 @@ CUBE = mesh_from_faces(
     [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]],
 )
 DEGREE = math.pi / 180
+POSE = tuple(np.eye(4).ravel())
 
 
 def at(x=0.0, y=0.0, z=0.0, turn=(0.0, 0.0, 0.0), scale=1.0):
@@ -178,8 +179,8 @@ def test_a_tool_works_at_its_pose_with_its_trigger():
 
 def test_question():
     action = ActionData("a", "Question", answers=("two", "three", "four"), correct=(0, 2))
-    for given, expected in [((0,), False), ((0, 1, 2), False), ((2, 0), True), ((), False)]:
-        assert Bench(action).at(0, answers={"a": given}) is expected
+    for chosen, expected in [((0,), False), ((0, 1, 2), False), ((2, 0), True), ((), False)]:
+        assert Bench(action).at(0, answers={"a": chosen}) is expected
     assert not Bench(action).at(0, answers={"other": (0, 2)})
 
 
@@ -193,9 +194,9 @@ def test_parallel(mode, expected):
     checks = compile_actions(graph)
     state, world = start(checks), world_matrices(graph)
     done = []
-    for given, pose in [({}, at(0)), ({"q": (0,)}, at(0)), ({}, at(1))]:
+    for chosen, pose in [({}, at(0)), ({"q": (0,)}, at(0)), ({}, at(1))]:
         world[0] = pose
-        state = step(checks, state, moment(graph, len(done), world, answers=given))
+        state = step(checks, state, moment(graph, len(done), world, answers=chosen))
         done.append(bool(state.done[0]))
     assert done == expected
 
@@ -243,7 +244,9 @@ def test_systems_run_over_a_part_of_the_scene():
 
 def test_what_is_missing_or_not_a_number_is_never_performed():
     gone = ActionData("g", "Insert", targets=("gone",), reference=flat(at()), thresholds=Thresholds(1.0))
-    frameless = ActionData("f", "Insert", targets=("t",), frame="gone", reference=flat(at()), thresholds=Thresholds(1.0))
+    frameless = ActionData(
+        "f", "Insert", targets=("t",), frame="gone", reference=flat(at()), thresholds=Thresholds(1.0)
+    )
     here = ActionData("h", "Insert", targets=("t",), reference=flat(at()), thresholds=Thresholds(1.0, 1.0))
     away = ActionData("r", "Remove", targets=("t",), thresholds=Thresholds(1.0, 1.0))
     touch = ActionData("u", "Use", targets=("t",), tools=("t", "gone", "b"))

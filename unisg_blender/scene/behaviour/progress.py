@@ -1,10 +1,11 @@
 """How far a lesson has come: which nodes wait, are open, are done or were skipped.
 
-The rules. A node opens when the one above it is open, what it requires is done
-and, in a part whose order is fixed, every mandatory sibling before it is done. A
-part is done when its mandatory children are (where all are optional: when none is
-left). Then what is left of it is skipped; so are optional siblings when a later
-one is done, and what requires something that was skipped.
+The rules. A node opens when the one above it is open or done, what it requires is
+done and, in a part whose order is fixed, every mandatory sibling before it is done.
+A part is done when its mandatory children are (where all are optional: when none is
+left). What is optional stays open until, where the order is fixed, something that
+comes later is done: then it is skipped, and so is what requires it. So the optional
+end of a lesson can still be done when the lesson is.
 """
 
 from __future__ import annotations
@@ -48,11 +49,12 @@ def advance(
     def put(place: int, new: int) -> None:
         status[place] = new
         changes.append(Change(place, new))
-        if new in (DONE, SKIPPED):
-            left = [*outline.below(place), *(outline.earlier(place) if new == DONE else ())]
-            for other in left:
-                if status[other] in (WAITING, OPEN):
-                    put(other, SKIPPED)
+        missed = outline.below(place) if new == SKIPPED else ()
+        if new == DONE:
+            missed = [other for sibling in outline.earlier(place) for other in (sibling, *outline.below(sibling))]
+        for other in missed:
+            if status[other] in (WAITING, OPEN):
+                put(other, SKIPPED)
 
     for place in performed:
         if status[place] == OPEN and outline.nodes[place].kind == "action":
@@ -78,7 +80,7 @@ def _may_open(outline: Outline, status: NDArray[np.int8], place: int) -> int:
     if SKIPPED in needs:
         return SKIPPED
     before = all(status[sibling] == DONE or not outline.mandatory[sibling] for sibling in outline.earlier(place))
-    ready = status[outline.parent[place]] == OPEN and before and all(need == DONE for need in needs)
+    ready = status[outline.parent[place]] in (OPEN, DONE) and before and all(need == DONE for need in needs)
     return OPEN if ready else WAITING
 
 

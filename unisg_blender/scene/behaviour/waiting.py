@@ -10,7 +10,7 @@ from .outline import Outline
 def circles(plan: Outline) -> Iterator[tuple[str, int]]:
     """Messages about nodes that can never be reached, each with a node's place.
 
-    Every node has a beginning and an end; each rule of the lesson (see
+    Every node has a beginning, an end and a last moment; each rule of the lesson (see
     :mod:`.progress`) says which of these comes before which. What is left when
     everything that waits for nothing is taken away again and again (Kahn 1962)
     stands in a circle, or waits for one.
@@ -30,31 +30,35 @@ def circles(plan: Outline) -> Iterator[tuple[str, int]]:
     if not stuck:
         return
     circle = _circle(after, stuck)
-    names = list(dict.fromkeys(plan.label(node // 2) for node in circle))
-    yield f"{', '.join(names)} wait for each other: none of them can begin", circle[0] // 2
-    held = {node // 2 for node in stuck if node % 2 == 0} - {node // 2 for node in circle}
+    names = list(dict.fromkeys(plan.label(node // 3) for node in circle))
+    yield f"{', '.join(names)} wait for each other: none of them can begin", circle[0] // 3
+    held = {node // 3 for node in stuck if node % 3 == 0} - {node // 3 for node in circle}
     for place in sorted(held):
         if plan.nodes[place].kind == "action":
             yield f"{plan.label(place)} can never be reached", place
 
 
 def _after(plan: Outline) -> list[list[int]]:
-    """What comes after what: node 2 p is the beginning of place p, 2 p + 1 its end."""
-    after: list[list[int]] = [[] for _ in range(2 * len(plan.nodes))]
+    """What comes after what: of place p, 3 p is the beginning, 3 p + 1 the end, 3 p + 2 the last of all inside it."""
+    after: list[list[int]] = [[] for _ in range(3 * len(plan.nodes))]
     for place in range(len(plan.nodes)):
-        after[2 * place].append(2 * place + 1)
+        begin, end, last = 3 * place, 3 * place + 1, 3 * place + 2
+        after[begin].append(end)
+        after[end].append(last)
         above = plan.parent[place]
         if above >= 0:
-            after[2 * above].append(2 * place)
-            after[2 * place + 1].append(2 * above + 1)
+            after[3 * above].append(begin)
+            after[last].append(3 * above + 2)
+            if plan.mandatory[place] or not any(plan.mandatory[child] for child in plan.children[above]):
+                after[end].append(3 * above + 1)
         earlier = plan.earlier(place)
         if earlier:
-            after[2 * earlier[-1] + 1].append(2 * place + 1)  # later it would be skipped
+            after[3 * earlier[-1] + 2].append(end)  # what is not done by then is skipped
             mandatory = [sibling for sibling in earlier if plan.mandatory[sibling]]
             if mandatory:
-                after[2 * mandatory[-1] + 1].append(2 * place)
+                after[3 * mandatory[-1] + 1].append(begin)
         for wanted in plan.requires[place]:
-            after[2 * wanted + 1].append(2 * place)
+            after[3 * wanted + 1].append(begin)
     return after
 
 
