@@ -13,6 +13,7 @@ from ..scene.hierarchy import compose_world
 
 STEP = 2e-6  # rounding that one product of Blender's float32 matrices may leave, relative
 CHAIN = 5e-6  # ... and a whole chain of them
+LINEAR, TRANSLATION = [0, 1, 2, 4, 5, 6, 8, 9, 10], [3, 7, 11]  # entries of a 4x4 matrix, row by row
 
 
 @dataclass(frozen=True)
@@ -152,8 +153,14 @@ def differ(
     Linear block and translation each by its size, which is that of ``second`` or
     of the ``terms`` that it sums up.
     """
-    gap, size = np.abs(first - second), np.abs(second) if terms is None else terms
-    linear = size[:, :3, :3].max(axis=(1, 2), initial=0)
-    reach = np.maximum(size[:, :3, 3].max(axis=1, initial=0), linear)
-    bent = gap[:, :3, :3].max(axis=(1, 2), initial=0) > tolerance * linear
-    return np.asarray(bent | (gap[:, :3, 3].max(axis=1, initial=0) > tolerance * reach))
+    gap = _by_entry(np.abs(first - second))
+    size = _by_entry(np.abs(second) if terms is None else terms)
+    linear = size[LINEAR].max(axis=0)
+    reach = np.maximum(size[TRANSLATION].max(axis=0), linear)
+    bent = gap[LINEAR].max(axis=0) > tolerance * linear
+    return np.asarray(bent | (gap[TRANSLATION].max(axis=0) > tolerance * reach))
+
+
+def _by_entry(matrices: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(16, N): numpy goes much faster along a long last axis."""
+    return np.ascontiguousarray(matrices.reshape(-1, 16).T)

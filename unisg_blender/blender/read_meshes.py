@@ -16,10 +16,6 @@ def read_mesh(mesh: bpy.types.Mesh, name: str = "") -> Mesh:
     offsets = np.full(faces + 1, corners, np.int32)
     if faces:
         mesh.polygons.foreach_get("loop_start", offsets[:-1])
-    normals = None
-    if corners and mesh.normals_domain != "FACE":
-        normals = np.empty((corners, 3), np.float32)
-        mesh.corner_normals.foreach_get("vector", normals.ravel())
     index = attributes.get("material_index") if faces else None
     return Mesh(
         name=name or mesh.name,
@@ -27,7 +23,7 @@ def read_mesh(mesh: bpy.types.Mesh, name: str = "") -> Mesh:
         corners=_values(attributes, ".corner_vert", "value", corners, 1, np.int32).ravel(),
         offsets=offsets,
         edges=_loose_edges(mesh),
-        normals=normals,
+        normals=_corner_normals(mesh, corners) if corners and mesh.normals_domain != "FACE" else None,
         uvs={layer.name: _values(attributes, layer.name, "vector", corners, 2, np.float32) for layer in mesh.uv_layers},
         material_index=None if index is None else _material_index(attributes, faces),
         materials=tuple("" if material is None else material.name for material in mesh.materials),
@@ -63,3 +59,13 @@ def _edge_points(mesh: bpy.types.Mesh, count: int) -> NDArray[np.int32]:
     points = np.empty((count, 2), np.int32)
     mesh.edges.foreach_get("vertices", points.ravel())
     return points
+
+
+def _corner_normals(mesh: bpy.types.Mesh, count: int) -> NDArray[np.float32]:
+    normals = np.empty((count, 3), np.float32)
+    mesh.corner_normals.foreach_get("vector", normals.ravel())
+    squares = np.einsum("ij,ij->i", normals, normals)
+    odd = np.abs(squares - 1) > 1e-4  # on faces without area, Blender's have any length
+    if odd.any():
+        normals[odd] /= np.sqrt(np.where(squares > 0, squares, 1))[odd, None]
+    return normals

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from ..errors import UniSGError
 from ..scene.mesh import Mesh
 
-CUSTOM = 1e-4  # Blender stores custom normals in 16 bits; nearer ones are its own
+CUSTOM = 1e-4  # normals that differ less are Blender's own
+FREE_NORMALS = bpy.app.version >= (4, 5, 0)  # before, custom normals have 16 bits
 
 
 def write_mesh(mesh: Mesh, materials: Mapping[str, bpy.types.Material]) -> bpy.types.Mesh:
@@ -81,5 +82,11 @@ def _set_normals(made: bpy.types.Mesh, normals: NDArray[np.float32] | None) -> N
     made.polygons.foreach_set("use_smooth", smooth)
     own = np.empty((len(made.loops), 3), np.float32)
     made.corner_normals.foreach_get("vector", own.ravel())
-    if np.abs(own - normals).max(initial=0) > CUSTOM:
+    if np.abs(own - normals).max(initial=0) <= CUSTOM:
+        return
+    if FREE_NORMALS:
+        layer = made.attributes.new("custom_normal", "FLOAT_VECTOR", "CORNER")
+        layer.data.foreach_set("vector", np.ascontiguousarray(normals, np.float32).ravel())
+        made.update()
+    else:
         made.normals_split_custom_set(normals.tolist())

@@ -67,8 +67,8 @@ def take(graph: SceneGraph, rows: NDArray[np.integer]) -> SceneGraph:
     if cut.any():
         local[cut] = world_matrices(graph)[rows[cut]]
     return graph.replace(
-        name=tuple(graph.name[row] for row in rows),
-        uid=tuple(graph.uid[row] for row in rows),
+        name=tuple(map(graph.name.__getitem__, rows.tolist())),
+        uid=tuple(map(graph.uid.__getitem__, rows.tolist())),
         type=graph.type[rows],
         parent=parent.astype(np.int32),
         category=graph.category[rows],

@@ -35,6 +35,10 @@ def resolve_uids(stored: Sequence[str], names: Sequence[str]) -> list[str]:
     names
         Names; if two objects agree in both uid and name, their order decides.
     """
+    if not any(stored):
+        fresh = [derived_uid("", name) for name in names]
+        if len(set(fresh)) == len(fresh):
+            return fresh
     owner: dict[str, int] = {}
     for row, uid in enumerate(stored):
         if uid and (uid not in owner or natural_key(names[row]) < natural_key(names[owner[uid]])):
@@ -54,6 +58,8 @@ def resolve_uids(stored: Sequence[str], names: Sequence[str]) -> list[str]:
 def copies(stored: Sequence[str], resolved: Sequence[str], names: Sequence[str]) -> dict[str, list[str]]:
     """For every stored uid that several objects share: the uids of its copies (original left out), in natural order."""
     found: dict[str, list[tuple[object, str]]] = {}
+    if not any(stored):
+        return {}
     for old, new, name in zip(stored, resolved, names, strict=True):
         if old and old != new:
             found.setdefault(old, []).append((natural_key(name), new))
