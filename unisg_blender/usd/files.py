@@ -111,9 +111,9 @@ def replacing(path: Path) -> Iterator[Path]:
 
 def _package(temporary: Path) -> None:
     """Pack the binary layer beside ``temporary`` into a package of that name."""
-    from pxr import Sdf
+    from pxr import Sdf, Usd
 
-    package = Sdf.ZipFileWriter.CreateNew(str(temporary))
+    package = (Sdf if hasattr(Sdf, "ZipFileWriter") else Usd).ZipFileWriter.CreateNew(str(temporary))
     package.AddFile(str(temporary.with_suffix(".usdc")), "scene.usdc")
     if not package.Save():
         raise UniSGError(f"{temporary.name}: USD could not write this package")

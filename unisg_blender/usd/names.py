@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable
+from typing import Any
 
 from pxr import Sdf, Tf
 
@@ -24,6 +25,12 @@ def clean(text: str) -> str:
     if text.isascii():
         return text.replace("\0", "")
     return text.replace("\0", "").encode("utf-8", "replace").decode("utf-8")
+
+
+def true_name(prim: Any, otherwise: str = "") -> str:
+    """What a prim is called: its ``displayName``, else ``otherwise``, else its identifier."""
+    name = prim.GetMetadata("displayName")
+    return str(otherwise or prim.GetName()) if name is None else str(name)
 
 
 class Identifiers:

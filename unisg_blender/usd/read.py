@@ -16,6 +16,7 @@ from ..scene.graph import SceneGraph
 from ..scene.identity import resolve_uids
 from . import schema
 from .elements import is_elements, read_elements
+from .names import true_name
 from .read_behaviour import read_entries
 from .read_components import keep_hidden, read_components
 from .read_instances import read_instances
@@ -64,7 +65,7 @@ def _read_scene(stage: Any, title: str, progress: Callable[[int, int], None] | N
         raise UniSGError(f"{title}: has version {version}; this software reads up to {schema.VERSION}: update it")
     reader.shelf.keep_materials(scene.GetChild(schema.MATERIAL_SCOPE))
     tops = [*scene.GetChildren(), *(prim for prim in tops if prim != scene)]
-    return read_graph(tops, reader, scene.GetMetadata("displayName") or scene.GetName(), scene)
+    return read_graph(tops, reader, true_name(scene), scene)
 
 
 def read_graph(tops: list[Any], reader: Reader, title: str, holder: Any = None, *, nested: bool = False) -> SceneGraph:

@@ -14,6 +14,7 @@ from ..scene import properties
 from ..scene.properties import ObjectProperties, decode_properties
 from ..scene.relations import Relation
 from . import schema
+from .names import true_name
 from .traverse import Entities
 
 _OWN = {
@@ -54,7 +55,7 @@ def read_entries(found: Entities) -> list[Entry]:
 def _entry(prim: Any, shape: Any) -> Entry:
     values: dict[str, Any] = {}
     related = []
-    name, kind = prim.GetMetadata("displayName") or prim.GetName(), ""
+    name, kind = true_name(prim), ""
     if shape is not None and shape != prim:
         values |= _custom_values(shape, shape.GetAuthoredPropertyNames())
     authored = prim.GetAuthoredPropertyNames()

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from ..scene import components
 from ..scene.graph import Table, table
 from . import schema
+from .names import true_name
 from .traverse import Entities
 
 
@@ -24,7 +25,7 @@ def read_components(holder: Any, uids: Sequence[str]) -> dict[str, Table]:
     row_of_uid = {uid: row for row, uid in enumerate(uids)}
     tables = {}
     for prim in scope.GetAllChildren():
-        name = prim.GetMetadata("displayName") or prim.GetName()
+        name = true_name(prim)
         try:
             found = _read_table(prim, row_of_uid)
         except (TypeError, ValueError, KeyError, AttributeError, IndexError, RecursionError) as error:

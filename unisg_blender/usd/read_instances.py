@@ -12,6 +12,7 @@ from pxr import Gf, Usd, UsdGeom, Vt
 from ..scene import components
 from ..scene.graph import SceneGraph, Table, table
 from . import schema
+from .names import true_name
 from .read_topology import array
 from .read_transforms import from_usd, local_transform
 from .traverse import Entities
@@ -58,7 +59,7 @@ def _prototype(prim: Any, reader: Reader, *, children: bool) -> SceneGraph:
     stack = prim.GetPrimStack()
     key = (stack[-1].layer.identifier, stack[-1].path) if children else prim.GetPath()
     if key not in reader.prototypes:
-        name = prim.GetMetadata("displayName") or (stack[-1].name if children else prim.GetName())
+        name = true_name(prim, stack[-1].name if children else "")
         if children:
             tops = prim.GetFilteredChildren(Usd.TraverseInstanceProxies(Usd.PrimIsActive & Usd.PrimIsDefined))
             reader.prototypes[key] = read_graph(tops, reader, name, prim, nested=True)

@@ -11,6 +11,7 @@ from pxr import Usd, UsdGeom, UsdShade
 
 from ..scene.mesh import Material, Mesh
 from . import schema
+from .names import true_name
 from .read_materials import read_material
 from .read_topology import Topology, read_topology
 from .shapes import shape_arrays
@@ -49,7 +50,7 @@ class MeshShelf:
                 self._material_name(UsdShade.Material(prim))
 
     def _read(self, prim: Any, material: Any) -> Mesh:
-        name = prim.GetMetadata("displayName") or prim.GetName()
+        name = true_name(prim)
         topology = read_topology(prim) if prim.IsA(UsdGeom.Mesh) else shape_arrays(prim)
         slots, material_index = self._slots(prim, material, len(topology.offsets) - 1)
         points, normals = self._turned(topology)
@@ -100,7 +101,7 @@ class MeshShelf:
         path = material.GetPath()
         if path not in self._material_names:
             prim = material.GetPrim()
-            base = name = prim.GetMetadata("displayName") or prim.GetName()
+            base = name = true_name(prim)
             number = 1
             while name in self.materials:
                 name, number = f"{base}.{number:03d}", number + 1

@@ -62,6 +62,7 @@ def write_mesh(prim: Any, mesh: Mesh, materials: Mapping[str, Any]) -> None:
 
 def _write_uvs(prim: Any, mesh: Mesh) -> None:
     identifiers = Identifiers(("normals", "displayColor", "displayOpacity"))
+    order = []
     for name, values in mesh.uvs.items():
         identifier = identifiers.take(name)
         spec = attribute(
@@ -70,11 +71,14 @@ def _write_uvs(prim: Any, mesh: Mesh) -> None:
         )  # fmt: skip
         if identifier != name:
             spec.SetInfo("displayName", clean(name))
+        order.append(f"primvars:{identifier}")
+    if len(order) > 1:
+        prim.SetInfo("propertyOrder", order)
 
 
 def _bind_materials(prim: Any, mesh: Mesh, materials: Mapping[str, Any]) -> None:
     used = [0] if mesh.material_index is None else np.unique(mesh.material_index).tolist()
-    if len(mesh.materials) > 1 or used not in ([0], []):
+    if len(mesh.materials) > 1 or used not in ([0], []) or mesh.materials[0] not in materials:
         custom(prim, schema.MATERIALS, Types.StringArray, [clean(name) for name in mesh.materials])
     if len(used) < 2 and (not used or used[0] == 0):
         _bind(prim, mesh.materials, 0, materials)
