@@ -1,0 +1,49 @@
+"""``unisg benchmark``: measure, and write tables (CSV, JSON) and figures (PNG, SVG)."""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import json
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from ..errors import DONE, UniSGError
+
+HELP = "Measure in one run and write tables (CSV, JSON) and figures (PNG, SVG)."
+
+# name -> what it measures, and "module:function": (args, folder, progress) -> report; the function writes its files
+BENCHMARKS = {
+    "poses": ("exactness and speed of the representation forms", "..evaluate.poses_report:write_poses_report"),
+}
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """What the verb takes."""
+    names = "; ".join(f"{name}: {text}" for name, (text, _) in BENCHMARKS.items())
+    parser.add_argument("name", choices=BENCHMARKS, help=names)
+    parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder for tables and figures")
+    parser.add_argument("--count", type=int, default=1_000_000, help="poses to time (default: 1000000)")
+    parser.add_argument("--repeats", type=int, default=5, help="rounds whose median counts (default: 5)")
+    parser.add_argument("--seed", type=int, default=0, help="of everything random (default: 0)")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Run one benchmark."""
+    if args.count < 1 or args.repeats < 1:
+        raise UniSGError("--count and --repeats must be at least 1")
+    module, function = BENCHMARKS[args.name][1].split(":")
+    measure: Callable[..., dict[str, Any]] = getattr(importlib.import_module(module, __package__), function)
+
+    def progress(step: str) -> None:
+        if not args.quiet:
+            print(f"{args.name}: {step}", file=sys.stderr, flush=True)
+
+    report = measure(args, args.out, progress)
+    if args.json:
+        print(json.dumps(report))
+    elif not args.quiet:
+        print(f"wrote {args.out}: {', '.join(sorted(p.name for p in args.out.iterdir()))}")
+    return DONE
