@@ -30,7 +30,7 @@ class MeshTraining:
     samples turned about any axis and not only about the vertical one.
     """
 
-    steps: int = 3000
+    steps: int = 2500
     batch: int = 16
     points: int = 768
     targets: int = 400

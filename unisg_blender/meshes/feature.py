@@ -65,19 +65,19 @@ class AtlasNetEncoder:
             If a mesh has no finite point, or the model file cannot be used.
         """
         new = {mesh.checksum: mesh for mesh in meshes if mesh.checksum not in self._known}
-        pending = list(new.values())
-        for start in range(0, len(pending), BATCH):
-            part = pending[start : start + BATCH]
-            clouds = [normalise(cloud(mesh, POINTS, self.seed)) for mesh in part]
-            vectors = self.encode_clouds(np.stack([points for points, _ in clouds]))
-            for mesh, vector, (_, placement) in zip(part, vectors, clouds, strict=True):
-                self._known[mesh.checksum] = MeshFeature(vector, placement)
+        clouds = [normalise(cloud(mesh, POINTS, self.seed)) for mesh in new.values()]
+        vectors = self.encode_clouds([points for points, _ in clouds])
+        for key, vector, (_, placement) in zip(new, vectors, clouds, strict=True):
+            self._known[key] = MeshFeature(vector, placement)
         return [self._known[mesh.checksum] for mesh in meshes]
 
-    def encode_clouds(self, points: NDArray[np.floating]) -> NDArray[np.float32]:
-        """Features float32 (B, 1024) of normalised clouds (B, n, 3)."""
+    def encode_clouds(self, clouds: Sequence[NDArray[np.floating]]) -> NDArray[np.float32]:
+        """Features float32 (B, 1024) of clouds (n, 3) in the unit sphere, all with the same number of points."""
+        if not len(clouds):
+            return np.zeros((0, FEATURE_WIDTH), np.float32)
         session = load_network(self.path)
-        return session.run(None, {"points": np.ascontiguousarray(points, np.float32)})[0]
+        batches = [np.stack(clouds[start : start + BATCH]) for start in range(0, len(clouds), BATCH)]
+        return np.concatenate([session.run(None, {"points": batch.astype(np.float32)})[0] for batch in batches])
 
 
 def cloud(mesh: Mesh, count: int, seed: int = 0) -> NDArray[np.float32]:

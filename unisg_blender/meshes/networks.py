@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -11,8 +12,11 @@ from ..errors import UniSGError
 PRETRAINED = Path(__file__).parent.parent / "pretrained"
 ENCODER_FILE = "atlasnet_encoder.onnx"
 DECODER_FILE = "atlasnet_decoder.onnx"
-CONTRACT = "unisg-atlasnet-1"
 FEATURE_WIDTH = 1024
+CONTRACT = 1
+TASK = "atlasnet"
+KEY = "unisg"
+"""Name of the entry in the ONNX file's metadata."""
 
 
 @lru_cache(maxsize=4)
@@ -35,7 +39,17 @@ def load_network(path: Path, threads: int = 1) -> Any:
         session = onnxruntime.InferenceSession(str(path), options, providers=["CPUExecutionProvider"])
     except Exception as error:  # onnxruntime has no common class of errors
         raise UniSGError(f"{path}: cannot be loaded as a model: {error}") from error
-    found = session.get_modelmeta().custom_metadata_map.get("unisg_contract", "none")
-    if found != CONTRACT:
-        raise UniSGError(f"{path}: is for contract {found!r}, this library needs {CONTRACT!r}: train it again")
+    _check(session.get_modelmeta().custom_metadata_map.get(KEY, "{}"), path)
     return session
+
+
+def _check(metadata: str, path: Path) -> None:
+    try:
+        record = json.loads(metadata)
+        task, contract = record.get("task"), record.get("contract")
+    except (ValueError, AttributeError):
+        raise UniSGError(f"{path}: the model's metadata is damaged: train it again") from None
+    if task != TASK:
+        raise UniSGError(f"{path} is a model for {task!r}, not one from 'unisg train meshes'")
+    if contract != CONTRACT:
+        raise UniSGError(f"{path} has contract {contract}, this software knows {CONTRACT}: update it or train again")

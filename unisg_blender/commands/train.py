@@ -1,0 +1,97 @@
+"""``unisg train``: a model from a dataset."""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import json
+import shlex
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+from ..errors import DONE, MissingPackageError, UniSGError
+from . import train_meshes
+
+HELP = "Train a model on a dataset and write it as an ONNX file that runs without torch."
+JOBS = {
+    "cgvae": "a generator of objects for scenes: conditional graph variational autoencoder",
+    "meshes": "the mesh feature (AtlasNet) and the model of categories, from folders of mesh files",
+}
+"""What can be trained: ``learn.train_NAME`` with ``EPOCHS`` and ``train(dataset, out, settings)``, but for "meshes"."""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """What the verb takes."""
+    from ..poses import FORMS
+
+    jobs = "; ".join(f"{name}: {text}" for name, text in JOBS.items())
+    parser.add_argument("job", choices=JOBS, help=jobs)
+    parser.add_argument("--data", metavar="DATASET", type=Path, nargs="+", required=True, help="folder of the dataset")
+    parser.add_argument("--out", metavar="MODEL.onnx", type=Path, required=True, help="file (meshes: folder) to write")
+    parser.add_argument("--form", choices=FORMS, help="form of the poses that the network sees")
+    parser.add_argument("--epochs", metavar="N", type=int, help="passes over the dataset")
+    parser.add_argument("--seed", type=int, default=0, help="same seed, same model (default: 0)")
+    parser.add_argument("--paper", action="store_true", help="the paper's architecture and losses")
+    parser.add_argument("--devices", metavar="N", type=int, default=1, help="processes on this machine (default: 1)")
+    parser.add_argument("--nodes", metavar="N", type=int, default=1, help="machines (default: 1)")
+    parser.add_argument("--logs", metavar="DIR", type=Path, help="keep checkpoints and metrics.csv there, and resume")
+    train_meshes.add_arguments(parser)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Train, export, report."""
+    if args.job == "meshes":
+        return train_meshes.run(args)
+    from ..dataset.reader import open_dataset
+
+    _check(args)
+    dataset = open_dataset(args.data[0])
+    try:
+        job = importlib.import_module(f"...learn.train_{args.job}", __name__)
+        from ..learn.settings import Settings
+    except ModuleNotFoundError as error:
+        if error.name and error.name.split(".")[0] in (
+            "torch",
+            "torch_geometric",
+            "pytorch_lightning",
+            "onnx",
+            "onnxscript",
+        ):
+            raise MissingPackageError(error.name, "learn") from None
+        raise
+    start = time.perf_counter()
+    settings = Settings(
+        form=args.form, epochs=args.epochs, seed=args.seed, paper=args.paper, devices=args.devices, nodes=args.nodes,
+        logs=args.logs, quiet=args.quiet, command=shlex.join(["unisg", *sys.argv[1:]]),
+    )  # fmt: skip
+    report = {"model": str(args.out), **job.train(dataset, args.out, settings)}
+    report["seconds"] = round(time.perf_counter() - start, 1)
+    if args.json:
+        print(json.dumps(report, ensure_ascii=False))
+    elif not args.quiet:
+        print("\n".join(_lines(report)))
+    return DONE
+
+
+def _check(args: argparse.Namespace) -> None:
+    if len(args.data) > 1:
+        raise UniSGError(f"'train {args.job}' takes one dataset, not {len(args.data)}")
+    if args.out.suffix != ".onnx":
+        raise UniSGError(f"--out must end in .onnx, not {args.out.name!r}")
+    if not args.out.parent.is_dir():
+        raise UniSGError(f"there is no folder {args.out.parent} to write the model to")
+    for name in ("epochs", "devices", "nodes"):
+        value = getattr(args, name)
+        if value is not None and value < 1:
+            raise UniSGError(f"--{name} must be at least 1, not {value}")
+
+
+def _lines(report: dict[str, Any]) -> list[str]:
+    losses = ", ".join(f"{name} {value:.4f}" for name, value in report["losses"].items())
+    lines = [
+        f"{report['model']}: {report['parameters']} parameters, {report['seconds']} s",
+        f"trained on {report['scenes_trained']} scenes, {report['scenes_held_out']} held out: {losses}",
+    ]
+    return lines + [f"note: {note}" for note in report.get("notes", ())]

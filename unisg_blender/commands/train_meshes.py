@@ -1,0 +1,101 @@
+"""``unisg train meshes``: AtlasNet and the model of categories, from folders of mesh files."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import shlex
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+from .. import __version__
+from ..errors import DONE, MissingPackageError, UniSGError
+from ..meshes.models import Model, of_split, read_models, world_models
+
+WORLDS_WITH_THINGS = ("operating-room", "living-room")
+PACKAGES = ("torch", "onnx", "onnxscript")
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """What "meshes" takes beyond the arguments of all jobs."""
+    own = parser.add_argument_group("meshes")
+    own.add_argument(
+        "--steps", metavar="N", type=int, help="training steps; 0 keeps the networks and refits categories"
+    )
+    own.add_argument(
+        "--rooms", metavar="N", type=int, default=12, help="rooms of each world whose meshes are used (12)"
+    )
+    own.add_argument("--threads", metavar="N", type=int, default=1, help="cores; with 1 the result repeats exactly (1)")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Train, export, report."""
+    for name in ("steps", "rooms", "threads"):
+        value = getattr(args, name)
+        if value is not None and value < (name == "threads"):
+            raise UniSGError(f"--{name} must not be {value}")
+    start = time.perf_counter()
+    models = read_models(args.data)
+    unseen = {model.category for model in of_split(models, "unseen")}
+    rooms = world_models(WORLDS_WITH_THINGS, args.rooms, args.seed)
+    models += [model for model in rooms if model.category not in unseen]
+    args.out.mkdir(parents=True, exist_ok=True)
+    provenance = _provenance(args, models)
+    report: dict[str, Any] = {"out": str(args.out), "meshes": len(models)}
+    if args.steps != 0:
+        report |= _train_networks(args, of_split(models, "train"), provenance)
+    report |= _fit_labels(args, of_split(models, "train"), provenance)
+    report["seconds"] = round(time.perf_counter() - start, 1)
+    if args.json:
+        print(json.dumps(report))
+    elif not args.quiet:
+        print("\n".join(f"{key}: {value}" for key, value in report.items()))
+    return DONE
+
+
+def _train_networks(args: argparse.Namespace, models: list[Model], provenance: dict[str, Any]) -> dict[str, Any]:
+    try:
+        from ..learn.atlasnet_export import export
+        from ..learn.train_meshes import MeshTraining, train
+    except ModuleNotFoundError as error:
+        if error.name and error.name.split(".")[0] in PACKAGES:
+            raise MissingPackageError(error.name, "learn") from None
+        raise
+    settings = MeshTraining(seed=args.seed, threads=args.threads)
+    if args.steps is not None:
+        settings = MeshTraining(steps=args.steps, seed=args.seed, threads=args.threads)
+
+    def show(step: int, loss: float) -> None:
+        if not args.quiet:
+            print(f"\rstep {step + 1}/{settings.steps}  chamfer {loss:.5f} ", end="", file=sys.stderr, flush=True)
+
+    network, report = train(models, settings, show)
+    if not args.quiet:
+        print(file=sys.stderr)
+    paths = export(network, args.out, provenance | {"training": report})
+    return {"networks": [str(path) for path in paths], "training": report}
+
+
+def _fit_labels(args: argparse.Namespace, models: list[Model], provenance: dict[str, Any]) -> dict[str, Any]:
+    from ..learn.train_labels import fit_labels
+    from ..meshes.feature import AtlasNetEncoder
+    from ..meshes.label_model import LABELS_FILE
+    from ..meshes.networks import ENCODER_FILE
+    from ..worlds import WORLDS
+
+    own: Path = args.out / ENCODER_FILE
+    scenes = [WORLDS[name](args.seed + room) for name in WORLDS_WITH_THINGS for room in range(args.rooms)]
+    labels = fit_labels(models, scenes, AtlasNetEncoder(own if own.is_file() else None), provenance)
+    labels.save(args.out / LABELS_FILE)
+    return {"labels": str(args.out / LABELS_FILE), "categories": len(labels.vocabulary)}
+
+
+def _provenance(args: argparse.Namespace, models: list[Model]) -> dict[str, Any]:
+    counts = {split: len(of_split(models, split)) for split in ("train", "test", "unseen")}
+    words = [Path(word).name if word.startswith("/") else word for word in sys.argv[1:]]
+    return {
+        "command": shlex.join(["unisg", *words]), "version": __version__, "seed": args.seed, "models": counts,
+        "credits": "docs/meshes.md",
+    }  # fmt: skip

@@ -1,0 +1,118 @@
+"""The small model behind category proposals: linear in the shape, a word list, and habits of standing together."""
+
+from __future__ import annotations
+
+import json
+import os
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import UniSGError
+from .names import name_scores
+from .networks import FEATURE_WIDTH, PRETRAINED
+
+LABELS_FILE = "labels.safetensors"
+INPUT_WIDTH = FEATURE_WIDTH + 3
+VERSION = "1"
+
+
+@dataclass(frozen=True, eq=False)
+class LabelModel:
+    """What is known of K categories.
+
+    Attributes
+    ----------
+    vocabulary
+        Their names.
+    weights, bias
+        (K, 1024 + 3) and (K,): log-likelihood of shape and size, linear in the
+        mesh feature and :func:`size_channels`.
+    lexicon
+        For each category its words with their weights.
+    together
+        (K, K): log of how much oftener than by chance a category of the row
+        stands beside one of the column; 0 where nothing is known.
+    name_weight, beside_weight
+        How much a full match of the name and the neighbours count, in nats.
+    provenance
+        Where the model comes from.
+    """
+
+    vocabulary: tuple[str, ...]
+    weights: NDArray[np.float32]
+    bias: NDArray[np.float32]
+    lexicon: tuple[dict[str, float], ...]
+    together: NDArray[np.float32]
+    name_weight: float
+    beside_weight: float
+    provenance: dict
+
+    def shape_scores(self, vectors: NDArray[np.floating], sizes: NDArray[np.floating]) -> NDArray[np.float64]:
+        """Log-likelihoods (N, K), up to a constant, of mesh features (N, 1024) and sizes (N, 3) in metres."""
+        inputs = np.concatenate([vectors, size_channels(sizes)], axis=1)
+        return inputs.astype(np.float64) @ self.weights.T.astype(np.float64) + self.bias
+
+    def name_scores(self, names: tuple[str, ...]) -> NDArray[np.float64]:
+        """Evidence (K,) of an object's names, in nats: that of the first name that has a known word."""
+        for name in names:
+            scores = name_scores(name, self.lexicon)
+            if scores.any():
+                return self.name_weight * scores
+        return np.zeros(len(self.vocabulary))
+
+    def save(self, path: str | Path) -> None:
+        """Write the model as one safetensors file, whole or not at all."""
+        from safetensors.numpy import save_file
+
+        path = Path(path)
+        arrays = {"weights": self.weights.astype(np.float16), "bias": self.bias, "together": self.together}
+        record = {
+            "vocabulary": self.vocabulary, "lexicon": self.lexicon, "name_weight": self.name_weight,
+            "beside_weight": self.beside_weight, "provenance": self.provenance,
+        }  # fmt: skip
+        temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
+        metadata = {"unisg_labels": VERSION, "record": json.dumps(record)}
+        save_file({name: np.ascontiguousarray(array) for name, array in arrays.items()}, temporary, metadata)
+        os.replace(temporary, path)
+
+    @staticmethod
+    def load(path: str | Path | None = None) -> LabelModel:
+        """Read a model; the shipped one when no path is given.
+
+        Raises
+        ------
+        UniSGError
+            If the file is missing, damaged or of another version.
+        """
+        from safetensors import SafetensorError, safe_open
+
+        path = Path(path) if path is not None else PRETRAINED / LABELS_FILE
+        if not path.is_file():
+            raise UniSGError(f"{path}: no such model of categories; 'unisg train meshes' makes one")
+        try:
+            with safe_open(path, "np") as file:
+                metadata = file.metadata() or {}
+                arrays = {name: file.get_tensor(name).astype(np.float32) for name in file.keys()}  # noqa: SIM118
+        except SafetensorError as error:
+            raise UniSGError(f"{path}: the model of categories is damaged: {error}") from error
+        if metadata.get("unisg_labels") != VERSION:
+            raise UniSGError(f"{path}: is no model of categories of version {VERSION}: train it again")
+        record = json.loads(metadata["record"])
+        return LabelModel(
+            tuple(record["vocabulary"]), arrays["weights"], arrays["bias"], tuple(record["lexicon"]),
+            arrays["together"], record["name_weight"], record["beside_weight"], record["provenance"],
+        )  # fmt: skip
+
+
+def size_channels(sizes: NDArray[np.floating]) -> NDArray[np.float64]:
+    """Sizes (N, 3) along x, y, z in metres as (N, 3): logarithms of longer side, shorter side and height.
+
+    The longer of the two level sides comes first, so that a quarter turn changes
+    nothing; sides count as a tenth of a millimetre at least.
+    """
+    sizes = np.maximum(np.asarray(sizes, np.float64), 1e-4)
+    level = np.sort(sizes[:, :2], axis=1)[:, ::-1]
+    return np.log(np.column_stack([level, sizes[:, 2]]))
