@@ -13,7 +13,9 @@ from unisg_blender.evaluate.scene_metrics import (
     support_levels,
 )
 from unisg_blender.evaluate.scene_support import support_gaps
+from unisg_blender.scene import Relation
 
+from . import hand_made
 from .hand_made import Scene, box_mesh, table_mesh
 
 
@@ -200,3 +202,25 @@ def test_a_scene_without_floor_or_things():
     report = measure_scene(builder.build())
     assert not report.outside.any()
     assert report.off_support.all(), "nothing carries it"
+
+
+def test_relations_say_what_carries_where_the_hierarchy_is_flat():
+    scene = Scene()
+    scene.box("left", (0.3, 0.3, 0.3), (0, 0, 0))
+    scene.box("right", (0.3, 0.3, 0.3), (0.4, 0, 0))
+    scene.builder.add(
+        "bridge", uid="bridge", parent=scene.floor, local=hand_made.at(0.2, 0, 0.31),
+        mesh=box_mesh(((0.5, 0.2, 0.1), (0, 0, 0))), category="Box",
+        relations=(Relation("on_top_of", "left"), Relation("on_top_of", "right")),
+    )  # fmt: skip
+    graph = scene.build()
+    row = graph.row("bridge")
+    np.testing.assert_allclose(support_gaps(graph)[row], 0.01, atol=1e-6)
+    assert support_levels(graph)[row] == 2
+
+
+def test_things_that_carry_each_other_end():
+    scene = Scene()
+    scene.box("a", (0.3, 0.3, 0.3), (0, 0, 0), relation=("on_top_of", "b"))
+    scene.box("b", (0.3, 0.3, 0.3), (0, 0, 0.3), relation=("on_top_of", "a"))
+    assert measure_scene(scene.build()).level.max() >= 1

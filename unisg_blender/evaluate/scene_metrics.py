@@ -18,7 +18,7 @@ from ..scene.bounds import Boxes, oriented_boxes
 from ..scene.graph import SceneGraph
 from ..scene.outline import FLOOR, outside_distance, room_outline
 from ..scene.overlap import PartBoxes, nearby_pairs, part_boxes, penetration
-from .scene_support import SUPPORT_KINDS, support_gaps, supports
+from .scene_support import find_supports, support_gaps
 
 STRUCTURE = frozenset({"Floor", "Wall", "Ceiling", "Door", "Window"})
 """Categories that make up the room."""
@@ -120,13 +120,8 @@ def _whole_boxes(graph: SceneGraph) -> PartBoxes:
 
 def _support_pairs(graph: SceneGraph) -> NDArray[np.int64]:
     """(K, 2) pairs of what stands on, in or hangs from what."""
-    rows = np.arange(len(graph))
-    pairs = [np.stack([rows, graph.parent], axis=1), np.stack([rows, supports(graph)], axis=1)]
-    relations = graph.components.get("relations")
-    if relations is not None:
-        kinds = np.isin(relations.columns["kind"].astype(str), SUPPORT_KINDS)
-        targets = [graph.row_of_uid.get(uid, -1) for uid in relations.columns["target"][kinds]]
-        pairs.append(np.stack([relations.rows[kinds], np.array(targets, np.int64)], axis=1))
+    found = find_supports(graph)
+    pairs = [np.stack([np.arange(len(graph)), graph.parent], axis=1), np.stack([found.row, found.on], axis=1)]
     joined = np.concatenate(pairs).astype(np.int64)
     return joined[joined[:, 1] >= 0]
 
@@ -178,12 +173,16 @@ def _poked(boxes: Boxes, outline: NDArray[np.float64]) -> NDArray[np.float64]:
 def support_levels(graph: SceneGraph) -> NDArray[np.int64]:
     """On how many things an entity stands, one on another, int64 (N,): floor 0, table 1, tray 2, tool 3.
 
-    Counts the entities with geometry on the way up to the root.
+    The longest way down over what carries it, see :func:`~.scene_support.find_supports`.
     """
+    found = find_supports(graph)
     level = np.zeros(len(graph), np.int64)
-    for row, above in enumerate(supports(graph)):
-        if above >= 0:
-            level[row] = level[above] + 1
+    for _ in range(len(graph)):  # things that carry each other in a circle end this
+        higher = level.copy()
+        np.maximum.at(higher, found.row, level[found.on] + 1)
+        if (higher == level).all():
+            break
+        level = higher
     return level
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -16,22 +18,36 @@ _FOOT = 0.02
 """Parts whose bottom is no more than this above the lowest one are what a thing stands on, metres."""
 
 
-def supports(graph: SceneGraph) -> NDArray[np.int64]:
-    """Row of what carries each entity: the nearest ancestor with geometry, -1 for none, int64 (N,)."""
-    found = np.full(len(graph), -1, np.int64)
-    for row, above in enumerate(graph.parent):  # parents come first
+@dataclass(frozen=True, eq=False)
+class Supports:
+    """Which row stands on (in) or hangs from which: int64 (K,), int64 (K,), bool (K,); rows ascend and may repeat."""
+
+    row: NDArray[np.int64]
+    on: NDArray[np.int64]
+    hangs: NDArray[np.bool_]
+
+
+def find_supports(graph: SceneGraph) -> Supports:
+    """What carries each entity: what its relations name, else its nearest ancestor with geometry.
+
+    The relations ``on_top_of``, ``inside`` and ``hangs_from`` count; an entity may
+    have several. Entities without either have no entry.
+    """
+    ancestor = np.full(len(graph), -1, np.int64)
+    for child, above in enumerate(graph.parent):  # parents come first
         if above >= 0:
-            found[row] = above if graph.mesh[above] >= 0 else found[above]
-    return found
-
-
-def hanging(graph: SceneGraph) -> NDArray[np.bool_]:
-    """Which entities hang from what carries them (relation ``hangs_from``), bool (N,)."""
-    hangs = np.zeros(len(graph), bool)
+            ancestor[child] = above if graph.mesh[above] >= 0 else ancestor[above]
+    row, on, hangs = np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros(0, bool)
     relations = graph.components.get("relations")
     if relations is not None:
-        hangs[relations.rows[relations.columns["kind"] == "hangs_from"]] = True
-    return hangs
+        kind = relations.columns["kind"].astype(str)
+        target = np.array([graph.row_of_uid.get(uid, -1) for uid in relations.columns["target"]], np.int64)
+        named = np.isin(kind, SUPPORT_KINDS) & (target >= 0) & (graph.mesh[target] >= 0)
+        row, on, hangs = relations.rows[named].astype(np.int64), target[named], kind[named] == "hangs_from"
+    rest = np.setdiff1d(np.flatnonzero(ancestor >= 0), row)
+    row, on = np.concatenate([row, rest]), np.concatenate([on, ancestor[rest]])
+    order = np.argsort(row, kind="stable")
+    return Supports(row[order], on[order], np.concatenate([hangs, np.zeros(len(rest), bool)])[order])
 
 
 def support_gaps(
@@ -41,9 +57,9 @@ def support_gaps(
 
     gap = (lowest point of the entity) - (top of that part of its support, among those
     which lie under or in its feet as seen from above, whose top is nearest). It is
-    infinite where nothing of the support lies under it. The support is the nearest
-    ancestor with geometry; where there is none, everything else in the scene. For
-    what hangs, the gap is the distance to its support (a lower bound by separating
+    infinite where nothing of the support lies under it. The support is found by
+    :func:`find_supports`; where there is none, it is everything else in the scene. Of
+    several the nearest counts. For what hangs, the gap is the distance to its support (a lower bound by separating
     axes), never negative. NaN for rows that are not asked for or have no geometry.
 
     Parameters
@@ -58,23 +74,22 @@ def support_gaps(
     boxes = part_boxes(graph) if boxes is None else boxes
     asked = np.ones(len(graph), bool) if rows is None else rows
     asked = asked & np.isin(np.arange(len(graph)), boxes.owner)
-    carrier, hangs = supports(graph), hanging(graph)
+    found = find_supports(graph)
     gaps = np.full(len(graph), np.nan)
     gaps[asked] = np.inf
     low, high = _heights(boxes.boxes)
     bottom = np.full(len(graph), np.inf)
     np.minimum.at(bottom, boxes.owner, low)
     feet = low <= bottom[boxes.owner] + _FOOT
-    carried = carrier >= 0
-    first, second = _parts_of_pairs(boxes, np.flatnonzero(asked & carried), carrier)
-    standing = ~hangs[boxes.owner[first]] & feet[first]
-    _nearest_top(gaps, boxes, bottom, high, first[standing], second[standing])
-    loose = np.flatnonzero(asked & ~carried)
+    wanted = asked[found.row]
+    stands, hangs = wanted & ~found.hangs, wanted & found.hangs
+    first, second = _parts_of_pairs(boxes, len(graph), found.row[stands], found.on[stands])
+    loose = np.setdiff1d(np.flatnonzero(asked), found.row)
     if len(loose):
-        first, second = _parts_above(boxes, loose)
-        standing = feet[first]
-        _nearest_top(gaps, boxes, bottom, high, first[standing], second[standing])
-    first, second = _parts_of_pairs(boxes, np.flatnonzero(asked & carried & hangs), carrier)
+        under = _parts_on_common_ground(boxes, loose)
+        first, second = np.concatenate([first, under[0]]), np.concatenate([second, under[1]])
+    _nearest_top(gaps, boxes, bottom, high, first[feet[first]], second[feet[first]])
+    first, second = _parts_of_pairs(boxes, len(graph), found.row[hangs], found.on[hangs])
     apart = np.maximum(-penetration(boxes.boxes.take(first), boxes.boxes.take(second)), 0.0)
     np.minimum.at(gaps, boxes.owner[first], apart)
     return gaps
@@ -86,21 +101,20 @@ def _heights(boxes: Boxes) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
 
 
 def _parts_of_pairs(
-    boxes: PartBoxes, rows: NDArray[np.int64], carrier: NDArray[np.int64]
+    boxes: PartBoxes, count: int, rows: NDArray[np.int64], on: NDArray[np.int64]
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """All pairs (part of a row, part of its carrier)."""
-    start, stop = (np.searchsorted(boxes.owner, np.arange(len(carrier)), side) for side in ("left", "right"))
-    found = [
-        np.stack(np.meshgrid(np.arange(start[row], stop[row]), np.arange(start[on], stop[on]), indexing="ij"))
-        .reshape(2, -1)
-        for row, on in zip(rows, carrier[rows], strict=True)
-    ]  # fmt: skip
-    first, second = np.concatenate([np.zeros((2, 0), np.int64), *found], axis=1)
-    return first, second
+    """All pairs (part of a row, part of what it is on) for pairs of ``count`` rows."""
+    start, stop = (np.searchsorted(boxes.owner, np.arange(count), side) for side in ("left", "right"))
+    sizes = stop - start
+    number = sizes[rows] * sizes[on]
+    pair = np.repeat(np.arange(len(rows)), number)
+    place = np.arange(number.sum()) - np.repeat(np.cumsum(number) - number, number)
+    width = sizes[on][pair]
+    return start[rows][pair] + place // np.maximum(width, 1), start[on][pair] + place % np.maximum(width, 1)
 
 
-def _parts_above(boxes: PartBoxes, rows: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """All pairs (part of one of the rows, part of another entity) that share ground seen from above."""
+def _parts_on_common_ground(boxes: PartBoxes, rows: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """All pairs (part of one of the rows, part of another entity) that may share ground seen from above."""
     pairs = nearby_pairs(_upright(boxes.boxes))
     pairs = np.concatenate([pairs, pairs[:, ::-1]])
     owners = boxes.owner[pairs]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,9 +19,11 @@ from ..scene.outline import inside
 from ..scene.relations import Relation
 from .furniture.kit import Asset
 from .furniture.palette import used_by
-from .occupancy import Occupancy
+from .occupancy import Occupancy, Shapes
 
 TRIES = 12
+FIRST_TRIES = 3
+Value = TypeVar("Value")
 Pose = NDArray[np.float64]
 """x, y, z in metres and the yaw in radians."""
 
@@ -74,30 +77,31 @@ class Layout:
         pose = np.asarray(pose, np.float64)
         thing = Placed(len(self.things), name, derived_uid(self.title, name), asset, pose, parent, relation)
         self.things.append(thing)
-        self.taken.add(asset.parts, pose, thing.number)
+        self.taken.add(asset.shapes, pose, thing.number)
         return thing
 
     def keep_out(self, size: Sequence[float], pose: Sequence[float] | Pose) -> None:
-        """Keep a box free (``size`` x, y, z; ``pose`` of the centre of its bottom) until :meth:`open_zones`."""
-        half = np.array(size) / 2
-        box = np.array([[-half[0], -half[1], 0.0], [half[0], half[1], size[2]]])
-        self.taken.add(box[None], np.asarray(pose, np.float64), -1)
+        """Keep a box free (``size`` x, y, z; ``pose`` of the centre of its bottom)."""
+        half = np.array([size]) / 2
+        self.taken.add(Shapes(half * np.array([0, 0, 1.0]), half), np.asarray(pose, np.float64), -1)
 
     def fits(
         self, asset: Asset, poses: NDArray[np.float64], parent: Placed, clearance: float = 0.0
     ) -> NDArray[np.bool_]:
-        """At which poses (T, 4) the asset meets nothing and has its middle in the room."""
-        free = self.taken.free(asset.parts, poses, ignore=parent.number, clearance=clearance)
-        return free & inside(self.outline, poses[:, :2])
+        """At which poses (T, 4) the asset meets nothing and, on the floor, has its middle in the room."""
+        free = self.taken.free(asset.shapes, poses, ignore=parent.number, clearance=clearance)
+        return free & inside(self.outline, poses[:, :2]) if parent.parent is None else free
 
     def place(
         self, asset: Asset, propose: Callable[[], Sequence[float] | Pose], parent: Placed, *,
         clearance: float = 0.0, relation: str = "on_top_of", tries: int = TRIES,
     ) -> Placed | None:  # fmt: skip
         """Put the asset at the first of some proposed poses where it fits; None if there is none."""
-        poses = np.array([propose() for _ in range(tries)], np.float64)
-        good = np.flatnonzero(self.fits(asset, poses, parent, clearance))
-        return self.add(asset, poses[good[0]], parent, relation) if len(good) else None
+        for count in (FIRST_TRIES, tries - FIRST_TRIES):  # most things fit at once
+            poses = np.array([propose() for _ in range(count)], np.float64)
+            for pose in poses[self.fits(asset, poses, parent, clearance)]:
+                return self.add(asset, pose, parent, relation)
+        return None
 
     def place_on(
         self, asset: Asset, support: Placed, surface: str, *, yaw: float | None = None, spread: float = 0.1,
@@ -113,24 +117,29 @@ class Layout:
         top = support.asset.surfaces[surface]
         if asset.size[2] > top.headroom:
             return None
-        turns = self.rng.uniform(0, 2 * np.pi, tries) if yaw is None else yaw + self.rng.normal(0, spread, tries)
-        cos, sin = np.abs(np.cos(turns)), np.abs(np.sin(turns))
-        bounds = asset.mesh.bounds
+        for count in (FIRST_TRIES, tries - FIRST_TRIES):
+            turns = self.rng.uniform(0, 2 * np.pi, count) if yaw is None else yaw + self.rng.normal(0, spread, count)
+            poses = self._poses_on(asset, support, surface, turns, area)
+            for pose in poses[self.fits(asset, poses, support, clearance)]:
+                return self.add(asset, pose, support, relation)
+        return None
+
+    def _poses_on(
+        self, asset: Asset, support: Placed, surface: str, turns: NDArray[np.float64],
+        area: tuple[float, float, float, float],
+    ) -> NDArray[np.float64]:  # fmt: skip
+        """Poses somewhere on a part of a surface, one for each turn with which the asset fits on it whole."""
+        top, bounds = support.asset.surfaces[surface], asset.mesh.bounds
         half, middle = (bounds[1, :2] - bounds[0, :2]) / 2, (bounds[1, :2] + bounds[0, :2]) / 2
-        reach = np.stack([cos * half[0] + sin * half[1], sin * half[0] + cos * half[1]], axis=1)
-        low = (np.array(area[:2]) - 0.5) * top.size
-        high = (np.array(area[2:]) - 0.5) * top.size
-        room = (high - low) / 2 - reach
-        fitting = (room >= 0).all(axis=1)
-        if not fitting.any():
-            return None
-        at = (low + high) / 2 + self.rng.uniform(-1, 1, (tries, 2)) * room + top.center[:2]
         cos, sin = np.cos(turns), np.sin(turns)
-        at -= np.stack([cos * middle[0] - sin * middle[1], sin * middle[0] + cos * middle[1]], axis=1)
-        poses = np.array([support.pose_at(x, y, top.center[2], turn) for (x, y), turn in zip(at, turns, strict=True)])
-        poses = poses[fitting]
-        good = np.flatnonzero(self.fits(asset, poses, support, clearance))
-        return self.add(asset, poses[good[0]], support, relation) if len(good) else None
+        ways = np.stack([cos, -sin, sin, cos], axis=1).reshape(-1, 2, 2)
+        low, high = (np.array(area[:2]) - 0.5) * top.size, (np.array(area[2:]) - 0.5) * top.size
+        room = (high - low) / 2 - np.abs(ways) @ half
+        at = (low + high) / 2 + self.rng.uniform(-1, 1, (len(turns), 2)) * room + top.center[:2] - ways @ middle
+        x, y, z, yaw = support.pose
+        turned = at @ matrix_of(support.pose)[:2, :2].T
+        poses = np.column_stack([turned + np.array([x, y]), np.full(len(turns), z + top.center[2]), turns + yaw])
+        return poses[(room >= 0).all(axis=1)]
 
     def named(self, category: str) -> list[Placed]:
         """All things of a category, in the order in which they were placed."""
@@ -159,6 +168,11 @@ class Layout:
         if operation is not None:
             builder.add("Operation", uid=derived_uid(self.title, "Operation"), lsa=operation)
         return builder.build()
+
+
+def pick(rng: np.random.Generator, values: Sequence[Value]) -> Value:
+    """One of the values, each as likely."""
+    return values[int(rng.integers(len(values)))]
 
 
 def matrix_of(pose: Sequence[float] | Pose) -> NDArray[np.float64]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -9,76 +11,75 @@ TOUCH = 0.001
 """Boxes that share less height than this stand on each other, metres."""
 
 
+class Shapes(NamedTuple):
+    """The parts of an asset in its frame: their middles (K, 3) and half sizes (K, 3)."""
+
+    middle: NDArray[np.float64]
+    half: NDArray[np.float64]
+
+
 class Occupancy:
     """The boxes placed so far, in world coordinates; each has an owner (a number), keep-out zones have -1."""
 
     def __init__(self) -> None:
         self._count = 0
-        self._center = np.empty((256, 3))
-        self._half = np.empty((256, 3))
-        self._turn = np.empty((256, 2))  # cosine and sine of the yaw
-        self._owner = np.empty(256, np.int64)
+        self._center = np.empty((512, 3))
+        self._half = np.empty((512, 3))
+        self._reach = np.empty((512, 3))  # half sizes along the world's axes
+        self._turn = np.empty((512, 2))  # cosine and sine of the yaw
+        self._owner = np.empty(512, np.int64)
 
-    def add(self, parts: NDArray[np.float64], pose: NDArray[np.float64], owner: int) -> None:
-        """Enter the parts (K, 2, 3) of an asset that stands at ``pose`` (x, y, z, yaw)."""
-        center, half, turn = _in_world(parts, pose[None])
-        stop = self._count + len(parts)
+    def add(self, shapes: Shapes, pose: NDArray[np.float64], owner: int) -> None:
+        """Enter the parts of an asset that stands at ``pose`` (x, y, z, yaw)."""
+        center, reach, turn = _in_world(shapes, pose[None])
+        stop = self._count + len(shapes.half)
         while stop > len(self._owner):
-            for name in ("_center", "_half", "_turn", "_owner"):
+            for name in ("_center", "_half", "_reach", "_turn", "_owner"):
                 column = getattr(self, name)
                 setattr(self, name, np.concatenate([column, np.empty_like(column)]))
         rows = slice(self._count, stop)
-        self._center[rows], self._half[rows], self._turn[rows], self._owner[rows] = center[0], half, turn, owner
+        self._center[rows], self._half[rows], self._reach[rows] = center[0], shapes.half, reach[0]
+        self._turn[rows], self._owner[rows] = turn, owner
         self._count = stop
 
-    def drop_zones(self) -> None:
-        """Forget the keep-out zones."""
-        kept = np.flatnonzero(self._owner[: self._count] >= 0)
-        for column in (self._center, self._half, self._turn, self._owner):
-            column[: len(kept)] = column[kept]
-        self._count = len(kept)
-
     def free(
-        self, parts: NDArray[np.float64], poses: NDArray[np.float64], ignore: int = -2, clearance: float = 0.0
+        self, shapes: Shapes, poses: NDArray[np.float64], ignore: int = -2, clearance: float = 0.0
     ) -> NDArray[np.bool_]:
-        """At which poses (T, 4: x, y, z, yaw) the parts (K, 2, 3) meet nothing, bool (T,).
+        """At which poses (T, 4: x, y, z, yaw) the parts meet nothing, bool (T,).
 
         ``ignore`` is an owner that may be met (what the thing stands in or on);
         ``clearance`` is kept free around, horizontally, metres.
         """
-        center, half, turn = _in_world(parts, poses)
-        reach = np.hypot(half[:, 0], half[:, 1])
-        reach = np.stack([reach, reach, half[:, 2]], axis=1) + np.array([clearance, clearance, 0.0])
-        low, high = (center - reach).min(axis=(0, 1)), (center + reach).max(axis=(0, 1))
-        mine = self._half[: self._count]
-        spread = np.hypot(mine[:, 0], mine[:, 1])
-        place = self._center[: self._count]
-        near = (place[:, 0] - spread < high[0]) & (place[:, 0] + spread > low[0])
-        near &= (place[:, 1] - spread < high[1]) & (place[:, 1] + spread > low[1])
-        near &= (place[:, 2] - mine[:, 2] < high[2] - TOUCH) & (place[:, 2] + mine[:, 2] > low[2] + TOUCH)
-        near &= self._owner[: self._count] != ignore
-        rows = np.flatnonzero(near)
-        if not len(rows):
+        if not len(poses):
+            return np.zeros(0, bool)
+        center, reach, turn = _in_world(shapes, poses)
+        reach = reach + np.array([clearance, clearance, -TOUCH])
+        low, high = (center - reach).min(axis=0), (center + reach).max(axis=0)
+        place, span = self._center[: self._count], self._reach[: self._count]
+        bottom, top = place - span, place + span
+        rows = np.flatnonzero(((bottom < high.max(axis=0)) & (top > low.min(axis=0))).all(axis=1))
+        rows = rows[self._owner[rows] != ignore]
+        part, other = np.nonzero(((bottom[rows] < high[:, None]) & (top[rows] > low[:, None])).all(axis=2))
+        if not len(part):
             return np.ones(len(poses), bool)
         hit = _meet(
-            center[:, :, None], half[:, None], turn[:, None, None],
-            self._center[rows], self._half[rows], self._turn[rows], clearance,
+            center[:, part], shapes.half[part], turn[:, None],
+            self._center[rows][other], self._half[rows][other], self._turn[rows][other], clearance,
         )  # fmt: skip
-        return ~hit.any(axis=(1, 2))
+        return ~hit.any(axis=1)
 
 
 def _in_world(
-    parts: NDArray[np.float64], poses: NDArray[np.float64]
+    shapes: Shapes, poses: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-    """Centres (T, K, 3), half sizes (K, 3) and turns (T, 2) of parts at poses."""
-    middle, half = parts.mean(axis=1), (parts[:, 1] - parts[:, 0]) / 2
-    cos, sin = np.cos(poses[:, 3]), np.sin(poses[:, 3])
-    x, y = middle[:, 0], middle[:, 1]
-    center = np.empty((len(poses), len(parts), 3))
-    center[:, :, 0] = poses[:, :1] + cos[:, None] * x - sin[:, None] * y
-    center[:, :, 1] = poses[:, 1:2] + sin[:, None] * x + cos[:, None] * y
-    center[:, :, 2] = poses[:, 2:3] + middle[:, 2]
-    return center, half, np.stack([cos, sin], axis=1)
+    """Centres (T, K, 3), half sizes along the world's axes (T, K, 3) and turns (T, 2) of parts at poses."""
+    turn = np.empty((len(poses), 2))
+    turn[:, 0], turn[:, 1] = np.cos(poses[:, 3]), np.sin(poses[:, 3])
+    matrix = np.zeros((len(poses), 3, 3))
+    matrix[:, 0, 0] = matrix[:, 1, 1] = turn[:, 0]
+    matrix[:, 1, 0], matrix[:, 0, 1], matrix[:, 2, 2] = turn[:, 1], -turn[:, 1], 1.0
+    flipped = matrix.transpose(0, 2, 1)
+    return shapes.middle @ flipped + poses[:, None, :3], shapes.half @ np.abs(flipped), turn
 
 
 def _meet(

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from ..scene.graph import SceneGraph
 from .furniture import building, surgical
-from .layout import Layout, Placed, facing
+from .layout import Layout, Placed, facing, pick
 from .operating_sides import anaesthesia_side, floor_around_table, sterile_side
 from .operating_walls import along_the_walls
 from .shell import Side, build_shell, cut_corner, keep_door_free, rectangle
@@ -40,9 +40,9 @@ def furnish(seed: int) -> Layout:
     table = _operating_table(layout, floor)
     _patient(layout, table)
     _lamps(layout, sides, table)
-    scrub = float(rng.choice([-1, 1]))
+    scrub = pick(rng, [-1, 1])
     sterile_side(layout, floor, table, scrub)
-    anaesthesia_side(layout, floor, table, float(rng.choice([-1, 1])))
+    anaesthesia_side(layout, floor, table, pick(rng, [-1, 1]))
     floor_around_table(layout, floor, table)
     width, length, _ = table.asset.size
     layout.keep_out((width + 1.6, length + 1.6, 2.0), table.pose)  # staff
@@ -63,16 +63,16 @@ def _outline(rng: np.random.Generator) -> NDArray[np.float64]:
 def _shell(layout: Layout) -> tuple[Placed, list[Side]]:
     rng = layout.rng
     lengths = np.linalg.norm(np.roll(layout.outline, -1, axis=0) - layout.outline, axis=1)
-    edge = int(rng.choice(np.flatnonzero(lengths > 3.5)))
-    width, height = float(rng.choice([1.5, 1.6, 1.8])), 2.1
+    edge = pick(rng, np.flatnonzero(lengths > 3.5).tolist())
+    width, height = pick(rng, [1.5, 1.6, 1.8]), 2.1
     x = round(float(rng.uniform(-1, 1) * (lengths[edge] / 2 - width / 2 - 0.3)), 1)
     openings = {edge: ((x, 0.0, width, height), building.double_door(width, height))}
-    return build_shell(layout, HEIGHT, "linoleum", str(rng.choice(["tile", "plaster"])), openings)
+    return build_shell(layout, HEIGHT, "linoleum", pick(rng, ["tile", "plaster"]), openings)
 
 
 def _operating_table(layout: Layout, floor: Placed) -> Placed:
     rng = layout.rng
-    shape = surgical.operating_table(float(rng.choice([1.95, 2.05, 2.1])), float(rng.choice([0.75, 0.8, 0.85, 0.9])))
+    shape = surgical.operating_table(pick(rng, [1.95, 2.05, 2.1]), pick(rng, [0.75, 0.8, 0.85, 0.9]))
     middle = (layout.outline.min(axis=0) + layout.outline.max(axis=0)) / 2
     at = middle + np.clip(rng.normal(0, 0.25, 2), -0.5, 0.5)
     yaw = rng.integers(4) * np.pi / 2 + rng.normal(0, 0.02)
@@ -81,7 +81,7 @@ def _operating_table(layout: Layout, floor: Placed) -> Placed:
 
 def _patient(layout: Layout, table: Placed) -> None:
     rng, top = layout.rng, table.asset.surfaces["top"]
-    shape = surgical.patient(float(rng.choice([1.6, 1.7, 1.75, 1.85])), int(rng.choice([-1, 1])))
+    shape = surgical.patient(pick(rng, [1.6, 1.7, 1.75, 1.85]), pick(rng, [-1, 1]))
     y = top.size[1] / 2 - shape.size[1] / 2 - rng.uniform(0.04, 0.12)
     patient = layout.add(shape, table.pose_at(rng.normal(0, 0.01), y, top.center[2], rng.normal(0, 0.008)), table)
     site = shape.surfaces["knee"].center
@@ -97,7 +97,7 @@ def _lamps(layout: Layout, sides: list[Side], table: Placed) -> None:
     targets = [knee.pose[:2], patient.point(0, 0.25)[:2]]
     signs = rng.permutation([-1.0, 1.0])
     for target, sign in list(zip(targets, signs, strict=True))[: int(rng.integers(1, 3))]:
-        shape_reach = float(rng.choice([0.6, 0.75, 0.9]))
+        shape_reach = pick(rng, [0.6, 0.75, 0.9])
         drop = round(top - table.asset.size[2] - rng.uniform(1.0, 1.4), 1)
 
         def hang(target: NDArray[np.float64] = target, sign: float = sign, reach: float = shape_reach) -> list[float]:
@@ -107,7 +107,7 @@ def _lamps(layout: Layout, sides: list[Side], table: Placed) -> None:
             mount = aim - across + sign * offset * along
             return [*mount, top, facing(mount, aim)]
 
-        shape = surgical.surgical_lamp(float(rng.choice([0.3, 0.35])), drop, shape_reach)
+        shape = surgical.surgical_lamp(pick(rng, [0.3, 0.35]), drop, shape_reach)
         layout.place(shape, hang, rail, relation="hangs_from")
 
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from .furniture import anaesthesia, storage, surgical
 from .furniture import instruments as tools
-from .layout import Layout, Placed, facing
+from .layout import Layout, Placed, facing, pick
 from .trays import bowls, implants, instrument_set, instrument_tray, lay_row, sharps_dish, swabs, syringes
 
 STOOL_COLORS = ["black", "teal", "blue"]
@@ -24,7 +24,7 @@ def sterile_side(layout: Layout, floor: Placed, table: Placed, side: float) -> N
 
 def _mayo_stand(layout: Layout, floor: Placed, table: Placed, side: float) -> Placed | None:
     rng, length = layout.rng, table.asset.size[1]
-    shape = surgical.mayo_stand(round(float(table.asset.size[2] + rng.choice([0.30, 0.35, 0.40])), 2))
+    shape = surgical.mayo_stand(round(float(table.asset.size[2] + pick(rng, [0.30, 0.35, 0.40])), 2))
 
     def beside() -> np.ndarray:
         y = -length / 2 + rng.uniform(0.15, 0.75)
@@ -35,8 +35,8 @@ def _mayo_stand(layout: Layout, floor: Placed, table: Placed, side: float) -> Pl
 
 def _instrument_table(layout: Layout, floor: Placed, table: Placed, side: float) -> Placed | None:
     rng, length = layout.rng, table.asset.size[1]
-    depth = float(rng.choice([0.65, 0.75]))
-    shape = surgical.instrument_table(float(rng.choice([1.3, 1.5, 1.6])), depth, float(rng.choice([0.88, 0.92])))
+    depth = pick(rng, [0.65, 0.75])
+    shape = surgical.instrument_table(pick(rng, [1.3, 1.5, 1.6]), depth, pick(rng, [0.88, 0.92]))
     parallel = rng.random() < 0.7
 
     def behind() -> np.ndarray:
@@ -90,7 +90,7 @@ def _furnish_instrument_table(layout: Layout, back: Placed) -> None:
             tools.mallet(), support, surface, yaw=0.0, spread=0.2, area=corner(0.40, 0.0, 0.8, 1.0), tries=24
         )
     for _ in range(int(rng.integers(0, 3))):
-        box = tools.supply_box(str(rng.choice(["blue", "green", "cream"])), float(rng.choice([0.24, 0.3])))
+        box = tools.supply_box(pick(rng, ["blue", "green", "cream"]), pick(rng, [0.24, 0.3]))
         layout.place_on(box, back, "shelf", yaw=0.0, spread=0.1)
 
 
@@ -98,7 +98,7 @@ def anaesthesia_side(layout: Layout, floor: Placed, table: Placed, side: float) 
     """Machine with monitor, trolley, stool and infusions at the head end."""
     rng, length = layout.rng, table.asset.size[1]
     head = table.point(0, length / 2)
-    shape = anaesthesia.anaesthesia_machine(float(rng.choice([0.7, 0.75, 0.8])), float(rng.choice([1.35, 1.45])))
+    shape = anaesthesia.anaesthesia_machine(pick(rng, [0.7, 0.75, 0.8]), pick(rng, [1.35, 1.45]))
 
     def at_head() -> np.ndarray:
         pose = table.pose_at(side * rng.uniform(0.3, 0.8), length / 2 + rng.uniform(0.5, 0.85) + 0.36, 0.0, 0.0)
@@ -109,12 +109,12 @@ def anaesthesia_side(layout: Layout, floor: Placed, table: Placed, side: float) 
     _iv_pole(layout, floor, table, -side)
     if machine is None:
         return
-    layout.place_on(anaesthesia.monitor(float(rng.choice([0.42, 0.5])), "patient"), machine, "top", yaw=0.0, spread=0.1)
+    layout.place_on(anaesthesia.monitor(pick(rng, [0.42, 0.5]), "patient"), machine, "top", yaw=0.0, spread=0.1)
     if rng.random() < 0.4:
         layout.place_on(anaesthesia.medicine_vial("red"), machine, "shelf", yaw=0.0)
     trolley = _trolley(layout, floor, machine, side)
     _airway(layout, machine, trolley)
-    stool = storage.stool(float(rng.choice([0.5, 0.55, 0.6])), str(rng.choice(STOOL_COLORS)))
+    stool = storage.stool(pick(rng, [0.5, 0.55, 0.6]), pick(rng, STOOL_COLORS))
     layout.place(
         stool,
         lambda: table.pose_at(
@@ -127,7 +127,7 @@ def anaesthesia_side(layout: Layout, floor: Placed, table: Placed, side: float) 
 def _iv_pole(layout: Layout, floor: Placed, table: Placed, side: float) -> None:
     rng, length = layout.rng, table.asset.size[1]
     pole = layout.place(
-        anaesthesia.iv_pole(float(rng.choice([1.8, 1.9, 2.0, 2.1]))),
+        anaesthesia.iv_pole(pick(rng, [1.8, 1.9, 2.0, 2.1])),
         lambda: table.pose_at(
             side * rng.uniform(0.5, 0.85), length / 2 - rng.uniform(-0.2, 0.5), 0.0, rng.uniform(-np.pi, np.pi)
         ),
@@ -141,16 +141,14 @@ def _iv_pole(layout: Layout, floor: Placed, table: Placed, side: float) -> None:
 def hang_bags(layout: Layout, pole: Placed, count: int) -> None:
     """Infusion bags on the hooks of a pole."""
     for hook in layout.rng.permutation(["left", "right"])[:count]:
-        bag = anaesthesia.iv_bag(str(layout.rng.choice(["large", "small"])))
+        bag = anaesthesia.iv_bag(pick(layout.rng, ["large", "small"]))
         where = pole.asset.surfaces[str(hook)].center
         layout.place(bag, lambda: pole.pose_at(*where, layout.rng.normal(0, 0.3)), pole, relation="hangs_from")  # noqa: B023
 
 
 def _trolley(layout: Layout, floor: Placed, machine: Placed, side: float) -> Placed | None:
     rng = layout.rng
-    shape = anaesthesia.trolley(
-        float(rng.choice([0.7, 0.8])), float(rng.choice([0.9, 0.95])), str(rng.choice(["blue", "red", "teal"]))
-    )
+    shape = anaesthesia.trolley(pick(rng, [0.7, 0.8]), pick(rng, [0.9, 0.95]), pick(rng, ["blue", "red", "teal"]))
 
     def beside() -> np.ndarray:
         way = side if rng.random() < 0.7 else -side
@@ -169,7 +167,7 @@ def _airway(layout: Layout, machine: Placed, trolley: Placed | None) -> None:
         order = rng.permutation(len(places)) if rng.random() < 0.4 else range(len(places))[::-1]
         for index in order:
             support, surface = places[index]
-            if layout.place_on(thing, support, surface, yaw=float(rng.choice([0, np.pi / 2, np.pi])), spread=0.2):
+            if layout.place_on(thing, support, surface, yaw=pick(rng, [0, np.pi / 2, np.pi]), spread=0.2):
                 break
     if trolley is None:
         return
@@ -177,15 +175,17 @@ def _airway(layout: Layout, machine: Placed, trolley: Placed | None) -> None:
         layout, trolley, "top", [anaesthesia.tube(0.3)] * int(rng.integers(1, 4)), area=(0.0, 0.2, 0.5, 1.0), tight=True
     )
     syringes(layout, trolley, "top", (0.5, 0.0, 1.0, 0.45), int(rng.integers(1, 4)))
-    for color in rng.choice(["red", "blue", "yellow"], int(rng.integers(1, 5))):
-        layout.place_on(anaesthesia.medicine_vial(str(color)), trolley, "top", area=(0.5, 0.4, 1.0, 1.0))
+    for _ in range(int(rng.integers(1, 5))):
+        layout.place_on(
+            anaesthesia.medicine_vial(pick(rng, ["red", "blue", "yellow"])), trolley, "top", area=(0.5, 0.4, 1.0, 1.0)
+        )
 
 
 def floor_around_table(layout: Layout, floor: Placed, table: Placed) -> None:
     """Electrosurgery and suction towards the feet, bucket, steps and a stool near the table."""
     rng, length = layout.rng, table.asset.size[1]
     feet = table.point(0, -length / 2)
-    cart = surgical.electrosurgical_unit(float(rng.choice([1.1, 1.2])))
+    cart = surgical.electrosurgical_unit(pick(rng, [1.1, 1.2]))
 
     def off_the_feet() -> list[float]:
         angle, distance = table.pose[3] - np.pi / 2 + rng.uniform(-1.2, 1.2), rng.uniform(1.0, 2.0)
@@ -196,15 +196,15 @@ def floor_around_table(layout: Layout, floor: Placed, table: Placed) -> None:
     near = unit or table
 
     def nearby() -> np.ndarray:
-        pose = near.pose_at(rng.choice([-1, 1]) * rng.uniform(0.55, 1.1), rng.uniform(-0.2, 0.5), 0.0, 0.0)
+        pose = near.pose_at(pick(rng, [-1, 1]) * rng.uniform(0.55, 1.1), rng.uniform(-0.2, 0.5), 0.0, 0.0)
         pose[3] = facing(pose, table.pose) + rng.normal(0, 0.2)
         return pose
 
-    layout.place(surgical.suction_unit(float(rng.choice([0.95, 1.05]))), nearby, floor, clearance=0.05, tries=24)
+    layout.place(surgical.suction_unit(pick(rng, [0.95, 1.05])), nearby, floor, clearance=0.05, tries=24)
     bucket = layout.place(
         surgical.kick_bucket(0.175),
         lambda: table.pose_at(
-            rng.choice([-1, 1]) * rng.uniform(0.5, 0.95), rng.uniform(-0.9, 0.3), 0.0, rng.uniform(-np.pi, np.pi)
+            pick(rng, [-1, 1]) * rng.uniform(0.5, 0.95), rng.uniform(-0.9, 0.3), 0.0, rng.uniform(-np.pi, np.pi)
         ),
         floor,
     )
@@ -214,8 +214,8 @@ def floor_around_table(layout: Layout, floor: Placed, table: Placed) -> None:
         layout.place(
             surgical.step_stool(0.2),
             lambda: table.pose_at(
-                rng.choice([-1, 1]) * rng.uniform(0.55, 0.8), rng.uniform(-0.8, 0.3), 0.0,
-                rng.choice([-1, 1]) * np.pi / 2 + rng.normal(0, 0.1),
+                pick(rng, [-1, 1]) * rng.uniform(0.55, 0.8), rng.uniform(-0.8, 0.3), 0.0,
+                pick(rng, [-1, 1]) * np.pi / 2 + rng.normal(0, 0.1),
             ),
             floor,
         )  # fmt: skip

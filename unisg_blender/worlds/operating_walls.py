@@ -7,7 +7,7 @@ import numpy as np
 from .furniture import anaesthesia, building, storage
 from .furniture import instruments as tools
 from .furniture.kit import Asset
-from .layout import Layout, Placed
+from .layout import Layout, Placed, pick
 from .operating_sides import STOOL_COLORS, hang_bags
 from .shell import Side, against, beside_wall, mount
 
@@ -25,11 +25,11 @@ def along_the_walls(layout: Layout, floor: Placed, sides: list[Side]) -> None:
     if rng.random() < 0.5:
         _spare_trolley(layout, floor, sides)
     _bins(layout, floor, sides)
-    mount(layout, sides, building.supply_panel(float(rng.choice([0.6, 0.8]))), 1.3)
-    mount(layout, sides, building.light_box(float(rng.choice([0.8, 1.2]))), float(rng.choice([1.35, 1.45])))
+    mount(layout, sides, building.supply_panel(pick(rng, [0.6, 0.8])), 1.3)
+    mount(layout, sides, building.light_box(pick(rng, [0.8, 1.2])), pick(rng, [1.35, 1.45]))
     mount(layout, sides, building.wall_clock(0.16), 2.3)
     for _ in range(int(rng.integers(0, 3))):
-        stool = storage.stool(float(rng.choice([0.5, 0.6, 0.7])), str(rng.choice(STOOL_COLORS)))
+        stool = storage.stool(pick(rng, [0.5, 0.6, 0.7]), pick(rng, STOOL_COLORS))
         layout.place(stool, lambda: beside_wall(layout, sides, stool), floor)  # noqa: B023
     if rng.random() < 0.5:
         pole = layout.place(
@@ -45,10 +45,8 @@ def _to_wall(layout: Layout, floor: Placed, sides: list[Side], asset: Asset) -> 
 
 def _cabinet(layout: Layout, floor: Placed, sides: list[Side]) -> None:
     rng = layout.rng
-    shape = storage.cabinet(
-        float(rng.choice([0.8, 0.9, 1.0])), float(rng.choice([1.8, 2.0])), str(rng.choice(["plastic", "teal", "cream"])),
-        bool(rng.random() < 0.5),
-    )  # fmt: skip
+    width, height = pick(rng, [0.8, 0.9, 1.0]), pick(rng, [1.8, 2.0])
+    shape = storage.cabinet(width, height, pick(rng, ["plastic", "teal", "cream"]), bool(rng.random() < 0.5))
     cabinet = _to_wall(layout, floor, sides, shape)
     if cabinet is not None:
         for _ in range(int(rng.integers(0, 3))):
@@ -56,12 +54,12 @@ def _cabinet(layout: Layout, floor: Placed, sides: list[Side]) -> None:
 
 
 def _box(rng: np.random.Generator) -> Asset:
-    return tools.supply_box(str(rng.choice(BOX_COLORS)), float(rng.choice([0.24, 0.3, 0.36])))
+    return tools.supply_box(pick(rng, BOX_COLORS), pick(rng, [0.24, 0.3, 0.36]))
 
 
 def _shelf(layout: Layout, floor: Placed, sides: list[Side]) -> None:
     rng = layout.rng
-    shape = storage.shelf(float(rng.choice([0.8, 1.0])), 1.8, 0.4, 4, "grey")
+    shape = storage.shelf(pick(rng, [0.8, 1.0]), 1.8, 0.4, 4, "grey")
     shelf = _to_wall(layout, floor, sides, shape)
     if shelf is None:
         return
@@ -73,16 +71,14 @@ def _shelf(layout: Layout, floor: Placed, sides: list[Side]) -> None:
 def _desk(layout: Layout, floor: Placed, sides: list[Side]) -> None:
     """A desk with screen, keyboard and a stool before it."""
     rng = layout.rng
-    desk = _to_wall(
-        layout, floor, sides, storage.desk(float(rng.choice([1.0, 1.2])), str(rng.choice(["white", "birch"])))
-    )
+    desk = _to_wall(layout, floor, sides, storage.desk(pick(rng, [1.0, 1.2]), pick(rng, ["white", "birch"])))
     if desk is None:
         return
     layout.place_on(anaesthesia.monitor(0.5, "desk"), desk, "top", yaw=0.0, spread=0.08, area=(0.15, 0.6, 0.85, 1.0))
     layout.place_on(storage.keyboard(), desk, "top", yaw=0.0, spread=0.06, area=(0.1, 0.05, 0.9, 0.5))
     if rng.random() < 0.4:
         layout.place_on(_box(rng), desk, "top", yaw=0.0, spread=0.2)
-    stool = storage.stool(float(rng.choice([0.5, 0.55])), str(rng.choice(STOOL_COLORS)))
+    stool = storage.stool(pick(rng, [0.5, 0.55]), pick(rng, STOOL_COLORS))
     layout.place(
         stool,
         lambda: desk.pose_at(rng.normal(-0.15, 0.1), -0.3 - rng.uniform(0.05, 0.45), 0.0, rng.uniform(-np.pi, np.pi)),
@@ -92,7 +88,7 @@ def _desk(layout: Layout, floor: Placed, sides: list[Side]) -> None:
 
 def _spare_trolley(layout: Layout, floor: Placed, sides: list[Side]) -> None:
     rng = layout.rng
-    trolley = _to_wall(layout, floor, sides, anaesthesia.trolley(0.7, 0.9, str(rng.choice(["blue", "teal", "grey"]))))
+    trolley = _to_wall(layout, floor, sides, anaesthesia.trolley(0.7, 0.9, pick(rng, ["blue", "teal", "grey"])))
     if trolley is not None:
         for _ in range(int(rng.integers(0, 3))):
             layout.place_on(_box(rng), trolley, "top", yaw=0.0, spread=0.2)
@@ -102,11 +98,11 @@ def _bins(layout: Layout, floor: Placed, sides: list[Side]) -> None:
     """Two or three bins side by side."""
     rng = layout.rng
     colors = rng.permutation(["yellow", "black", "blue"])[: int(rng.integers(2, 4))]
-    height = float(rng.choice([0.6, 0.7]))
+    height = pick(rng, [0.6, 0.7])
     first = _to_wall(layout, floor, sides, storage.waste_bin(str(colors[0]), height))
     if first is None:
         return
-    way = float(rng.choice([-1, 1]))
+    way = pick(rng, [-1, 1])
     for step, color in enumerate(colors[1:], start=1):
         x, y = way * step * rng.uniform(0.43, 0.5), rng.normal(0, 0.02)
         pose = first.pose_at(x, y, 0.0, rng.normal(0, 0.04))

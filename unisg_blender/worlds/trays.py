@@ -8,7 +8,7 @@ import numpy as np
 
 from .furniture import instruments as tools
 from .furniture.kit import Asset
-from .layout import Layout, Placed
+from .layout import Layout, Placed, pick
 
 Area = tuple[float, float, float, float]
 WHOLE: Area = (0, 0, 1, 1)
@@ -60,8 +60,8 @@ def instrument_set(rng: np.random.Generator, count: int) -> list[Asset]:
 def instrument_tray(layout: Layout, support: Placed, surface: str, area: Area) -> Placed | None:
     """A tray, a little askew, with one row of instruments in it; often packed tightly."""
     rng = layout.rng
-    shape = tools.tray(float(rng.choice([0.42, 0.5])), float(rng.choice([0.26, 0.3])))
-    turn = float(rng.choice([0, np.pi]))
+    shape = tools.tray(pick(rng, [0.42, 0.5]), pick(rng, [0.26, 0.3]))
+    turn = pick(rng, [0, np.pi])
     tray = layout.place_on(shape, support, surface, yaw=turn, spread=0.03, area=area)
     if tray is not None:
         tight = bool(rng.random() < 0.5)
@@ -73,7 +73,7 @@ def instrument_tray(layout: Layout, support: Placed, surface: str, area: Area) -
 def sharps_dish(layout: Layout, support: Placed, surface: str, area: Area) -> list[Placed]:
     """Scalpels apart from the rest, in a kidney dish; on the surface where no dish fits."""
     rng = layout.rng
-    dish = layout.place_on(tools.kidney_dish(0.25), support, surface, yaw=float(rng.choice([0, np.pi])), area=area)
+    dish = layout.place_on(tools.kidney_dish(0.25), support, surface, yaw=pick(rng, [0, np.pi]), area=area)
     found = []
     for _ in range(int(rng.integers(1, 3))):
         if dish is None:
@@ -97,23 +97,23 @@ def swabs(layout: Layout, support: Placed, surface: str, area: Area, count: int)
 def bowls(layout: Layout, support: Placed, surface: str, area: Area, count: int) -> None:
     """Steel bowls with fluids."""
     for _ in range(count):
-        shape = tools.bowl(float(layout.rng.choice([0.06, 0.08, 0.1])), str(layout.rng.choice(["iodine", "clear"])))
+        shape = tools.bowl(pick(layout.rng, [0.06, 0.08, 0.1]), pick(layout.rng, ["iodine", "clear"]))
         layout.place_on(shape, support, surface, area=area)
 
 
 def syringes(layout: Layout, support: Placed, surface: str, area: Area, count: int) -> None:
     """Syringes in a row."""
-    sizes = layout.rng.choice([0.8, 1.0, 1.3], count)
-    lay_row(layout, support, surface, [tools.syringe(float(size)) for size in sizes], area=area, tight=True)
+    kinds = [tools.syringe(pick(layout.rng, [0.8, 1.0, 1.3])) for _ in range(count)]
+    lay_row(layout, support, surface, kinds, area=area, tight=True)
 
 
 def implants(layout: Layout, support: Placed, surface: str, area: Area) -> Placed | None:
     """An implant in its open box; returns the implant."""
     rng = layout.rng
-    box = layout.place_on(tools.implant_box(0.2), support, surface, yaw=float(rng.choice([0, np.pi])), area=area)
+    box = layout.place_on(tools.implant_box(0.2), support, surface, yaw=pick(rng, [0, np.pi]), area=area)
     where, level = (support, surface) if box is None else (box, "inside")
     relation = "on_top_of" if box is None else "inside"
-    shape = tools.implant(float(rng.choice([0.9, 1.0, 1.1])))
+    shape = tools.implant(pick(rng, [0.9, 1.0, 1.1]))
     return layout.place_on(
         shape, where, level, yaw=0.0, spread=0.3, relation=relation, area=area if box is None else WHOLE
     )

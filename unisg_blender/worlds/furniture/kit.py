@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from ...scene.mesh import Mesh, mesh_from_faces
 from ...scene.overlap import mesh_parts
+from ..occupancy import Shapes
 
 Vector = Sequence[float]
 
@@ -42,9 +43,10 @@ class Asset:
     surfaces: Mapping[str, Surface] = field(default_factory=dict)
 
     @cached_property
-    def parts(self) -> NDArray[np.float64]:
-        """float64 (K, 2, 3): the boxes around the mesh's connected parts, in its frame."""
-        return mesh_parts(self.mesh)
+    def shapes(self) -> Shapes:
+        """The boxes around the mesh's connected parts."""
+        parts = mesh_parts(self.mesh)
+        return Shapes(parts.mean(axis=1), (parts[:, 1] - parts[:, 0]) / 2)
 
     @cached_property
     def size(self) -> NDArray[np.float64]:

@@ -10,7 +10,7 @@ from .kit import Asset, Surface, asset, block, lathe, rod
 
 
 @cache
-def cabinet(width: float, height: float, color: str, glazed: bool) -> Asset:
+def cabinet(width: float, height: float, color: str, glazed: bool, body: str = "plastic") -> Asset:
     """A closed cabinet with two doors."""
     depth = 0.5
     doors, handles = [], []
@@ -24,7 +24,7 @@ def cabinet(width: float, height: float, color: str, glazed: bool) -> Asset:
             doors.append(block("glass", size, (side * width / 4, -depth / 2 - 0.0032, height * 0.48)))
     parts = [
         block("grey", (width - 0.04, depth - 0.06, 0.10), (0, 0.01, 0)),
-        block("plastic", (width, depth - 0.02, height - 0.101), (0, 0.01, 0.101)),
+        block(body, (width, depth - 0.02, height - 0.101), (0, 0.01, 0.101)),
         *doors,
         *handles,
     ]
