@@ -58,5 +58,5 @@ def test_mesh_arrays_are_sound(opened) -> None:
 def test_there_and_back(opened) -> None:
     for graph in read_scenes(geometry="original").values():
         written = write_scene(graph)
-        assert_same_scene(graph, read_scene(written))
+        assert_same_scene(graph, read_scene(written, geometry="original"))
         bpy.data.scenes.remove(written)

@@ -2,28 +2,34 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Literal
 
 import bpy
 import numpy as np
+from numpy.typing import NDArray
 
 from ..scene.assemble import Columns, assemble
 from ..scene.components import WORLD
-from ..scene.graph import SceneGraph, Table, table
+from ..scene.graph import SceneGraph, table
+from ..scene.instances import realize
 from ..scene.mesh import Material
 from ..scene.properties import ObjectProperties, decode_properties
 from .custom_properties import custom_properties
+from .folding import HELPER, TYPE, fold
 from .hierarchy import read_hierarchy
 from .losses import report_losses
 from .materials import read_material
 from .read_components import component_tables
 from .read_geometry import MeshShelf
+from .read_instances import instance_table
 from .report import ReadReport
 
 Geometry = Literal["evaluated", "original", "none"]
 BARE = ObjectProperties()
+Marks = Mapping[str, object]
+UNMARKED: Marks = {}
 NEW_NAMES = {"GPENCIL": "GREASEPENCIL"}
 
 
@@ -38,6 +44,13 @@ class Reader:
     details: bool
     shelf: MeshShelf
     report: ReadReport
+    prototypes: dict[bpy.types.Collection, SceneGraph] = field(default_factory=dict)
+
+    def read_collection(self, collection: bpy.types.Collection) -> SceneGraph:
+        """The scenegraph of an instanced collection, read once."""
+        if collection not in self.prototypes:
+            self.prototypes[collection] = read_objects(collection.all_objects, collection.name, collection, self)
+        return self.prototypes[collection]
 
 
 def read_scene(
@@ -45,6 +58,7 @@ def read_scene(
     *,
     geometry: Geometry = "evaluated",
     details: bool = True,
+    instances: Literal["kept", "realized"] = "kept",
     report: ReadReport | None = None,
 ) -> SceneGraph:
     """The scenegraph of a scene.
@@ -59,6 +73,9 @@ def read_scene(
     details
         False reads hierarchy, matrices, geometry and custom properties only,
         no other component.
+    instances
+        Of collections, and those that geometry nodes and particles make: "kept" as
+        the component ``instances``, or "realized" as entities. Part of the details.
     report
         Is told, per object, what a scenegraph cannot hold.
 
@@ -74,7 +91,8 @@ def read_scene(
     depsgraph = _updated_depsgraph(view_layer, active)
     shelf = MeshShelf(depsgraph, geometry == "evaluated", report)
     reader = Reader(depsgraph, view_layer, active, geometry, details, shelf, report)
-    return read_objects(scene.objects, scene.name, scene.collection, reader)
+    graph = read_objects(scene.objects, scene.name, scene.collection, reader)
+    return realize(graph) if instances == "realized" else graph
 
 
 def read_scenes(
@@ -99,46 +117,68 @@ def read_objects(
     """The scenegraph of the objects of a scene or of a collection, whose outermost collection is ``top``."""
     items = list(objects)
     hierarchy = read_hierarchy(objects, items, reader.depsgraph, reader.active)
-    properties = [_properties(item, reader.report) for item in items]
+    found = [_properties(item, reader.report) for item in items]
     mesh = np.full(len(items), -1, np.int32) if reader.geometry == "none" else reader.shelf.column(items)
-    components: dict[str, Table] = {}
-    if len(hierarchy.moved):
-        components[WORLD] = table(hierarchy.moved, matrix=hierarchy.world)
+    components = {
+        WORLD: table(hierarchy.moved, matrix=hierarchy.world),
+        HELPER: table([row for row, (_, marks) in enumerate(found) if HELPER in marks]),
+    }
     if reader.details:
         components |= component_tables(objects, items, hierarchy, top, reader.view_layer)
+        components |= instance_table(items, reader.shelf, reader.read_collection, reader.report)
         report_losses(items, reader.depsgraph, reader.geometry == "evaluated", reader.report)
-    return assemble(
+    graph = assemble(
         Columns(
             name=[item.name for item in items],
-            type=[NEW_NAMES.get(item.type, item.type) for item in items],
+            type=[_type(item, marks) for item, (_, marks) in zip(items, found, strict=True)],
             parent=hierarchy.parent,
             local=hierarchy.local,
             mesh=mesh,
             meshes=reader.shelf.meshes,
-            properties=properties,
-            materials=_materials(items, reader) if reader.geometry != "none" else {},
-            components=components,
+            properties=[properties for properties, _ in found],
+            materials=_materials(items, mesh, reader),
+            components={name: component for name, component in components.items() if len(component.rows)},
             title=title,
         )
     )
+    return fold(_with_used_meshes(graph))
 
 
-def _properties(item: bpy.types.Object, report: ReadReport) -> ObjectProperties:
+def _properties(item: bpy.types.Object, report: ReadReport) -> tuple[ObjectProperties, Marks]:
+    """An object's custom properties, and apart from them the marks that our own writing left."""
     if not item.keys():
-        return BARE
-    found = decode_properties(custom_properties(item))
+        return BARE, UNMARKED
+    values = custom_properties(item)
+    marks = {key: values.pop(key) for key in (TYPE, HELPER) if key in values}
+    found = decode_properties(values)
     for problem in found.problems:
         report.add(item.name, problem)
-    return found
+    return found, marks
 
 
-def _materials(items: Sequence[bpy.types.Object], reader: Reader) -> dict[str, Material]:
-    owners = {item.data: item for item in items if item.data is not None and hasattr(item.data, "materials")}
-    used = {material for data in owners for material in data.materials if material is not None}
+def _type(item: bpy.types.Object, marks: Marks) -> str:
+    """Today's name of the type; objects that writing turned into meshes say what they were."""
+    kind = item.type
+    return str(marks.get(TYPE, kind)) if marks and kind == "MESH" else NEW_NAMES.get(kind, kind)
+
+
+def _with_used_meshes(graph: SceneGraph) -> SceneGraph:
+    """The scenegraph without the meshes that only others read with the same shelf have."""
+    used = np.unique(graph.mesh[graph.mesh >= 0])
+    if len(used) == len(graph.meshes):
+        return graph
+    place = np.full(len(graph.meshes) + 1, -1, np.int32)
+    place[used] = np.arange(len(used))
+    return graph.replace(mesh=place[graph.mesh], meshes=tuple(graph.meshes[index] for index in used))
+
+
+def _materials(items: Sequence[bpy.types.Object], mesh: NDArray[np.int32], reader: Reader) -> dict[str, Material]:
+    """The materials of meshes and objects, by name."""
+    if reader.geometry == "none":
+        return {}
+    names = {name for index in np.unique(mesh[mesh >= 0]) for name in reader.shelf.meshes[index].materials}
     if reader.details:
-        for item in items:
-            used |= {slot.material for slot in item.material_slots if slot.link == "OBJECT" and slot.material}
-    for mesh in reader.shelf.meshes:  # modifiers may bring materials of their own
-        named = (bpy.data.materials.get(name) for name in mesh.materials)
-        used |= {material for material in named if material is not None}
-    return {material.name: read_material(material) for material in sorted(used, key=lambda item: item.name)}
+        slots = (slot for item in items for slot in item.material_slots if slot.link == "OBJECT" and slot.material)
+        names |= {slot.material.name for slot in slots}
+    found = {name: bpy.data.materials.get(name) for name in sorted(names)}
+    return {name: read_material(material) for name, material in found.items() if material is not None}

@@ -52,6 +52,16 @@ class MeshShelf:
             self.places[key] = self._store(item, own)
         return self.places[key]
 
+    def drawn_mesh(self, drawn: bpy.types.Object, made: bool) -> Mesh | None:
+        """The mesh of an evaluated object that is drawn as an instance; None without one.
+
+        ``made``: geometry nodes made it, it is no object of its own.
+        """
+        if made:
+            return read_mesh(drawn.data) if drawn.type == "MESH" else None
+        place = self.place(drawn.original)
+        return self.meshes[place] if place >= 0 else None
+
     def _store(self, item: bpy.types.Object, own: bool) -> int:
         mesh = self._read(item, own)
         if mesh is None:

@@ -8,14 +8,17 @@ from dataclasses import dataclass, field
 import bpy
 
 from ..errors import UniSGError
-from ..scene.components import MATERIALS
+from ..scene.components import INSTANCES, MATERIALS
 from ..scene.graph import SceneGraph
 from .lookup import objects_by_uid
 from .materials import write_materials
 from .report import ReadReport
-from .write_components import link_objects, set_visibility
+from .write_armatures import write_bones
+from .write_components import link_helpers, link_objects, set_visibility
 from .write_data import object_data, set_active_camera, set_empties, set_materials
+from .write_instances import write_instances
 from .write_matrices import place_objects
+from .write_meshes import check_mesh
 from .write_properties import write_properties
 
 Objects = dict[int, bpy.types.Object]
@@ -23,12 +26,28 @@ Objects = dict[int, bpy.types.Object]
 
 @dataclass
 class Writer:
-    """What stays the same while one scenegraph is written."""
+    """What stays the same while one scenegraph and the prototypes of its instances are written."""
 
-    graph: SceneGraph
-    materials: dict[str, bpy.types.Material]
     report: ReadReport
+    materials: dict[str, bpy.types.Material] = field(default_factory=dict)
     data: dict[object, bpy.types.ID | None] = field(default_factory=dict)
+    collections: dict[int, bpy.types.Collection] = field(default_factory=dict)
+
+    def prototype_collection(self, prototype: SceneGraph) -> bpy.types.Collection:
+        """The collection of an instanced scenegraph, made once."""
+        if id(prototype) not in self.collections:
+            collection = self.collections[id(prototype)] = bpy.data.collections.new(prototype.title)
+            write_objects(prototype, range(len(prototype)), {}, Place(collection, collection, None), self)
+        return self.collections[id(prototype)]
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where new objects go: collections hang under ``top``, objects in none go into ``default``; no scene: unseen."""
+
+    top: bpy.types.Collection
+    default: bpy.types.Collection
+    scene: bpy.types.Scene | None
 
 
 def write_scene(
@@ -51,14 +70,9 @@ def write_scene(
     UniSGError
         If a mesh of the graph is damaged; nothing is left behind then.
     """
-    made = scene is None
+    check_graph(graph, range(len(graph)))
     scene = bpy.data.scenes.new(graph.title) if scene is None else scene
-    try:
-        write_rows(graph, range(len(graph)), scene, report=report)
-    except UniSGError:
-        if made:
-            bpy.data.scenes.remove(scene)
-        raise
+    write_rows(graph, range(len(graph)), scene, report=report)
     return scene
 
 
@@ -94,27 +108,46 @@ def write_rows(
         If a mesh is damaged, or a parent is neither among the rows nor in the scene.
     """
     rows = [int(row) for row in rows]
-    report = ReadReport() if report is None else report
+    check_graph(graph, rows)
     standing = _standing_objects(graph, rows, scene)
-    writer = Writer(graph, _used_materials(graph, rows), report)
-    _share_meshes(writer, standing)
-    objects: Objects = {}
-    try:
-        for row in rows:
-            objects[row] = _new_object(writer, row)
-    except UniSGError:
-        for item in objects.values():
-            bpy.data.objects.remove(item)
-        raise
-    place_objects(graph, objects, standing, report)
+    writer = Writer(ReadReport() if report is None else report)
+    _share_meshes(graph, standing, writer)
+    place = Place(scene.collection, collection or scene.collection, scene)
+    return write_objects(graph, rows, standing, place, writer)
+
+
+def check_graph(graph: SceneGraph, rows: Iterable[int]) -> None:
+    """Raise UniSGError before anything is made if a mesh of these rows or of their instances is damaged."""
+    rows = set(rows)
+    for index in {int(graph.mesh[row]) for row in rows} - {-1}:
+        check_mesh(graph.meshes[index])
+    found = graph.components.get(INSTANCES)
+    if found is not None:
+        used = {id(item): item for row in rows for item in found.of(row)["prototype"]}
+        for prototype in used.values():
+            check_graph(prototype, range(len(prototype)))
+
+
+def write_objects(
+    graph: SceneGraph, rows: Iterable[int], standing: Objects, place: Place, writer: Writer
+) -> list[bpy.types.Object]:
+    """Make objects for rows of a checked scenegraph; ``standing`` are the objects of other rows."""
+    rows = list(rows)
+    writer.materials |= _used_materials(graph, rows)
+    objects = {row: _new_object(graph, row, writer) for row in rows}
+    write_bones(graph, objects, writer.report)
+    helpers = place_objects(graph, objects, standing, writer.report)
+    helpers += write_instances(graph, objects, writer.prototype_collection)
     for row, item in objects.items():
-        write_properties(graph, row, item, report)
+        write_properties(graph, row, item, writer.report)
     set_materials(graph, objects, writer.materials)
     set_empties(graph, objects)
-    link_objects(graph, objects, collection or scene.collection, scene)
-    set_visibility(graph, objects, scene)
-    set_active_camera(graph, objects, scene)
-    return [objects[row] for row in rows]
+    link_objects(graph, objects, place.default, place.top)
+    link_helpers(helpers)
+    set_visibility(graph, objects, place.scene)
+    if place.scene is not None:
+        set_active_camera(graph, objects, place.scene)
+    return list(objects.values())
 
 
 def _standing_objects(graph: SceneGraph, rows: Sequence[int], scene: bpy.types.Scene) -> Objects:
@@ -139,16 +172,15 @@ def _used_materials(graph: SceneGraph, rows: Sequence[int]) -> dict[str, bpy.typ
     return write_materials(graph.materials[name] for name in sorted(names) if name in graph.materials)
 
 
-def _share_meshes(writer: Writer, standing: Objects) -> None:
+def _share_meshes(graph: SceneGraph, standing: Objects, writer: Writer) -> None:
     """New objects share the mesh data of standing ones, where modifiers did not make another mesh of them."""
     for row, item in standing.items():
-        index = int(writer.graph.mesh[row])
+        index = int(graph.mesh[row])
         if index >= 0 and item.type == "MESH" and not item.modifiers and not item.data.shape_keys:
-            writer.data.setdefault(("mesh", index), item.data)
+            writer.data.setdefault(id(graph.meshes[index]), item.data)
 
 
-def _new_object(writer: Writer, row: int) -> bpy.types.Object:
-    graph = writer.graph
+def _new_object(graph: SceneGraph, row: int, writer: Writer) -> bpy.types.Object:
     data = object_data(graph, row, writer.data, writer.materials, writer.report)
     item = bpy.data.objects.new(graph.name[row], data)
     if item.name != graph.name[row]:

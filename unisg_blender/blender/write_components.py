@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import bpy
 
@@ -12,13 +12,16 @@ from ..scene.graph import SceneGraph
 Objects = Mapping[int, bpy.types.Object]
 
 
-def link_objects(graph: SceneGraph, objects: Objects, default: bpy.types.Collection, scene: bpy.types.Scene) -> None:
-    """Link every object into its collections, made where they are missing; others into ``default``."""
+def link_objects(graph: SceneGraph, objects: Objects, default: bpy.types.Collection, top: bpy.types.Collection) -> None:
+    """Link every object into its collections, made where they are missing; others into ``default``.
+
+    Paths of collections begin under ``top``.
+    """
     found = graph.components.get(COLLECTIONS)
     listed = set()
     for row, path in () if found is None else zip(found.rows.tolist(), found.columns["path"], strict=True):
         if row in objects:
-            collection = _collection(scene.collection, path)
+            collection = _collection(top, path)
             if objects[row].name not in collection.objects:
                 collection.objects.link(objects[row])
             listed.add(row)
@@ -37,19 +40,26 @@ def _collection(top: bpy.types.Collection, path: tuple[str, ...]) -> bpy.types.C
     return top
 
 
-def set_visibility(graph: SceneGraph, objects: Objects, scene: bpy.types.Scene) -> None:
-    """Hide what is hidden: by the eye, in viewports, in renders."""
+def link_helpers(helpers: Sequence[tuple[bpy.types.Object, bpy.types.Object]]) -> None:
+    """Link helpers into the collections of the objects they belong to."""
+    for helper, owner in helpers:
+        for collection in owner.users_collection:
+            collection.objects.link(helper)
+
+
+def set_visibility(graph: SceneGraph, objects: Objects, scene: bpy.types.Scene | None) -> None:
+    """Hide what is hidden: by the eye (of a scene), in viewports, in renders."""
     found = graph.components.get(VISIBILITY)
     if found is None:
         return
     columns = found.columns
+    layers = [] if scene is None else list(scene.view_layers)
     for place, row in enumerate(found.rows.tolist()):
         item = objects.get(row)
         if item is None:
             continue
         item.hide_viewport = bool(columns["viewport"][place])
         item.hide_render = bool(columns["render"][place])
-        if columns["hidden"][place]:
-            for layer in scene.view_layers:
-                if item.name in layer.objects:
-                    item.hide_set(True, view_layer=layer)
+        for layer in layers if columns["hidden"][place] else ():
+            if item.name in layer.objects:
+                item.hide_set(True, view_layer=layer)

@@ -10,6 +10,7 @@ import numpy as np
 
 from ..scene.components import CAMERA, EMPTY, MATERIALS
 from ..scene.graph import TYPES, SceneGraph
+from ..scene.mesh import Mesh
 from .read_data import BLENDER_NAME, CAMERA_NUMBERS, LIGHT_NUMBERS
 from .report import ReadReport
 from .write_meshes import write_mesh
@@ -24,25 +25,38 @@ def object_data(
 
     ``made`` collects what was made so far.
     """
-    kind, mesh = TYPES[graph.type[row]], int(graph.mesh[row])
-    if mesh >= 0:
+    kind = TYPES[graph.type[row]]
+    mesh = graph.meshes[graph.mesh[row]] if graph.mesh[row] >= 0 else None
+    if mesh is not None and kind == "POINTCLOUD" and hasattr(bpy.types.PointCloud, "resize"):
+        return _shared(made, id(mesh), lambda: _point_cloud(mesh))
+    if mesh is not None:
         if kind != "MESH":
             report.add(graph.name[row], f"is a mesh in Blender, no longer of type {kind.lower()}")
-        if ("mesh", mesh) not in made:
-            made["mesh", mesh] = write_mesh(graph.meshes[mesh], materials)
-        return made["mesh", mesh]
+        return _shared(made, id(mesh), lambda: write_mesh(mesh, materials))
     if kind in ("EMPTY", "OTHER"):
         return None
     entry = _entry(graph, kind.lower(), row)
-    key = (kind, entry.get("data", (kind, row)))
+    name = str(entry.get("data", graph.name[row]))
+    key = (kind, name) if "data" in entry else (id(graph), row)
+    if kind == "CAMERA":
+        return _shared(made, key, lambda: _camera(name, entry))
+    if kind == "LIGHT":
+        return _shared(made, key, lambda: _light(name, entry))
+    return _MAKERS[kind](name)
+
+
+def _shared(made: Made, key: object, make: Callable[[], bpy.types.ID]) -> bpy.types.ID | None:
     if key not in made:
-        name = str(entry.get("data", graph.name[row]))
-        made[key] = _MAKERS.get(kind, _nothing)(name)
-        if kind == "CAMERA":
-            _set_camera(made[key], entry)
-        elif kind == "LIGHT":
-            made[key] = _light(name, entry)
+        made[key] = make()
     return made[key]
+
+
+def _point_cloud(mesh: Mesh) -> bpy.types.PointCloud:
+    cloud = bpy.data.pointclouds.new(mesh.name)
+    cloud.resize(len(mesh.points))
+    if len(mesh.points):
+        cloud.attributes["position"].data.foreach_set("vector", np.ascontiguousarray(mesh.points).ravel())
+    return cloud
 
 
 def _entry(graph: SceneGraph, component: str, row: int) -> dict[str, Any]:
@@ -58,13 +72,8 @@ def _grease_pencil(name: str) -> bpy.types.ID:
     return shelf.new(name)
 
 
-def _nothing(name: str) -> None:
-    return None
-
-
-_MAKERS: dict[str, Callable[[str], bpy.types.ID | None]] = {
+_MAKERS: dict[str, Callable[[str], bpy.types.ID]] = {
     "MESH": lambda name: bpy.data.meshes.new(name),
-    "CAMERA": lambda name: bpy.data.cameras.new(name),
     "ARMATURE": lambda name: bpy.data.armatures.new(name),
     "CURVE": lambda name: bpy.data.curves.new(name, "CURVE"),
     "SURFACE": lambda name: bpy.data.curves.new(name, "SURFACE"),
@@ -80,12 +89,13 @@ _MAKERS: dict[str, Callable[[str], bpy.types.ID | None]] = {
 }
 
 
-def _set_camera(camera: bpy.types.Camera, entry: Mapping[str, Any]) -> None:
-    if not entry:
-        return
-    camera.type, camera.sensor_fit = str(entry["kind"]), str(entry["fit"])
-    for name in CAMERA_NUMBERS:
-        setattr(camera, name, float(entry[name]))
+def _camera(name: str, entry: Mapping[str, Any]) -> bpy.types.Camera:
+    camera = bpy.data.cameras.new(name)
+    if entry:
+        camera.type, camera.sensor_fit = str(entry["kind"]), str(entry["fit"])
+        for key in CAMERA_NUMBERS:
+            setattr(camera, key, float(entry[key]))
+    return camera
 
 
 def _light(name: str, entry: Mapping[str, Any]) -> bpy.types.Light:

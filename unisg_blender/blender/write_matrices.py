@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from ..scene.components import CHANNELS, PARENTING, WORLD
 from ..scene.graph import SceneGraph
 from ..scene.hierarchy import world_matrices
+from .folding import new_helper
 from .hierarchy import differ
 from .report import ReadReport
 from .trs import split
@@ -20,12 +21,20 @@ SAME = 1e-6  # channels spell a matrix if they agree with it to this, relative
 Objects = Mapping[int, bpy.types.Object]
 
 
-def place_objects(graph: SceneGraph, objects: Objects, standing: Objects, report: ReadReport) -> None:
+def place_objects(
+    graph: SceneGraph, objects: Objects, standing: Objects, report: ReadReport
+) -> list[tuple[bpy.types.Object, bpy.types.Object]]:
     """Set parent, parent inverse, location, rotation and scale of new objects.
 
     What location, rotation and scale cannot say (shear) goes into the parent
-    inverse; a root has none, so that is reported.
+    inverse; a root, which has none, gets a helper for a parent.
+
+    Returns
+    -------
+    list
+        (helper, the object it belongs to), for linking.
     """
+    helpers = []
     rows = np.array(list(objects), np.int64)
     local = _reachable_locals(graph, rows, report)
     hung = _hang(graph, objects, standing, local, report)
@@ -35,13 +44,15 @@ def place_objects(graph: SceneGraph, objects: Objects, standing: Objects, report
     for place, (row, item) in enumerate(objects.items()):
         if row in spelled:
             continue
-        if channels.sheared[place] and item.parent is not None:
+        if channels.sheared[place]:
+            if item.parent is None:
+                helpers.append((new_helper(f"{item.name} frame"), item))
+                item.parent = helpers[-1][0]
             item.matrix_parent_inverse = mathutils.Matrix(inner[place])
             continue
-        if channels.sheared[place]:
-            report.add(item.name, "shear is lost: in Blender only objects with a parent can have it")
         item.location, item.rotation_euler = channels.location[place], channels.euler[place]
         item.scale = channels.scale[place]
+    return helpers
 
 
 def _reachable_locals(graph: SceneGraph, rows: NDArray[np.int64], report: ReadReport) -> dict[int, NDArray[np.float64]]:

@@ -8,13 +8,14 @@ import bpy
 
 from ..scene.actions import actions_to_json
 from ..scene.components import ACTIONS, LSA, PROPERTIES
-from ..scene.graph import SceneGraph
+from ..scene.graph import TYPES, SceneGraph
 from ..scene.lesson import lesson_to_json
 from ..scene.properties import ACTIONS as ACTIONS_KEY
 from ..scene.properties import CATEGORY, RELATIONS, UID, relations_of
 from ..scene.properties import LSA as LSA_KEY
 from ..scene.relations import relations_to_json
 from .custom_properties import set_custom_properties
+from .folding import TYPE
 from .report import ReadReport
 
 
@@ -41,6 +42,9 @@ def row_properties(graph: SceneGraph, row: int) -> dict[str, object]:
 
 def write_properties(graph: SceneGraph, row: int, item: bpy.types.Object, report: ReadReport) -> None:
     """Set the custom properties of the object that stands for a row."""
+    kind = TYPES[graph.type[row]]
+    if item.type == "MESH" and kind != "MESH":
+        item[TYPE] = kind
     refused = set_custom_properties(item, row_properties(graph, row))
     if refused:
         report.add(item.name, f"custom properties that Blender cannot hold: {', '.join(sorted(refused))}")
