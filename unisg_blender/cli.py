@@ -22,6 +22,8 @@ VERBS = {
     "export": "turn scene files into a dataset for learning",
     "train": "train a model on a dataset",
     "generate": "add objects to an empty or an existing scene with a trained model",
+    "label": "propose categories for objects that have none",
+    "simulate": "play a scene's lesson against its animation, a recording, a script or a rehearsal",
     "benchmark": "measure and write tables and figures",
     "demo": "run the main job end to end on shipped content",
 }

@@ -43,7 +43,7 @@ def flat(matrix):
 
 ACTIONS = (
     ActionData("take", "Remove", "Take the scalpel", ("scalpel",), thresholds=Thresholds(0.1)),
-    ActionData("cut", "Use", "Incise", ("knee",), ("scalpel",), None, "", Thresholds(hold=0.5, force=2.0), trigger=True),
+    ActionData("cut", "Use", "Cut", ("knee",), ("scalpel",), thresholds=Thresholds(hold=0.5, force=2.0), trigger=True),
     ActionData("knock", "Use", "Knock", ("knee",), ("mallet",), thresholds=Thresholds(0.01, hits=3)),
     ActionData(
         "implant", "Insert", "Insert the implant", ("implant",), reference=flat(at(0, 0, 0.1, (0, 0, 1))), frame="knee",

@@ -36,6 +36,7 @@ def render_picture(
     size: tuple[int, int] = (960, 720),
     engine: Engine = "workbench",
     leave_out: Collection[str] = (),
+    points: NDArray[np.float64] | None = None,
 ) -> None:
     """Render a scene into a PNG file; the scene itself is not changed.
 
@@ -54,6 +55,8 @@ def render_picture(
         card; "cycles": the materials, with light.
     leave_out
         Categories that are not drawn, such as a ceiling that would hide the room.
+    points
+        World points (K, 3) that the picture has to show; the objects when omitted.
 
     Raises
     ------
@@ -69,7 +72,7 @@ def render_picture(
         for item in scene.objects
         if item.type in SHOWN and not item.hide_render and category_of(item) not in leave_out
     ]
-    points = corner_points(items)
+    points = corner_points(items) if points is None else points
     if not len(points):
         raise UniSGError(f"scene {scene.name!r} has nothing to show: add objects with a mesh")
     with _stage(items, engine) as stage:

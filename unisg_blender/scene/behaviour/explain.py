@@ -45,10 +45,10 @@ def _pose_text(name: str, action: ActionData, distance: float, angle: float) -> 
     parts = []
     if limits.distance is not None:
         word = "more than" if leaves else "at most"
-        parts.append(f"{100 * distance:.3g} cm ({word} {100 * limits.distance:.3g} cm)")
+        parts.append(f"{round(100 * distance, 2):g} cm ({word} {100 * limits.distance:.3g} cm)")
     if limits.angle is not None:
         word = "more than" if leaves else "at most"
-        parts.append(f"{math.degrees(angle):.3g}° ({word} {math.degrees(limits.angle):.3g}°)")
+        parts.append(f"{round(math.degrees(angle), 2):g}° ({word} {math.degrees(limits.angle):.3g}°)")
     return f"{name!r} is {(' or ' if leaves else ' and ').join(parts)} from its place{_limits_text(action)}"
 
 

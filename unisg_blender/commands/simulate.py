@@ -1,0 +1,179 @@
+"""``unisg simulate``: play a scene's lesson against its animation, a recording, a script, or a rehearsal."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import shutil
+import sys
+import tempfile
+from collections.abc import Iterable
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from tqdm import tqdm
+
+from ..errors import DONE, MISUSE, UniSGError
+
+if TYPE_CHECKING:
+    from ..scene import LessonNode, SceneGraph
+    from ..scene.behaviour import Moment
+
+HELP = (
+    "Play the lesson of a scene: against the animation or recording in the file, a scripted motion (--motion), or a "
+    "rehearsal that performs every action in its turn (--rehearse). Says which action was performed, when and why."
+)
+USD = (".usd", ".usda", ".usdc", ".usdz")
+FILM_FRAMES = 60
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """What the verb takes."""
+    parser.add_argument("file", metavar="FILE", type=Path, help="a scene file with a lesson")
+    source = parser.add_mutually_exclusive_group()
+    source.add_argument(
+        "--motion", metavar="JSON", type=Path, help="a script of poses and inputs, by the objects' names"
+    )
+    source.add_argument(
+        "--rehearse", action="store_true", help="do every action in its turn; says whether that is possible"
+    )
+    parser.add_argument("--lesson", metavar="NAME", help="which lesson, where the scene has several")
+    parser.add_argument("--rate", type=float, help="frames per second (default: 30, the file's own for an animation)")
+    parser.add_argument("--out", metavar="DIR", type=Path, help="write timeline.json and timeline.png here")
+    parser.add_argument("--render", action="store_true", help="with --out: write film.gif too (needs Blender)")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Play, tell, and write what was asked for; the files are complete or not written at all."""
+    if args.render and args.out is None:
+        print("unisg simulate: --render needs --out DIR", file=sys.stderr)
+        return MISUSE
+    if args.rate is not None and not 0 < args.rate <= 1000:
+        print("unisg simulate: --rate must be above 0 and at most 1000 frames per second", file=sys.stderr)
+        return MISUSE
+    from ..scene.behaviour import prepare, simulate, timeline_record
+    from ..scene.behaviour.progress import STATUSES
+
+    graph = _read(args.file)
+    lesson = prepare(graph, _chosen(graph, args.lesson))
+    leaves = [place for place, node in enumerate(lesson.outline.nodes) if node.kind == "action"]
+    frames: list[Any] = []
+
+    def watch(now: Moment, state: Any) -> None:
+        states = [(_name(lesson, place), STATUSES[state.status[place]]) for place in leaves]
+        frames.append((now.time, now.world, states))
+
+    played, script = _moments(args, graph, lesson)
+    bar = tqdm(played, desc="simulate", unit="frame", disable=args.quiet, file=sys.stderr)
+    timeline = simulate(lesson, bar, watch if args.render else None)
+    record = timeline_record(timeline)
+    if args.out is not None:
+        _write(args, graph, record, frames, script)
+    if args.json:
+        print(json.dumps(record, ensure_ascii=False))
+    elif not args.quiet:
+        print("\n".join(_lines(record)))
+    return DONE
+
+
+def _read(path: Path) -> SceneGraph:
+    if path.suffix.lower() in USD:
+        from ..usd import read_usd
+
+        return read_usd(path)
+    from ..blender.files import read_file
+
+    return read_file(path)[0]
+
+
+def _chosen(graph: SceneGraph, name: str | None) -> LessonNode | None:
+    from ..scene.behaviour import operations
+
+    if name is None:
+        return None
+    found = [each for each in operations(graph) if name in (each.name, each.uid)]
+    if not found:
+        names = ", ".join(repr(each.name or each.uid) for each in operations(graph)) or "none"
+        raise UniSGError(f"the scene has no lesson {name!r}; it has: {names}")
+    return found[0]
+
+
+def _moments(args: argparse.Namespace, graph: SceneGraph, lesson: Any) -> tuple[Iterable[Moment], str | None]:
+    """The moments to play, and the script of a rehearsal as JSON."""
+    from dataclasses import replace
+
+    from ..scene.behaviour import moments, motion_from_json, motion_to_json, recorded_motion, rehearse
+
+    if args.rehearse:
+        motion = rehearse(lesson, args.rate or 30.0)
+        return list(moments(graph, motion)), motion_to_json(graph, motion)
+    if args.motion is not None:
+        try:
+            motion = motion_from_json(graph, args.motion.read_text(encoding="utf-8"))
+        except (OSError, UnicodeDecodeError) as error:
+            raise UniSGError(f"cannot read {args.motion}: {error}") from None
+        return list(moments(graph, replace(motion, rate=args.rate or motion.rate))), None
+    motion = recorded_motion(graph, args.rate or 30.0)
+    if motion.tracks:
+        return list(moments(graph, motion)), None
+    if args.file.suffix.lower() not in USD:
+        import bpy
+
+        from ..blender.behaviour import has_animation, scene_moments
+
+        if has_animation(bpy.context.scene):
+            return scene_moments(bpy.context.scene, graph), None
+    raise UniSGError(f"nothing moves in {args.file}: give a --motion script, or let it --rehearse")
+
+
+def _write(
+    args: argparse.Namespace, graph: SceneGraph, record: dict[str, Any], frames: list[Any], script: str | None
+) -> None:
+    from ..scene.behaviour.timeline_picture import draw_timeline
+
+    args.out.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(prefix=".simulate-", dir=args.out) as folder:
+        work = Path(folder)
+        (work / "timeline.json").write_text(json.dumps(record, indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
+        draw_timeline(record, work / "timeline.png")
+        if script is not None:
+            (work / "motion.json").write_text(script + "\n", encoding="utf-8")
+        if args.render:
+            _render(args, graph, work / "film.gif", frames)
+        for made in work.iterdir():
+            os.replace(made, args.out / made.name)
+
+
+def _render(args: argparse.Namespace, graph: SceneGraph, path: Path, frames: list[Any]) -> None:
+    import bpy
+
+    from ..blender import new_file, write_scene
+    from ..blender.film import write_film
+
+    if args.file.suffix.lower() in USD:
+        new_file()
+        write_scene(graph, bpy.context.scene)
+    chosen = frames[:: max(1, -(-len(frames) // FILM_FRAMES))]
+    leave_out = [name for name in graph.vocabulary if "ceiling" in name.casefold()]
+    bar = partial(tqdm, desc="film", unit="picture", disable=args.quiet, file=sys.stderr)
+    write_film(path, bpy.context.scene, graph, chosen, leave_out=leave_out, speed=2.0, progress=bar)
+
+
+def _name(lesson: Any, place: int) -> str:
+    node, action = lesson.outline.nodes[place], lesson.checks.actions[lesson.task[place]]
+    return node.name or action.name or action.type
+
+
+def _lines(record: dict[str, Any]) -> list[str]:
+    width = min(shutil.get_terminal_size().columns, 160)
+    lines = [f"{record['operation']}: {'played to the end' if record['finished'] else 'not finished'}"]
+    for node in record["nodes"][1:]:
+        when = f"{node['done']:8.2f} s" if node["done"] is not None else f"{node['status']:>10}"
+        why = f"  {node['why']}" if node["why"] else ""
+        lines.append(f"{when}  {'  ' * (node['depth'] - 1)}{node['name']}{why}"[:width])
+    for event in record["events"]:
+        if event["kind"] in ("out_of_order", "wrong_answer"):
+            lines.append(f"{event['time']:8.2f} s  ! {event['why']}"[:width])
+    return lines
