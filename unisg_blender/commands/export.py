@@ -16,6 +16,9 @@ if TYPE_CHECKING:
     from ..dataset.progress import Progress
 
 HELP = "Turn scene files into a dataset for learning."
+ENCODERS = {"atlasnet": f"{__package__.rpartition('.')[0]}.meshes.feature:atlasnet_feature"}
+"""Mesh encoders that have a name of their own."""
+
 EPILOG = "A file that crashes, hangs or cannot be read costs only itself; the dataset's list of files says why."
 
 
@@ -33,7 +36,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--mapping", metavar="FILE", type=Path, help="JSON or TOML: name patterns to categories")
     parser.add_argument("--folder-labels", action="store_true", help="a file's folder names its kind of scene")
     parser.add_argument(
-        "--mesh-features", metavar="MODULE:FUNCTION", default="", help="encoder that gives a vector for each mesh"
+        "--mesh-features", metavar="ENCODER", default="", help='"atlasnet", or module:function: a vector for each mesh'
     )
     parser.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask scheduler that runs the files")
     again = parser.add_mutually_exclusive_group()
@@ -60,7 +63,7 @@ def run(args: argparse.Namespace) -> int:
         memory=int(args.memory * 2**30),
         mapping=None if args.mapping is None else read_mapping(args.mapping),
         folder_labels=args.folder_labels,
-        mesh_encoder=args.mesh_features,
+        mesh_encoder=ENCODERS.get(args.mesh_features, args.mesh_features),
     )
     bar = Progress(0, "files", args.quiet)
     counts = {"done": 0, "failed": 0}

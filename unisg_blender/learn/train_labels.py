@@ -10,13 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import UniSGError
-from ..meshes.feature import POINTS, AtlasNetEncoder, cloud
+from ..meshes.feature import AtlasNetEncoder
 from ..meshes.label import beside
 from ..meshes.label_model import LabelModel, size_channels
 from ..meshes.models import Model
 from ..meshes.names import words
 from ..meshes.networks import PRETRAINED
-from ..meshes.normalise import normalise
+from ..meshes.similar import quarter_turn_features
 from ..scene.graph import SceneGraph
 
 COMPONENTS = 48
@@ -80,10 +80,7 @@ def shape_inputs(
     """Mesh features (4 N, 1024) of models in four quarter turns, and sizes (4 N, 3) in metres."""
     vectors, sizes = [], []
     for done, model in enumerate(models):
-        points, _ = normalise(cloud(model.mesh, POINTS))
-        x, y, z = points.T
-        turns = [np.stack([x, y, z], 1), np.stack([-y, x, z], 1), np.stack([-x, -y, z], 1), np.stack([y, -x, z], 1)]
-        vectors.append(encoder.encode_clouds(turns))
+        vectors.append(quarter_turn_features(model.mesh, encoder))
         sizes += [model.mesh.bounds[1] - model.mesh.bounds[0]] * QUARTER_TURNS
         progress(done)
     return np.concatenate(vectors), np.array(sizes)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
@@ -98,3 +99,14 @@ def cloud(mesh: Mesh, count: int, seed: int = 0) -> NDArray[np.float32]:
         raise UniSGError(f"mesh {mesh.name!r} has no points: there is nothing to encode")
     chosen = np.random.default_rng(seed).permutation(max(len(finite), count))[:count] % len(finite)
     return finite[chosen]
+
+
+@lru_cache(maxsize=1)
+def default_encoder() -> AtlasNetEncoder:
+    """The shipped encoder, with all that it has encoded in this process."""
+    return AtlasNetEncoder()
+
+
+def atlasnet_feature(mesh: Mesh) -> NDArray[np.float32]:
+    """The feature (1024,) of a mesh by the shipped encoder: ``unisg export --mesh-features atlasnet``."""
+    return default_encoder()(mesh)

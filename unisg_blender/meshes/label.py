@@ -13,7 +13,7 @@ from ..scene.assemble import index_categories
 from ..scene.bounds import local_bounds, oriented_boxes
 from ..scene.graph import SceneGraph
 from ..scene.hierarchy import world_matrices
-from .feature import POINTS, AtlasNetEncoder, cloud
+from .feature import POINTS, AtlasNetEncoder, cloud, default_encoder
 from .label_model import LabelModel
 from .normalise import normalise
 
@@ -70,7 +70,7 @@ def propose_categories(
     -------
     One proposal per entity, in row order.
     """
-    model, encoder = model or LabelModel.load(), encoder or AtlasNetEncoder()
+    model, encoder = model or LabelModel.load(), encoder or default_encoder()
     wanted = np.flatnonzero(graph.category < 0) if rows is None else np.array(sorted(rows), np.int64)
     solid = np.array([_has_points(graph, row) for row in wanted], bool)
     wanted = wanted[solid]

@@ -1,0 +1,126 @@
+"""``unisg label``: proposed categories for the objects of a scene that have none."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ..errors import DONE, UniSGError
+
+if TYPE_CHECKING:
+    from ..meshes.label import Proposal
+    from ..scene import SceneGraph
+
+HELP = "Propose categories for the objects of a scene that have none, from shape, size, name and neighbours."
+USD = (".usd", ".usda", ".usdc")
+OUTPUTS = (".blend", *USD)
+EVIDENCE = ("shape", "name", "neighbours")
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """What the verb takes."""
+    parser.add_argument("file", metavar="FILE", type=Path, help="a scene file")
+    parser.add_argument("--best", metavar="N", type=int, default=3, help="categories to name for each object (3)")
+    parser.add_argument("--use", metavar="KINDS", default=",".join(EVIDENCE), help="evidence (shape,name,neighbours)")
+    parser.add_argument("--all", action="store_true", help="also for objects that have a category")
+    parser.add_argument("--model", metavar="M", type=Path, help="model of categories (default: the shipped one)")
+    parser.add_argument("--out", metavar="OUT", type=Path, help="write the scene with the accepted categories")
+    parser.add_argument(
+        "--threshold", metavar="P", type=float, default=0.5, help="accept from this confidence on (0.5)"
+    )
+
+
+def run(args: argparse.Namespace) -> int:
+    """Read, propose, print; with ``--out`` accept and write."""
+    from ..meshes.label import propose_categories
+    from ..meshes.label_model import LabelModel
+    from .generate import read_any
+
+    use = _checked(args)
+    model = LabelModel.load(args.model)
+    graph = read_any(args.file)
+    rows = range(len(graph)) if args.all else None
+    proposals = propose_categories(graph, model, rows=rows, best=args.best, use=use)
+    accepted = [proposal for proposal in proposals if proposal.confidence >= args.threshold]
+    if args.out is not None:
+        _write(args.file, args.out, graph, accepted)
+    if args.json:
+        print(json.dumps(_report(args, graph, proposals, len(accepted)), ensure_ascii=False))
+    elif not args.quiet:
+        print("\n".join(_lines(args, proposals, len(accepted))))
+    return DONE
+
+
+def _checked(args: argparse.Namespace) -> list[str]:
+    use = [kind.strip() for kind in args.use.split(",") if kind.strip()]
+    if not use or set(use) - set(EVIDENCE):
+        raise UniSGError(f"--use takes some of {', '.join(EVIDENCE)}, not {args.use!r}")
+    if args.best < 1 or not 0 <= args.threshold <= 1:
+        raise UniSGError("--best must be at least 1, and --threshold lie between 0 and 1")
+    if args.out is not None and args.out.suffix.lower() not in OUTPUTS:
+        raise UniSGError(f"--out must end in one of {', '.join(OUTPUTS)}, not {args.out.name!r}")
+    if args.out is not None and not args.out.parent.is_dir():
+        raise UniSGError(f"there is no folder {args.out.parent} to write {args.out.name} to")
+    if not args.file.is_file():
+        raise UniSGError(f"there is no scene file {args.file}")
+    return use
+
+
+def _write(source: Path, out: Path, graph: SceneGraph, accepted: Sequence[Proposal]) -> None:
+    from ..meshes.label import accept
+
+    if out.suffix.lower() in USD:
+        from ..usd import write_usd
+
+        write_usd(accept(graph, accepted), out)
+        return
+    import bpy
+
+    from ..blender import new_file, objects_by_uid, save_blend, write_scene
+    from ..blender.identity import assign_category
+
+    if source.suffix.lower() in USD:
+        new_file()
+        write_scene(accept(graph, accepted), bpy.context.scene)
+    else:  # the file is still open: what the scenegraph does not hold stays in it
+        objects = objects_by_uid(bpy.context.scene)
+        for proposal in accepted:
+            if proposal.uid in objects:
+                assign_category([objects[proposal.uid]], proposal.best)
+    save_blend(out)
+
+
+def _report(args: argparse.Namespace, graph: SceneGraph, proposals: Sequence[Proposal], accepted: int) -> dict:
+    return {
+        "file": str(args.file),
+        "entities": len(graph),
+        "categorised": int((graph.category >= 0).sum()),
+        "accepted": accepted,
+        "out": None if args.out is None else str(args.out),
+        "proposals": [
+            {
+                "name": proposal.name,
+                "uid": proposal.uid,
+                "row": proposal.row,
+                "categories": [
+                    {"category": name, "confidence": round(value, 4)} for name, value in proposal.categories
+                ],
+            }
+            for proposal in proposals
+        ],
+    }
+
+
+def _lines(args: argparse.Namespace, proposals: Sequence[Proposal], accepted: int) -> list[str]:
+    lines = [
+        f"{proposal.name}: " + ", ".join(f"{name} {value:.0%}" for name, value in proposal.categories)
+        for proposal in proposals
+    ]
+    if not proposals:
+        return ["nothing to propose: no object without a category has a mesh"]
+    if args.out is not None:
+        lines.append(f"{args.out}: {accepted} of {len(proposals)} proposals accepted")
+    return lines
