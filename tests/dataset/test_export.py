@@ -1,0 +1,270 @@
+from __future__ import annotations
+
+import json
+import os
+import sys
+from collections.abc import Callable
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from multiprocessing import get_context
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from unisg_blender.cli import main
+from unisg_blender.dataset import open_dataset
+from unisg_blender.dataset.export import ExportOptions, export_dataset
+from unisg_blender.errors import MISUSE, SOME_FAILED, UNUSABLE_INPUT, UniSGError
+
+HERE = Path(__file__).parent
+OPTIONS = ExportOptions(reader="fake_reader:read", timeout=60)
+Contents = dict[str, bytes]
+
+
+def contents(folder: Path) -> Contents:
+    return {path.name: path.read_bytes() for path in folder.iterdir()}
+
+
+@pytest.fixture(autouse=True)
+def _fake_reader(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("PYTHONPATH", str(HERE), prepend=os.pathsep)
+
+
+@pytest.fixture
+def put(tmp_path: Path) -> Callable[..., Path]:
+    def write(name: str, **order: object) -> Path:
+        path = tmp_path / "in" / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(json.dumps(order))
+        return path
+
+    return write
+
+
+def test_scenes_stand_in_the_order_of_their_files(tmp_path: Path, put: Callable[..., Path]) -> None:
+    put("b/2.obj", seed=5, scenes=2)
+    put("a/9.obj", seed=1, note="hair is not read")
+    put("a/10.obj", seed=2)
+    put("a/.hidden.obj", seed=3)
+    put("a/notes.txt", seed=3)
+    put("empty.obj", seed=4, scenes=0)
+    records = export_dataset([tmp_path / "in"], tmp_path / "ds", OPTIONS)
+    names = [Path(record["source"]).relative_to(tmp_path / "in").as_posix() for record in records]
+    assert names == ["a/10.obj", "a/9.obj", "b/2.obj", "empty.obj"]
+    assert [record["scenes"] for record in records] == [1, 1, 2, 0]
+    assert records[1]["not_represented"] == "hair is not read"
+    dataset = open_dataset(tmp_path / "ds")
+    assert [scene.title for scene in dataset] == ["2-0", "1-0", "5-0", "5-1"]
+    assert dataset[2].source == records[2]["source"]
+    assert dataset.files() == records
+    assert sorted(contents(tmp_path / "ds")) == sorted(
+        [".lock", "manifest.json", dataset.manifest["shards"][0]["file"], dataset.manifest["files"]["file"]]
+    )
+
+
+def test_inputs_may_be_globs_and_overlap(tmp_path: Path, put: Callable[..., Path]) -> None:
+    put("a/1.obj", seed=1)
+    odd = put("a/2.xyz", seed=2)
+    put("b/3.obj", seed=3)
+    inputs = [f"{tmp_path}/in/**/*.obj", tmp_path / "in" / "a", odd]
+    records = export_dataset(inputs, tmp_path / "ds", OPTIONS)
+    assert [Path(record["source"]).name for record in records] == ["1.obj", "2.xyz", "3.obj"]
+
+
+def test_the_number_of_jobs_changes_nothing(tmp_path: Path, put: Callable[..., Path]) -> None:
+    for number in range(12):
+        put(f"{number}.obj", seed=number, seconds=0.02 * (number % 3))
+    for jobs in (1, 3):
+        export_dataset([tmp_path / "in"], tmp_path / f"ds{jobs}", OPTIONS, jobs=jobs)
+    assert contents(tmp_path / "ds1") == contents(tmp_path / "ds3")
+
+
+@pytest.mark.parametrize("kind", ["threads", "processes"])
+def test_any_executor_does(tmp_path: Path, put: Callable[..., Path], kind: str) -> None:
+    for number in range(4):
+        put(f"{number}.obj", seed=number)
+    put("crash.obj", seed=9, trouble="crash")
+    export_dataset([tmp_path / "in"], tmp_path / "own", OPTIONS, jobs=2)
+    pools = {"threads": ThreadPoolExecutor(2), "processes": ProcessPoolExecutor(2, mp_context=get_context("spawn"))}
+    with pools[kind] as pool:
+        export_dataset([tmp_path / "in"], tmp_path / "ds", OPTIONS, executor=pool)
+    assert contents(tmp_path / "ds") == contents(tmp_path / "own")
+
+
+def test_dask_does(tmp_path: Path, put: Callable[..., Path]) -> None:
+    distributed = pytest.importorskip("distributed")
+    for number in range(4):
+        put(f"{number}.obj", seed=number)
+    export_dataset([tmp_path / "in"], tmp_path / "own", OPTIONS, jobs=1)
+    with (
+        distributed.LocalCluster(n_workers=1, threads_per_worker=2, processes=False, dashboard_address=None) as cluster,
+        distributed.Client(cluster) as client,
+    ):
+        export_dataset([tmp_path / "in"], tmp_path / "ds", OPTIONS, executor=client.get_executor(pure=False))
+    assert contents(tmp_path / "ds") == contents(tmp_path / "own")
+
+
+@pytest.mark.parametrize(
+    ("trouble", "reason"),
+    [
+        ("crash", "crashed with SIGSEGV"),
+        ("exit", "ended with status 7"),
+        ("bug", "ZeroDivisionError: in the reader"),
+        ("hang", "not done after 1 s"),
+        ("memory", "out of memory"),
+    ],
+)
+@pytest.mark.skipif(sys.platform == "win32", reason="limits and signals of POSIX")
+def test_trouble_costs_only_the_file(tmp_path: Path, put: Callable[..., Path], trouble: str, reason: str) -> None:
+    for number in range(3):
+        put(f"{number}.obj", seed=number)
+    put("1-bad.obj", seed=0, trouble=trouble, seconds=60 if trouble == "hang" else 0)
+    options = ExportOptions(
+        reader=OPTIONS.reader, timeout=1 if trouble == "hang" else 60, memory=4 * 2**30 if trouble == "memory" else 0
+    )
+    records = export_dataset([tmp_path / "in"], tmp_path / "ds", options, jobs=1)
+    assert [record["status"] for record in records] == ["ok", "failed", "ok", "ok"]
+    assert reason in records[1]["reason"]
+    assert [scene.title for scene in open_dataset(tmp_path / "ds")] == ["0-0", "1-0", "2-0"]
+
+
+def test_an_unreadable_file_costs_only_itself(tmp_path: Path, put: Callable[..., Path]) -> None:
+    put("1.obj", seed=1)
+    (tmp_path / "in" / "2.obj").symlink_to("2.obj")  # a loop: cannot be opened, not even by root
+    put("3.obj", seed=3)
+    records = export_dataset([tmp_path / "in"], tmp_path / "ds", OPTIONS)
+    assert [record["status"] for record in records] == ["ok", "failed", "ok"]
+    assert "cannot be read" in records[1]["reason"]
+
+
+def test_when_nothing_can_be_read_nothing_is_written(tmp_path: Path, put: Callable[..., Path]) -> None:
+    put("1.obj", seed=1, trouble="bug")
+    with pytest.raises(UniSGError, match="none of 1 files"):
+        export_dataset([tmp_path / "in"], tmp_path / "ds", OPTIONS)
+    put("1.obj", seed=1, scenes=0)
+    with pytest.raises(UniSGError, match="no object"):
+        export_dataset([tmp_path / "in"], tmp_path / "ds", OPTIONS)
+    assert not (tmp_path / "ds").exists()
+
+
+def test_missing_inputs_are_refused(tmp_path: Path) -> None:
+    for item in (tmp_path / "none.blend", tmp_path / "*.blend", tmp_path):
+        with pytest.raises(UniSGError):
+            export_dataset([item], tmp_path / "ds", OPTIONS)
+    assert not (tmp_path / "ds").exists()
+
+
+def test_mapping_and_folders_label(tmp_path: Path, put: Callable[..., Path]) -> None:
+    put("ward/1.obj", seed=1)
+    put("kitchen/2.obj", seed=1)
+    options = ExportOptions(
+        reader=OPTIONS.reader,
+        mapping={"scenes": {"*/ward/*": "hospital"}},
+        folder_labels=True,
+        mesh_encoder="fake_reader:encode",
+    )
+    export_dataset([tmp_path / "in"], tmp_path / "ds", options)
+    dataset = open_dataset(tmp_path / "ds")
+    assert [scene.label for scene in dataset] == ["kitchen", "hospital"]
+    assert dataset[0]["mesh.feature"].tolist() == [[3.0] * 4]
+
+
+def test_resume_updates_a_dataset(tmp_path: Path, put: Callable[..., Path]) -> None:
+    for number in range(5):
+        put(f"{number}.obj", seed=number, scenes=1 + number % 2)
+    put("5.obj", seed=5, trouble="bug")
+    export_dataset([tmp_path / "in"], tmp_path / "ds", OPTIONS)
+    put("1.obj", seed=11)
+    put("2b.obj", seed=12)
+    put("5.obj", seed=5)
+    (tmp_path / "in" / "3.obj").unlink()
+    read: list[str] = []
+
+    def finished(record: dict) -> None:
+        read.extend([Path(record["source"]).name] if record["status"] == "ok" else [])
+
+    export_dataset([tmp_path / "in"], tmp_path / "ds", OPTIONS, resume=True, finished=finished)
+    assert sorted(read) == ["1.obj", "2b.obj", "5.obj"]
+    export_dataset([tmp_path / "in"], tmp_path / "fresh", OPTIONS)
+    assert contents(tmp_path / "ds") == contents(tmp_path / "fresh")
+
+
+def test_another_form_is_read_anew(tmp_path: Path, put: Callable[..., Path]) -> None:
+    put("1.obj", seed=1)
+    export_dataset([tmp_path / "in"], tmp_path / "ds", OPTIONS)
+    options = ExportOptions("pga", reader=OPTIONS.reader)
+    with pytest.raises(UniSGError, match="holds a dataset already"):
+        export_dataset([tmp_path / "in"], tmp_path / "ds", options)
+    export_dataset([tmp_path / "in"], tmp_path / "ds", options, resume=True)
+    assert open_dataset(tmp_path / "ds")[0].features.shape[1] == 22
+
+
+def test_large_exports_go_in_windows(tmp_path: Path, put: Callable[..., Path], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("unisg_blender.dataset.export.WINDOW", 3)
+    for number in range(20):
+        put(f"{number:02}.obj", seed=number)
+    export_dataset([tmp_path / "in"], tmp_path / "ds", OPTIONS, jobs=2)
+    titles = [scene.title for scene in open_dataset(tmp_path / "ds")]
+    assert titles == [f"{number}-0" for number in range(20)]
+
+
+def test_children_that_retired_are_replaced(
+    tmp_path: Path, put: Callable[..., Path], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from unisg_blender.dataset import supervise
+
+    put("1.obj", seed=1)
+    put("2.obj", seed=2)
+    monkeypatch.setattr(supervise, "FILES_PER_CHILD", 1)
+    records = export_dataset([tmp_path / "in"], tmp_path / "ds", OPTIONS, jobs=1)
+    assert [record["status"] for record in records] == ["ok", "ok"]
+    monkeypatch.setattr(supervise, "FILES_PER_CHILD", 200)
+    job = {"source": "s", "path": str(tmp_path / "in" / "1.obj"), "parts": str(tmp_path), "known": "", "timeout": 60}
+    job |= {"memory": 0, "label": "", "form": "quaternion", "mapping": None, "software": "", "mesh_encoder": ""}
+    try:
+        assert supervise.export_file(job | {"reader": "fake_reader:read"})["status"] == "ok"
+        child = supervise._idle[0].queue[0]
+        with open(os.devnull, "w") as nowhere:  # it sees the end of its requests, and ends by itself
+            os.dup2(nowhere.fileno(), child._process.stdin.fileno())
+        child._process.wait(timeout=30)
+        assert supervise.export_file(job | {"reader": "fake_reader:read", "source": "t"})["status"] == "ok"
+    finally:
+        supervise.close_children()
+
+
+def test_command_line(
+    tmp_path: Path, put: Callable[..., Path], capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(
+        ExportOptions.__init__, "__defaults__", (*ExportOptions.__init__.__defaults__[:-1], OPTIONS.reader)
+    )
+    put("1.obj", seed=1, note="hair is not read")
+    put("2.obj", seed=2)
+    words = ["export", str(tmp_path / "in"), "--out", str(tmp_path / "ds"), "--jobs", "1"]
+    assert main(words) == 0
+    shown = capfd.readouterr()
+    assert "1.obj: not represented: hair is not read" in shown.err
+    assert "2/2 files" in shown.err
+    assert "2 scenes with 7 entities from 2 files" in shown.out
+    assert main(words) == UNUSABLE_INPUT
+    assert "holds a dataset already" in capfd.readouterr().err
+    put("3.obj", seed=3, trouble="bug")
+    assert main([*words, "--resume", "--json", "-q"]) == SOME_FAILED
+    shown = capfd.readouterr()
+    assert shown.err == ""
+    report = json.loads(shown.out)
+    assert (report["files"], report["failed"], report["scenes"]) == (3, 1, 2)
+    assert main(["export", str(tmp_path / "in"), "--out", "x", "--form", "euler"]) == MISUSE
+    assert main(["export", str(tmp_path / "in"), "--out", "x", "--jobs", "0"]) == MISUSE
+    unreachable = ["--scheduler", "tcp://127.0.0.1:1"]
+    assert main(["export", str(tmp_path / "in"), "--out", str(tmp_path / "y"), *unreachable]) == UNUSABLE_INPUT
+    assert not (tmp_path / "y").exists()
+
+
+def test_features_do_not_depend_on_the_neighbours(tmp_path: Path, put: Callable[..., Path]) -> None:
+    for number in range(6):
+        put(f"{number}.obj", seed=number)
+    export_dataset([tmp_path / "in"], tmp_path / "all", OPTIONS)
+    export_dataset([tmp_path / "in" / "4.obj"], tmp_path / "one", OPTIONS)
+    together, alone = open_dataset(tmp_path / "all")[4], open_dataset(tmp_path / "one")[0]
+    assert np.array_equal(together.features, alone.features)
