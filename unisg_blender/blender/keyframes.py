@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeAlias
 
 import bpy
 import numpy as np
@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from ..poses import FORMS, convert, rebuild
 
-Item = bpy.types.Object | bpy.types.PoseBone
+Item: TypeAlias = "bpy.types.Object | bpy.types.PoseBone"
 Floats = NDArray[np.float64]
 
 PATHS = {"QUATERNION": "rotation_quaternion", "AXIS_ANGLE": "rotation_axis_angle"}
@@ -180,7 +180,8 @@ def _write_curve(curve: bpy.types.FCurve, frames: Floats, values: Floats) -> Non
     count = len(frames)
     y0, a, b, y1 = values[0:-1:3], values[1::3], values[2::3], values[3::3]
     keys = np.stack([frames, values[::3]], axis=1)
-    left, right = keys - [1.0, 0.0], keys + [1.0, 0.0]
+    one_frame = np.array([1.0, 0.0])
+    left, right = keys - one_frame, keys + one_frame
     step = np.diff(frames) / 3.0
     right[:-1] = np.stack([frames[:-1] + step, (-5 * y0 + 18 * a - 9 * b + 2 * y1) / 6], axis=1)
     left[1:] = np.stack([frames[1:] - step, (2 * y0 - 9 * a + 18 * b - 5 * y1) / 6], axis=1)
