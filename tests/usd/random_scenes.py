@@ -88,7 +88,9 @@ def scenes(draw: st.DrawFn) -> SceneGraph:
     uids = [f"uid {row}" for row in range(count)]
     shapes = draw(st.lists(meshes(), max_size=3))
     mesh = np.array([draw(st.integers(-1, len(shapes) - 1)) for _ in range(count)], np.int32)
-    kinds = ["MESH" if index >= 0 else draw(st.sampled_from(["EMPTY", "ARMATURE", "CAMERA", "LIGHT"])) for index in mesh]
+    kinds = [
+        "MESH" if index >= 0 else draw(st.sampled_from(["EMPTY", "ARMATURE", "CAMERA", "LIGHT"])) for index in mesh
+    ]
     graph = assemble(
         Columns(
             name=[draw(NAMES) for _ in range(count)],

@@ -53,7 +53,8 @@ def test_instances_share_their_prototype(tmp_path: Path) -> None:
     leaves = leaf.build()
     turned = np.array([[0, -1, 0, 1], [1, 0, 0, 2], [0, 0.5, 1, 3], [0, 0, 0, 1]], float)
     inner = branch.build().with_component(
-        "instances", table([0, 0], prototype=[leaves] * 2, matrix=np.stack([np.eye(4), turned]), source=["COLLECTION"] * 2)
+        "instances",
+        table([0, 0], prototype=[leaves] * 2, matrix=np.stack([np.eye(4), turned]), source=["COLLECTION"] * 2),
     )
     many = np.tile(np.eye(4), (20, 1, 1))
     many[:, 0, 3] = np.linspace(0, 1, 20) / 3

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
-from pxr import Gf, Usd, UsdGeom, Vt
+from pxr import Usd, UsdGeom
 
 from ..scene import components
 from ..scene.graph import SceneGraph, Table, table
@@ -30,7 +30,7 @@ def read_instances(found: Entities, reader: Reader) -> dict[str, Table]:
         if prim.IsA(UsdGeom.PointInstancer):
             entries += _point_instances(row, prim, reader)
         else:
-            placed = _turned(from_usd(Vt.Matrix4dArray([local_transform(prim)[0]])), reader)
+            placed = _turned(from_usd([local_transform(prim)[0]]), reader)
             source = str(prim.GetAttribute(schema.SOURCE).Get())
             entries.append((row, _prototype(prim, reader, children=True), placed[0], source))
     if not entries:
@@ -90,7 +90,7 @@ def _point_instances(row: int, prim: Any, reader: Reader) -> list[Entry]:
     graphs = {number: _prototype(targets[number], reader, children=own) for number in np.unique(index).tolist()}
     offset = np.eye(4)
     if own:  # the instancer itself is no entity: its frame is the entity's
-        offset = _turned(from_usd(Vt.Matrix4dArray([Gf.Matrix4d(local_transform(prim)[0])])), reader)[0]
+        offset = _turned(from_usd([local_transform(prim)[0]]), reader)[0]
     return [
         (row, graphs[number], offset @ matrix, source)
         for number, matrix, seen in zip(index.tolist(), placed, shown, strict=True)

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from pxr import Usd, UsdGeom, Vt
+from pxr import Usd, UsdGeom
 
 from ..scene import components
 from ..scene.graph import Table, table
@@ -53,14 +53,14 @@ def _transform_clip(form: Any, rate: float) -> Clip | None:
     if not times:
         return None
     poses = [form.GetLocalTransformation(Usd.TimeCode(moment)) for moment in times]
-    return np.array(times) / rate, from_usd(Vt.Matrix4dArray(poses))
+    return np.array(times) / rate, from_usd(poses)
 
 
 def _local_clip(attribute: Any, rate: float) -> Clip | None:
     times = attribute.GetTimeSamples()
     if not times:
         return None
-    return np.array(times) / rate, from_usd(Vt.Matrix4dArray([attribute.Get(moment) for moment in times]))
+    return np.array(times) / rate, from_usd([attribute.Get(moment) for moment in times])
 
 
 def _clip_table(clips: dict[int, Clip]) -> Table:

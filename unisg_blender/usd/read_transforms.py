@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -16,7 +16,7 @@ from . import schema
 from .traverse import Entities
 
 SEES_ALONG_MINUS_Z = ("CAMERA", "LIGHT")
-SINGULAR = 1e-9
+FLAT = 1e9
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,7 +46,7 @@ def read_transforms(found: Entities, frame: NDArray[np.float64]) -> Frames:
     """
     count = len(found.prim)
     read = [local_transform(prim) for prim in found.prim]
-    local = from_usd(Vt.Matrix4dArray([matrix for matrix, _ in read]))
+    local = from_usd([matrix for matrix, _ in read])
     parent = np.array(found.parent, np.int64)
     own = np.broadcast_to(frame, (count, 4, 4)).copy()
     size = np.cbrt(np.linalg.det(frame[:3, :3]))
@@ -56,33 +56,39 @@ def read_transforms(found: Entities, frame: NDArray[np.float64]) -> Frames:
     if not (frame == np.eye(4)).all():
         moved = np.where(reset[:, None, None], frame, above)
         local = moved @ local @ np.linalg.inv(own)
-    if not reset.any():
-        return Frames(local, own, above)
-    return _with_resets(found, local, own, above, parent, reset)
+    local[reset] = _below_parents(local, parent, reset)
+    return _with_moved(found, Frames(local, own, above), frame)
 
 
-def _with_resets(
-    found: Entities, local: NDArray[np.float64], own: NDArray[np.float64], above: NDArray[np.float64],
-    parent: NDArray[np.int64], reset: NDArray[np.bool_],
-) -> Frames:  # fmt: skip
-    """Entities that ignore their parent's transform: a local matrix that leads there, else the component ``world``."""
+def _below_parents(
+    local: NDArray[np.float64], parent: NDArray[np.int64], reset: NDArray[np.bool_]
+) -> NDArray[np.float64]:
+    """Local matrices that lead entities which ignore their parent's transform to where they are."""
     rows = np.flatnonzero(reset)
-    free = np.where(reset, -1, parent)
-    world = compose_world(local, free)
-    fixed = []
-    for row in rows:
-        stored = found.prim[row].GetAttribute(schema.LOCAL)
-        base = world[parent[row]] if parent[row] >= 0 else np.eye(4)
-        if stored.HasAuthoredValue():
-            stored_matrix = from_usd(Vt.Matrix4dArray([Gf.Matrix4d(stored.Get())]))[0]
-            local[row] = above[row] @ stored_matrix @ np.linalg.inv(own[row])
-            fixed.append(row)
-        elif np.linalg.cond(base[:3, :3]) < 1 / SINGULAR:
-            local[row] = np.linalg.solve(base, world[row])
-        else:
-            fixed.append(row)
-    tables = {components.WORLD: table(fixed, matrix=world[fixed])} if fixed else {}
-    return Frames(local, own, above, tables)
+    if not len(rows):
+        return local[rows]
+    world = np.concatenate([compose_world(local, np.where(reset, -1, parent)), np.eye(4)[None]])
+    above = world[parent[rows]]
+    flat = ~(np.linalg.cond(above[:, :3, :3]) < FLAT)
+    above[flat] = np.eye(4)
+    return np.linalg.solve(above, world[rows])
+
+
+def _with_moved(found: Entities, frames: Frames, frame: NDArray[np.float64]) -> Frames:
+    """Put back what the master file says of entities that stand elsewhere than their local matrix says."""
+    rows = [row for row, prim in enumerate(found.prim) if prim.HasAttribute(schema.WORLD)]
+    if not rows:
+        return frames
+    stored = from_usd([_matrix(found.prim[row], schema.LOCAL) for row in rows])
+    world = from_usd([_matrix(found.prim[row], schema.WORLD) for row in rows])
+    back = np.linalg.inv(frames.own[rows])
+    frames.local[rows] = frames.above[rows] @ stored @ back
+    return replace(frames, tables={components.WORLD: table(rows, matrix=frame @ world @ back)})
+
+
+def _matrix(prim: Any, name: str) -> Any:
+    value = prim.GetAttribute(name).Get()
+    return value if isinstance(value, Gf.Matrix4d) else Gf.Matrix4d(1.0)
 
 
 def local_transform(prim: Any) -> tuple[Any, bool]:
@@ -103,6 +109,6 @@ def read_time(form: Any) -> Any:
 
 
 def from_usd(matrices: Any) -> NDArray[np.float64]:
-    """``matrix4d[]`` as (K, 4, 4) matrices for column vectors."""
-    array = np.array(matrices, np.float64).reshape(-1, 4, 4)
+    """``matrix4d[]``, or a list of ``matrix4d``, as (K, 4, 4) matrices for column vectors."""
+    array = np.array(Vt.Matrix4dArray(matrices), np.float64).reshape(-1, 4, 4)
     return np.ascontiguousarray(array.transpose(0, 2, 1))

@@ -26,6 +26,11 @@ def define(parent: Any, identifier: str, kind: str, name: str | None = None) -> 
     return prim
 
 
+def define_class(parent: Any, identifier: str) -> Any:
+    """A new scope whose contents no tool draws or lists; references may point into it."""
+    return Sdf.PrimSpec(parent, identifier, Sdf.SpecifierClass, "Scope")
+
+
 def attribute(prim: Any, name: str, kind: Any, value: Any, *, uniform: bool = True, interpolation: str = "") -> Any:
     """A new attribute of a standard schema with its default value."""
     spec = Sdf.AttributeSpec(prim, name, kind, Sdf.VariabilityUniform if uniform else Sdf.VariabilityVarying)

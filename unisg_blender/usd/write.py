@@ -11,17 +11,21 @@ from pxr import Sdf
 
 from ..scene import components
 from ..scene.graph import TYPE_INDEX, TYPES, SceneGraph, Table
+from ..scene.hierarchy import world_matrices
 from ..scene.info import info
 from ..scene.mesh import Mesh
 from . import schema
 from .names import Identifiers, clean
-from .specs import Types, attribute, custom, define, matrices
+from .specs import Types, attribute, custom, define, define_class, matrices
 from .write_behaviour import write_behaviour
 from .write_components import write_components
 from .write_data import write_camera, write_light, write_visibility
 from .write_instances import write_instances
 from .write_meshes import write_materials, write_mesh
 from .write_motion import set_frame_rate, write_motion
+
+FLAT = 1e9
+"""Condition number from which on a matrix counts as not invertible."""
 
 Tick = Callable[[], None]
 
@@ -92,22 +96,19 @@ def _write_shared_meshes(scene: Any, graph: SceneGraph, materials: dict[str, Any
     shared = [key for key, count in uses.items() if count > 1]
     if not shared:
         return {}
-    scope = define(scene, schema.MESH_SCOPE, "Scope")
+    scope = define_class(scene, schema.MESH_SCOPE)
     identifiers = Identifiers()
     references = {}
     for key in shared:
-        prim = define(scope, identifiers.take(meshes[key].name), "Mesh", meshes[key].name)
-        prim.specifier = Sdf.SpecifierClass
+        prim = define(scope, identifiers.take(meshes[key].name), "Mesh")
+        prim.SetInfo("displayName", clean(meshes[key].name))  # also where it is its identifier: users differ in theirs
         write_mesh(prim, meshes[key], materials)
         references[key] = Sdf.ReferenceListOp.Create(prependedItems=[Sdf.Reference("", prim.path)])
     return references
 
 
 def _write_entities(parent: Any, graph: SceneGraph, writer: Writer, top: Identifiers) -> list[Any]:
-    moved: dict[int, Any] = {}
-    world = graph.components.get(components.WORLD)
-    if world is not None:
-        moved = dict(zip(world.rows.tolist(), matrices(world.columns["matrix"]), strict=True))
+    moved = _moved(graph)
     cameras, lights = (graph.components.get(name) for name in (components.CAMERA, components.LIGHT))
     local, counts = matrices(graph.local), info(graph).tolist()
     hidden_names: dict[int, Identifiers] = {-1: top}
@@ -131,11 +132,37 @@ def _write_entities(parent: Any, graph: SceneGraph, writer: Writer, top: Identif
     return prims
 
 
-def _write_transform(prim: Any, local: Any, world: Any) -> None:
-    if world is not None:
+@dataclass(frozen=True)
+class Moved:
+    """An entity that stands elsewhere than ``local`` says: its world matrix, and what leads there from its parent."""
+
+    world: Any
+    relative: Any
+    resets: bool
+
+
+def _moved(graph: SceneGraph) -> dict[int, Moved]:
+    """Entities with the component ``world``; those whose parent is flat must ignore the parent's transform."""
+    found = graph.components.get(components.WORLD)
+    if found is None:
+        return {}
+    rows = found.rows
+    evaluated = np.concatenate([world_matrices(graph), np.eye(4)[None]])
+    above = evaluated[graph.parent[rows]]
+    flat = ~(np.linalg.cond(above[:, :3, :3]) < FLAT)
+    above[flat] = np.eye(4)
+    relative = np.linalg.solve(above, evaluated[rows])
+    parts = zip(matrices(evaluated[rows]), matrices(relative), flat.tolist(), strict=True)
+    return {row: Moved(*part) for row, part in zip(rows.tolist(), parts, strict=True)}
+
+
+def _write_transform(prim: Any, local: Any, moved: Moved | None) -> None:
+    if moved is not None:
         custom(prim, schema.LOCAL, Types.Matrix4d, local, uniform=False)
-    attribute(prim, schema.TRANSFORM, Types.Matrix4d, local if world is None else world, uniform=False)
-    order = [schema.TRANSFORM] if world is None else [schema.RESET, schema.TRANSFORM]
+        custom(prim, schema.WORLD, Types.Matrix4d, moved.world)
+    value = local if moved is None else moved.relative
+    attribute(prim, schema.TRANSFORM, Types.Matrix4d, value, uniform=False)
+    order = [schema.RESET, schema.TRANSFORM] if moved is not None and moved.resets else [schema.TRANSFORM]
     attribute(prim, "xformOpOrder", Types.TokenArray, order)
 
 
@@ -148,9 +175,11 @@ def _write_shape(
     children = names.setdefault(row, Identifiers())
     if graph.mesh[row] >= 0:
         mesh, shown = graph.meshes[graph.mesh[row]], "MESH"
-        shape = define(prim, children.take(mesh.name), "Mesh", mesh.name)
+        shape = define(prim, children.take(prim.name), "Mesh")
         reference = writer.shared.get(id(mesh))
         if reference is None:
+            if mesh.name != shape.name:
+                shape.SetInfo("displayName", clean(mesh.name))
             write_mesh(shape, mesh, writer.materials)
         else:
             shape.SetInfo("references", reference)

@@ -14,7 +14,7 @@ from ..scene import components
 from ..scene.graph import SceneGraph
 from . import schema
 from .names import Identifiers, clean
-from .specs import Types, custom, define
+from .specs import Types, custom, define, define_class
 
 ON_PRIMS = (
     components.ACTIONS, components.LSA, components.RELATIONS, components.PROPERTIES, components.WORLD,
@@ -34,7 +34,7 @@ def write_components(parent: Any, graph: SceneGraph) -> None:
     tables = {name: found for name, found in graph.components.items() if name not in ON_PRIMS}
     if not tables:
         return
-    scope = define(parent, schema.COMPONENT_SCOPE, "Scope")
+    scope = define_class(parent, schema.COMPONENT_SCOPE)
     identifiers = Identifiers()
     for name, found in tables.items():
         prim = define(scope, identifiers.take(name), "", name)

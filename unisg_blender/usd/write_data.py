@@ -22,7 +22,7 @@ MILLIMETRE = 0.01
 def write_camera(prim: Any, identifiers: Identifiers, found: Table | None, row: int) -> str:
     """A Camera under the entity's prim; the entity type that it shows."""
     values = _entry(found, row)
-    camera = define(prim, identifiers.take(str(values.get("data", "camera"))), "Camera")
+    camera = define(prim, identifiers.take(prim.name), "Camera")
     if not values:
         return "CAMERA"
     ortho = values["kind"] == "ORTHO"
@@ -48,7 +48,7 @@ def write_light(prim: Any, identifiers: Identifiers, found: Table | None, row: i
     """A light under the entity's prim; the entity type that it shows."""
     values = _entry(found, row)
     kind, numbers = _light_form(values)
-    light = define(prim, identifiers.take(str(values.get("data", "light"))), kind)
+    light = define(prim, identifiers.take(prim.name), kind)
     if not values:
         return "LIGHT"
     attribute(light, "inputs:color", Types.Color3f, tuple(map(float, values["color"])), uniform=False)

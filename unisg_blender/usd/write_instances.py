@@ -13,7 +13,7 @@ from ..scene import components
 from ..scene.graph import SceneGraph
 from . import schema
 from .names import Identifiers
-from .specs import Types, attribute, custom, define, matrices, points, relationship
+from .specs import Types, attribute, custom, define, define_class, matrices, points, relationship
 
 if TYPE_CHECKING:
     from .write import Writer
@@ -56,10 +56,9 @@ def _prototype(graph: SceneGraph, writer: Writer) -> Any:
     if id(graph) not in writer.prototypes:
         scope = writer.scene.nameChildren.get(schema.PROTOTYPE_SCOPE)
         if scope is None:
-            scope = define(writer.scene, schema.PROTOTYPE_SCOPE, "Scope")
+            scope = define_class(writer.scene, schema.PROTOTYPE_SCOPE)
         taken = Identifiers(child.name for child in scope.nameChildren)
         prim = define(scope, taken.take(graph.title), "Xform", graph.title)
-        prim.specifier = Sdf.SpecifierClass
         writer.prototypes[id(graph)] = prim.path
         write_graph(prim, graph, writer, Identifiers(schema.SCOPES))
     return writer.prototypes[id(graph)]
