@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import bpy
 
-from . import categories, command_line
+from . import categories, command_line, forms, motion
 
-MODULES: tuple = (categories, command_line)
+MODULES: tuple = (categories, command_line, forms, motion)
 
 
 def register() -> None:

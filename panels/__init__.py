@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import bpy
 
-from . import main
+from . import forms, main, motion
 
-MODULES: tuple = (main,)
+MODULES: tuple = (main, forms, motion)
 
 
 def register() -> None:
