@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import re
+
 import bpy
 import numpy as np
 
 from unisg_blender.scene import SceneGraph, world_matrices
 
 TOLERANCE = 1e-5
+COMPARED = (
+    "parenting", "collections", "visibility", "materials", "camera", "light", "bones", "empty", "properties",
+)  # fmt: skip
 
 
 def add(name: str, data: bpy.types.ID | None = None, parent: bpy.types.Object | None = None) -> bpy.types.Object:
@@ -28,8 +33,9 @@ def box(name: str = "Box", size: float = 1.0) -> bpy.types.Mesh:
 
 
 def relative_gap(first: np.ndarray, second: np.ndarray) -> float:
-    """Largest difference of two matrices, relative to the second."""
-    return float(np.abs(np.asarray(first) - np.asarray(second)).max() / max(np.abs(second).max(), 1e-12))
+    """Largest difference of two arrays, relative to the largest number of the second."""
+    gap, size = np.abs(np.asarray(first) - np.asarray(second)), np.abs(second)
+    return float(gap.max(initial=0) / max(size.max(initial=0), 1e-12))
 
 
 def assert_stands_like_blender(graph: SceneGraph, scene: bpy.types.Scene | None = None) -> None:
@@ -60,6 +66,40 @@ def assert_same_scene(first: SceneGraph, second: SceneGraph) -> None:
         assert (first.mesh[row] >= 0) == (second.mesh[other] >= 0)
         if first.mesh[row] >= 0:
             _assert_same_mesh(first.meshes[first.mesh[row]], second.meshes[second.mesh[other]])
+
+
+    for name in COMPARED:
+        _assert_same_component(first, second, name)
+    _assert_same_instances(first, second)
+
+
+def _assert_same_component(first: SceneGraph, second: SceneGraph, name: str) -> None:
+    """The entries of a component are the same for every uid, whatever the order of rows."""
+    assert (name in first.components) == (name in second.components), name
+    for uid, row in first.row_of_uid.items() if name in first.components else ():
+        here, there = first[row].component(name), second[second.row_of_uid[uid]].component(name)
+        for key, values in here.items():
+            if key == "data":  # names of data-blocks, which Blender makes unique
+                continue
+            if values.dtype == object or values.dtype == bool:
+                assert _texts(values) == _texts(there[key]), (name, key, first.name[row])
+            else:
+                assert there[key].shape == values.shape
+                assert relative_gap(there[key], values) < TOLERANCE, (name, key, first.name[row])
+
+
+def _texts(values: np.ndarray) -> list[str]:
+    """Sorted, without the numbers that Blender adds where several data-blocks ask for one name."""
+    return sorted(re.sub(r"\.\d{3}\b", "", str(value)) for value in values)
+
+
+def _assert_same_instances(first: SceneGraph, second: SceneGraph) -> None:
+    for uid, row in first.row_of_uid.items():
+        here, there = first[row].component("instances"), second[second.row_of_uid[uid]].component("instances")
+        assert len(here.get("matrix", ())) == len(there.get("matrix", ())), first.name[row]
+        for place in range(len(here.get("matrix", ()))):
+            assert relative_gap(there["matrix"][place], here["matrix"][place]) < TOLERANCE
+            assert_same_scene(here["prototype"][place], there["prototype"][place])
 
 
 def _parent_uid(graph: SceneGraph, row: int) -> str:

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from tests.blender.helpers import assert_same_scene, assert_stands_like_blender
-from unisg_blender.blender import SUFFIXES, read_file, read_scene, read_scenes, write_scene
+from unisg_blender.blender import SUFFIXES, new_file, read_file, read_scene, read_scenes, write_scene
 
 DATA = Path(__file__).parents[1] / "data"
 
@@ -56,7 +56,7 @@ def test_mesh_arrays_are_sound(opened) -> None:
 
 
 def test_there_and_back(opened) -> None:
-    for graph in read_scenes(geometry="original").values():
-        written = write_scene(graph)
-        assert_same_scene(graph, read_scene(written, geometry="original"))
-        bpy.data.scenes.remove(written)
+    graphs = read_scenes(geometry="original")
+    new_file()
+    for graph in graphs.values():
+        assert_same_scene(graph, read_scene(write_scene(graph), geometry="original"))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import bpy
+import numpy as np
 
 from ..scene.components import COLLECTIONS, VISIBILITY
 from ..scene.graph import SceneGraph
@@ -19,9 +20,10 @@ def link_objects(graph: SceneGraph, objects: Objects, default: bpy.types.Collect
     """
     found = graph.components.get(COLLECTIONS)
     listed = set()
+    made: dict[tuple[str, ...], bpy.types.Collection] = {(): top}
     for row, path in () if found is None else zip(found.rows.tolist(), found.columns["path"], strict=True):
         if row in objects:
-            collection = _collection(top, path)
+            collection = _collection(made, tuple(path))
             if objects[row].name not in collection.objects:
                 collection.objects.link(objects[row])
             listed.add(row)
@@ -30,14 +32,14 @@ def link_objects(graph: SceneGraph, objects: Objects, default: bpy.types.Collect
             default.objects.link(item)
 
 
-def _collection(top: bpy.types.Collection, path: tuple[str, ...]) -> bpy.types.Collection:
-    for name in path:
-        below = top.children.get(name)
-        if below is None:
-            below = bpy.data.collections.new(name)
-            top.children.link(below)
-        top = below
-    return top
+def _collection(made: dict[tuple[str, ...], bpy.types.Collection], path: tuple[str, ...]) -> bpy.types.Collection:
+    """The collection of a path, found by name or made; Blender may give it another name than asked for."""
+    if path not in made:
+        above = _collection(made, path[:-1])
+        made[path] = above.children.get(path[-1]) or bpy.data.collections.new(path[-1])
+        if made[path].name not in above.children:
+            above.children.link(made[path])
+    return made[path]
 
 
 def link_helpers(helpers: Sequence[tuple[bpy.types.Object, bpy.types.Object]]) -> None:
@@ -53,7 +55,10 @@ def set_visibility(graph: SceneGraph, objects: Objects, scene: bpy.types.Scene |
     if found is None:
         return
     columns = found.columns
-    layers = [] if scene is None else list(scene.view_layers)
+    hides = scene is not None and bool(columns["hidden"][np.isin(found.rows, list(objects))].any())
+    layers = list(scene.view_layers) if scene is not None and hides else []
+    for layer in layers:
+        layer.update()  # else it does not know the new objects
     for place, row in enumerate(found.rows.tolist()):
         item = objects.get(row)
         if item is None:

@@ -68,8 +68,8 @@ def _entry(graph: SceneGraph, component: str, row: int) -> dict[str, Any]:
 
 
 def _grease_pencil(name: str) -> bpy.types.ID:
-    shelf = getattr(bpy.data, "grease_pencils_v3", None) or bpy.data.grease_pencils  # one name again from 5.0 on
-    return shelf.new(name)
+    new_kind = hasattr(bpy.data, "grease_pencils_v3")  # one name again from 5.0 on
+    return (bpy.data.grease_pencils_v3 if new_kind else bpy.data.grease_pencils).new(name)
 
 
 _MAKERS: dict[str, Callable[[str], bpy.types.ID]] = {
