@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import bpy
 
-from . import categories, command_line, forms, motion
+from . import categories, command_line, forms, generate, generation_settings, label, mesh_settings, meshes, motion
 
-MODULES: tuple = (categories, command_line, forms, motion)
+MODULES: tuple = (generation_settings, generate, categories, command_line, forms, motion, mesh_settings, meshes, label)
 
 
 def register() -> None:

@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import bpy
 
-from . import forms, main, motion
+from . import forms, generate, main, meshes, motion
 
-MODULES: tuple = (main, forms, motion)
+MODULES: tuple = (main, generate, forms, motion, meshes)
 
 
 def register() -> None:

@@ -30,11 +30,11 @@ class MeshTraining:
     samples turned about any axis and not only about the vertical one.
     """
 
-    steps: int = 2500
+    steps: int = 2000
     batch: int = 16
-    points: int = 768
-    targets: int = 400
-    rate: float = 2e-3
+    points: int = 512
+    targets: int = 320
+    rate: float = 1e-3
     jitter: float = 0.005
     stretch: float = 1.3
     tumbled: float = 0.25

@@ -1,0 +1,61 @@
+"""What the mesh panel shows: proposed categories, similar assets, and the user's choices.
+
+They live in the window manager: undo leaves them alone, and no file keeps them.
+"""
+
+from __future__ import annotations
+
+import bpy
+
+
+class UNISG_PG_guess(bpy.types.PropertyGroup):
+    """One category that an object may have."""
+
+    confidence: bpy.props.FloatProperty()
+
+
+class UNISG_PG_proposal(bpy.types.PropertyGroup):
+    """An object without a category, and what it may be, best first."""
+
+    uid: bpy.props.StringProperty()
+    guesses: bpy.props.CollectionProperty(type=UNISG_PG_guess)
+
+
+class UNISG_PG_match(bpy.types.PropertyGroup):
+    """An asset that is like the active object."""
+
+    distance: bpy.props.FloatProperty()
+
+
+class UNISG_PG_meshes(bpy.types.PropertyGroup):
+    """Choices and results of the mesh panel."""
+
+    faces: bpy.props.IntProperty(
+        name="Faces", description="Triangles of a decoded mesh", default=5000, min=4, max=200000
+    )
+    folder: bpy.props.StringProperty(
+        name="Library",
+        description="Folder of mesh files to search; empty: the objects of this scene",
+        subtype="DIR_PATH",
+    )
+    threshold: bpy.props.FloatProperty(
+        name="Confidence", description="Accept all proposals from here on", default=0.5, min=0, max=1, subtype="FACTOR"
+    )
+    selected_only: bpy.props.BoolProperty(name="Selected only", description="Propose for the selected objects only")
+    proposals: bpy.props.CollectionProperty(type=UNISG_PG_proposal)
+    active: bpy.props.IntProperty()
+    matches: bpy.props.CollectionProperty(type=UNISG_PG_match)
+    matched: bpy.props.StringProperty(description="Name of the object that the matches are for")
+
+
+CLASSES = (UNISG_PG_guess, UNISG_PG_proposal, UNISG_PG_match, UNISG_PG_meshes)
+
+
+def register() -> None:
+    """Add the choices to the window manager."""
+    bpy.types.WindowManager.unisg_meshes = bpy.props.PointerProperty(type=UNISG_PG_meshes)
+
+
+def unregister() -> None:
+    """Take them away."""
+    del bpy.types.WindowManager.unisg_meshes

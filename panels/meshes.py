@@ -1,0 +1,71 @@
+"""The Meshes panel: shapes as features, and proposed categories."""
+
+from __future__ import annotations
+
+import bpy
+
+from .main import SidebarPanel
+
+
+class UNISG_UL_proposals(bpy.types.UIList):
+    """Objects with their most likely category."""
+
+    def draw_item(self, context, layout, data, item, icon, active_data, active_property, index=0, flt_flag=0) -> None:
+        row = layout.split(factor=0.5)
+        row.label(text=item.name)
+        guess = item.guesses[0]
+        row.label(text=f"{guess.name} {guess.confidence:.0%}")
+
+
+class UNISG_PT_label(SidebarPanel, bpy.types.Panel):
+    """Categories for objects that have none."""
+
+    bl_idname = "UNISG_PT_label"
+    bl_label = "Categories"
+    bl_parent_id = "UNISG_PT_main"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout, settings = self.layout, context.window_manager.unisg_meshes
+        layout.prop(settings, "selected_only")
+        layout.operator("unisg.label", icon="VIEWZOOM").selected_only = settings.selected_only
+        if not len(settings.proposals):
+            return
+        layout.template_list("UNISG_UL_proposals", "", settings, "proposals", settings, "active", rows=5)
+        if settings.active < len(settings.proposals):
+            chosen = settings.proposals[settings.active]
+            column = layout.column(align=True)
+            for guess in chosen.guesses:
+                button = column.operator("unisg.accept_category", text=f"{guess.name} ({guess.confidence:.0%})")
+                button.uid, button.category = chosen.uid, guess.name
+        row = layout.row(align=True)
+        row.prop(settings, "threshold")
+        row.operator("unisg.accept_categories", icon="CHECKMARK").threshold = settings.threshold
+
+
+class UNISG_PT_meshes(SidebarPanel, bpy.types.Panel):
+    """The active object's shape."""
+
+    bl_idname = "UNISG_PT_meshes"
+    bl_label = "Meshes"
+    bl_parent_id = "UNISG_PT_main"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout, settings = self.layout, context.window_manager.unisg_meshes
+        layout.operator("unisg.encode_mesh", icon="MESH_ICOSPHERE")
+        row = layout.row(align=True)
+        row.prop(settings, "faces")
+        row.operator("unisg.decode_mesh", text="Decode").faces = settings.faces
+        layout.prop(settings, "folder")
+        layout.operator("unisg.find_similar", icon="VIEWZOOM").folder = settings.folder
+        if len(settings.matches):
+            box = layout.box().column()
+            box.label(text=f"Like {settings.matched}:")
+            for match in settings.matches:
+                row = box.row()
+                row.label(text=bpy.path.basename(match.name) or match.name)
+                row.label(text=f"{match.distance:.2f}")
+
+
+CLASSES = (UNISG_UL_proposals, UNISG_PT_label, UNISG_PT_meshes)
