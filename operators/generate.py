@@ -1,0 +1,139 @@
+"""Add new, categorised objects to the scene with a trained model."""
+
+from __future__ import annotations
+
+import random
+import time
+from typing import Any
+
+import bpy
+
+from .generation_settings import load_generator, shipped_models
+
+SLICE = 0.05
+"""Seconds of work between two redraws."""
+
+
+class UNISG_OT_generate(bpy.types.Operator):
+    """Add objects where the model thinks they belong; nothing that is there already is moved"""
+
+    bl_idname = "unisg.generate"
+    bl_label = "Generate"
+    bl_options = {"REGISTER", "UNDO"}
+
+    model: bpy.props.StringProperty(name="Model", description="ONNX file; the first shipped one when empty")
+    add: bpy.props.StringProperty(name="Add", description='Categories and numbers, such as "Scalpel=2,Monitor=1"')
+    seed: bpy.props.IntProperty(name="Seed", description="-1: another result each time", default=-1, min=-1)
+    bulk: bpy.props.BoolProperty(name="All at once", description="Propose all places together: faster, less tidy")
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        if context.mode != "OBJECT":
+            cls.poll_message_set("Leave edit mode first")
+            return False
+        return True
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        from ..unisg_blender.errors import UniSGError
+
+        try:
+            self._start(context)
+            while not self._advance(float("inf")):
+                pass
+            return self._finish(context)
+        except UniSGError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        from ..unisg_blender.errors import UniSGError
+
+        try:
+            self._start(context)
+        except UniSGError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        manager = context.window_manager
+        self._timer = manager.event_timer_add(0.01, window=context.window)
+        manager.progress_begin(0, self._total)
+        manager.modal_handler_add(self)
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        from ..unisg_blender.errors import UniSGError
+
+        if event.type == "ESC":
+            self._end_progress(context)
+            self.report({"INFO"}, "Stopped; nothing was added")
+            return {"CANCELLED"}
+        if event.type != "TIMER":
+            return {"RUNNING_MODAL"}
+        try:
+            if not self._advance(SLICE):
+                context.window_manager.progress_update(self._done)
+                context.workspace.status_text_set(f"Generating {self._done} of {self._total}   ESC: stop")
+                return {"RUNNING_MODAL"}
+            self._end_progress(context)
+            return self._finish(context)
+        except UniSGError as error:
+            self._end_progress(context)
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+
+    def _start(self, context: bpy.types.Context) -> None:
+        """Read the scene and begin; Blender's data is not touched before the end."""
+        from ..unisg_blender.blender import read_scene
+        from ..unisg_blender.commands.generate import parse_counts
+        from ..unisg_blender.errors import UniSGError
+
+        shipped = shipped_models()
+        if not self.model and not shipped:
+            raise UniSGError("no model came with this installation: give one from 'unisg train cgvae'")
+        generator = load_generator(self.model or str(shipped[0]))
+        if self.seed < 0:
+            self.seed = random.randrange(2**31)
+        counts = parse_counts(self.add)
+        self._began, self._done, self._total = time.perf_counter(), 0, sum(counts.values())
+        self._steps = generator.steps(read_scene(context.scene), counts, self.seed, bulk=self.bulk)
+        self._result: Any = None
+
+    def _advance(self, seconds: float) -> bool:
+        """Work for a while; True when done."""
+        end = time.perf_counter() + seconds
+        try:
+            while time.perf_counter() < end:
+                next(self._steps)
+                self._done += 1
+        except StopIteration as stop:
+            self._result = stop.value
+            return True
+        return False
+
+    def _end_progress(self, context: bpy.types.Context) -> None:
+        context.window_manager.event_timer_remove(self._timer)
+        context.window_manager.progress_end()
+        context.workspace.status_text_set(None)
+
+    def _finish(self, context: bpy.types.Context) -> set[str]:
+        """Make the objects, select them, and say what happened."""
+        from ..unisg_blender.blender import write_rows
+
+        result = self._result
+        objects = write_rows(result.scene, result.rows, context.scene)
+        for item in context.selected_objects:
+            item.select_set(False)
+        in_view = [item for item in objects if item.name in context.view_layer.objects]
+        for item in in_view:
+            item.select_set(True)
+        if in_view:
+            context.view_layer.objects.active = in_view[0]
+        for placement in result.objects:
+            if placement.note:
+                self.report({"WARNING"}, f"{placement.name or placement.category}: {placement.note}")
+        spent = time.perf_counter() - self._began
+        refused = f", {len(result.refused)} found no place" if result.refused else ""
+        self.report({"INFO"}, f"{result.added} objects added in {spent:.2f} s{refused} (seed {self.seed})")
+        return {"FINISHED"} if result.added else {"CANCELLED"}
+
+
+CLASSES = (UNISG_OT_generate,)

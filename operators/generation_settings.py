@@ -1,0 +1,131 @@
+"""What the user has chosen for generating: a model, and how many objects of each category.
+
+The choices live in the window manager: they belong to the person, not to the
+file, and undo leaves them alone.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import bpy
+
+OWN_FILE = "FILE"
+_generators: dict[tuple[str, float], Any] = {}
+_model_items: list[tuple[str, str, str]] = []
+
+
+def shipped_models() -> list[Path]:
+    """The generative models that came with the extension: those with assets beside them."""
+    folder = Path(__file__).resolve().parent.parent / "unisg_blender" / "pretrained"
+    return sorted(path for path in folder.glob("*.onnx") if path.with_suffix(".assets.safetensors").is_file())
+
+
+def load_generator(path: str) -> Any:
+    """The generator of a model file, loaded once; raises UniSGError if the file is no such model."""
+    from ..unisg_blender.generate import Generator
+
+    file = Path(bpy.path.abspath(path))
+    key = (str(file), file.stat().st_mtime if file.is_file() else 0.0)
+    if key not in _generators:
+        generator = Generator.load(file)
+        _generators.clear()
+        _generators[key] = generator
+    return _generators[key]
+
+
+def _models(settings: Any, context: bpy.types.Context | None) -> list[tuple[str, str, str]]:
+    found = [(str(path), path.stem.replace("_", " ").capitalize(), str(path)) for path in shipped_models()]
+    _model_items[:] = [*found, (OWN_FILE, "Own model", "A model of your own, trained with 'unisg train cgvae'")]
+    return _model_items  # Blender keeps no reference to the strings of a computed enum: we must
+
+
+def _model_changed(settings: UNISG_GenerationSettings, context: bpy.types.Context) -> None:
+    settings.listed = ""
+
+
+class UNISG_CategoryCount(bpy.types.PropertyGroup):
+    """How many objects of one category are wanted; ``name`` is the category."""
+
+    count: bpy.props.IntProperty(name="Count", description="How many to add", min=0, soft_max=20, max=1000)
+
+
+class UNISG_GenerationSettings(bpy.types.PropertyGroup):
+    """The choices in the Generate panel."""
+
+    model: bpy.props.EnumProperty(
+        name="Model", description="What was learned from which scenes", items=_models, update=_model_changed
+    )
+    path: bpy.props.StringProperty(
+        name="File", description="An ONNX file from 'unisg train cgvae'", subtype="FILE_PATH", update=_model_changed
+    )
+    counts: bpy.props.CollectionProperty(type=UNISG_CategoryCount)
+    active: bpy.props.IntProperty()
+    listed: bpy.props.StringProperty(description="The model whose categories are listed")
+    problem: bpy.props.StringProperty(description="Why there is no list")
+    seed: bpy.props.IntProperty(
+        name="Seed",
+        description="The same seed gives the same result; -1 gives another one each time",
+        default=-1,
+        min=-1,
+    )
+    bulk: bpy.props.BoolProperty(
+        name="All at once", description="Propose all places together instead of one after another: faster, less tidy"
+    )
+
+    def model_file(self) -> str:
+        """Path of the chosen model, "" for none."""
+        return bpy.path.abspath(self.path) if self.model == OWN_FILE else self.model
+
+    def wanted(self) -> dict[str, int]:
+        """The categories of which at least one is wanted."""
+        return {item.name: item.count for item in self.counts if item.count}
+
+
+def list_categories(settings: UNISG_GenerationSettings) -> None:
+    """List the categories of the chosen model, keeping the counts of those that were listed before."""
+    from ..unisg_blender.errors import UniSGError
+
+    before, settings.listed, settings.problem = settings.wanted(), settings.model_file() or "-", ""
+    settings.counts.clear()
+    if not settings.model_file():
+        settings.problem = "Choose a model file"
+        return
+    try:
+        categories = load_generator(settings.model_file()).categories
+    except UniSGError as error:
+        settings.problem = str(error)
+        return
+    for category in categories:
+        item = settings.counts.add()
+        item.name, item.count = category, before.get(category, 0)
+
+
+def list_categories_soon() -> None:
+    """List them when Blender has finished drawing: a panel must not change anything while it draws."""
+    if not bpy.app.timers.is_registered(_list_now):
+        bpy.app.timers.register(_list_now, first_interval=0.01)
+
+
+def _list_now() -> None:
+    list_categories(bpy.context.window_manager.unisg)
+    for window in bpy.context.window_manager.windows:
+        for area in window.screen.areas:
+            area.tag_redraw()
+
+
+CLASSES = (UNISG_CategoryCount, UNISG_GenerationSettings)
+
+
+def register() -> None:
+    """Give the window manager our settings."""
+    bpy.types.WindowManager.unisg = bpy.props.PointerProperty(type=UNISG_GenerationSettings)
+
+
+def unregister() -> None:
+    """Take them back."""
+    if bpy.app.timers.is_registered(_list_now):
+        bpy.app.timers.unregister(_list_now)
+    del bpy.types.WindowManager.unisg
+    _generators.clear()

@@ -1,0 +1,61 @@
+"""The Generate panel: a model, categories with counts, and a button."""
+
+from __future__ import annotations
+
+import bpy
+
+from ..operators.generation_settings import OWN_FILE, list_categories_soon
+from .main import SidebarPanel
+
+
+class UNISG_UL_categories(bpy.types.UIList):
+    """Categories of the model, each with how many are wanted."""
+
+    def draw_item(self, context, layout, data, item, icon, active_data, active_property, index=0, flt_flag=0) -> None:
+        row = layout.split(factor=0.6)
+        row.label(text=item.name)
+        row.prop(item, "count", text="")
+
+
+class UNISG_PT_generate(SidebarPanel, bpy.types.Panel):
+    """Add objects with a trained model."""
+
+    bl_idname = "UNISG_PT_generate"
+    bl_label = "Generate"
+    bl_parent_id = "UNISG_PT_main"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout, settings = self.layout, context.window_manager.unisg
+        layout.prop(settings, "model")
+        if settings.model == OWN_FILE:
+            layout.prop(settings, "path")
+        if settings.listed != (settings.model_file() or "-"):
+            list_categories_soon()
+        if settings.problem:
+            box = layout.box().column()
+            box.alert = True
+            for line in _wrapped(settings.problem, context.region.width):
+                box.label(text=line)
+            return
+        layout.template_list("UNISG_UL_categories", "", settings, "counts", settings, "active", rows=6)
+        row = layout.row(align=True)
+        row.prop(settings, "seed")
+        row.prop(settings, "bulk", toggle=True)
+        wanted = settings.wanted()
+        column = layout.column()
+        column.enabled = bool(wanted)
+        column.scale_y = 1.4
+        total = sum(wanted.values())
+        text = f"Generate {total} object{'s' * (total != 1)}" if wanted else "Set a count above to generate"
+        button = column.operator("unisg.generate", text=text, icon="ADD")
+        button.model, button.seed, button.bulk = settings.model_file(), settings.seed, settings.bulk
+        button.add = ",".join(f"{name}={count}" for name, count in wanted.items())
+
+
+def _wrapped(text: str, width: int) -> list[str]:
+    import textwrap
+
+    return textwrap.wrap(text, max(20, width // 8))
+
+
+CLASSES = (UNISG_UL_categories, UNISG_PT_generate)

@@ -1,0 +1,221 @@
+"""``unisg demo``: the main job end to end on shipped content, with pictures."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import shutil
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from tqdm import tqdm
+
+from ..errors import DONE, MissingPackageError, UniSGError
+
+if TYPE_CHECKING:
+    from ..generate import Generated, Generator
+    from ..scene import SceneGraph
+
+HELP = (
+    "Build an operating room in Blender, read it as a scenegraph, export it as a dataset, load it as HeteroData, "
+    "complete it with a trained model, start a second room from empty, and write files and pictures."
+)
+COMPLETION = {"Scalpel": 2, "Monitor": 1, "IV Pole": 1}
+STEPS = ("build", "save", "read", "export", "load", "complete", "from empty", "pictures")
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """What the verb takes."""
+    parser.add_argument("--out", type=Path, default=Path("demo"), help="folder to write (default: demo)")
+    parser.add_argument("--seed", type=int, default=7, help="which room (default: 7)")
+    parser.add_argument("--form", default="dual_quaternion", help="form of the poses in the dataset")
+    parser.add_argument("--model", type=Path, help="a trained model instead of the shipped one")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Write the demo's folder; an earlier one is replaced when the new one is complete."""
+    if args.out.exists() and not (args.out / "report.json").is_file() and any(args.out.iterdir()):
+        raise UniSGError(f"{args.out} exists and is no earlier demo: give another --out")
+    args.out.parent.mkdir(parents=True, exist_ok=True)
+    work = Path(tempfile.mkdtemp(prefix=f".{args.out.name}-", dir=args.out.parent))
+    try:
+        with tqdm(total=len(STEPS), desc="demo", unit="step", disable=args.quiet, file=sys.stderr) as bar:
+            report = _demo(args, work, bar)
+        (work / "report.json").write_text(json.dumps(report, indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
+        if args.out.exists():
+            shutil.rmtree(args.out)
+        work.rename(args.out)
+        args.out.chmod(0o755)
+    finally:
+        shutil.rmtree(work, ignore_errors=True)
+    if args.json:
+        print(json.dumps(report, ensure_ascii=False))
+    elif not args.quiet:
+        print("\n".join(_lines(report, args.out)))
+    return DONE
+
+
+def _demo(args: argparse.Namespace, out: Path, bar: tqdm) -> dict[str, Any]:
+    from ..blender import read_scene, write_scene
+    from ..blender.files import new_file, save_blend
+    from ..generate import Generator
+    from ..pretrained import default_generator
+    from ..worlds import operating_room
+
+    clock = _Clock(bar)
+    generator = Generator.load(args.model or default_generator())
+    world = operating_room(args.seed)
+    scene = clock.step("build", lambda: _fresh(new_file, write_scene, world))
+    clock.step("save", lambda: save_blend(out / "before.blend"))
+    graph = clock.step("read", lambda: read_scene(scene))
+    clock.step("export", lambda: _export(graph, out / "dataset", args.form))
+    data = clock.step("load", lambda: _load(out / "dataset"))
+    completed = clock.step("complete", lambda: generator.add(graph, COMPLETION, seed=args.seed))
+    counts = generator.sample_counts(_rng(args.seed))
+    empty = clock.step("from empty", lambda: generator.add(_empty(), counts, seed=args.seed))
+    clock.step("pictures", lambda: _pictures(out, graph, completed, empty))
+    return {
+        "software": _software(),
+        "model": _model_record(generator),
+        "before": _room_record(graph),
+        "graph": data,
+        "completed": _generated_record(completed),
+        "from_empty": {"asked": counts, **_generated_record(empty)},
+        "seconds": clock.seconds,
+    }
+
+
+class _Clock:
+    """Times the steps and moves the progress bar."""
+
+    def __init__(self, bar: tqdm) -> None:
+        self._bar = bar
+        self.seconds: dict[str, float] = {}
+
+    def step(self, name: str, work: Callable[[], Any]) -> Any:
+        self._bar.set_postfix_str(name)
+        start = time.perf_counter()
+        result = work()
+        self.seconds[name] = round(time.perf_counter() - start, 3)
+        self._bar.update()
+        return result
+
+
+def _fresh(new_file: Callable[[], None], write_scene: Callable[..., Any], world: SceneGraph) -> Any:
+    import bpy
+
+    new_file()
+    return write_scene(world, bpy.context.scene)
+
+
+def _export(graph: SceneGraph, out: Path, form: str) -> None:
+    from ..dataset import write_dataset
+
+    write_dataset([graph], out, form)
+
+
+def _load(dataset: Path) -> dict[str, Any]:
+    """What stands in the graph that PyG sees."""
+    try:
+        import torch_geometric  # noqa: F401
+    except ImportError:
+        raise MissingPackageError("torch-geometric", "learn") from None
+    from ..dataset import UniSGDataset
+
+    data = UniSGDataset(dataset)[0]
+    edges = {"-".join(kind): int(data[kind].edge_index.shape[1]) for kind in data.edge_types}
+    return {"nodes": {kind: int(data[kind].num_nodes) for kind in data.node_types}, "edges": edges}
+
+
+def _empty() -> SceneGraph:
+    from ..scene import SceneBuilder
+
+    return SceneBuilder("Room").build()
+
+
+def _rng(seed: int) -> Any:
+    import numpy as np
+
+    return np.random.default_rng(seed)
+
+
+def _pictures(out: Path, before: SceneGraph, completed: Generated, empty: Generated) -> None:
+    """Save and picture the rooms: before and after completing, and the one from empty."""
+    import bpy
+
+    from ..blender import write_rows, write_scene
+    from ..blender.files import new_file, save_blend
+    from ..blender.picture import render_picture
+
+    scene = bpy.context.scene
+    for view in ("perspective", "top"):
+        render_picture(out / f"before_{view}.png", scene, view=view, leave_out=("Ceiling",))
+    write_rows(completed.scene, completed.rows, scene)
+    save_blend(out / "after.blend")
+    for view in ("perspective", "top"):
+        render_picture(out / f"after_{view}.png", scene, view=view, leave_out=("Ceiling",))
+    scene = _fresh(new_file, write_scene, empty.scene)
+    save_blend(out / "from_empty.blend")
+    for view in ("perspective", "top"):
+        render_picture(out / f"from_empty_{view}.png", scene, view=view, leave_out=("Ceiling",))
+
+
+def _software() -> dict[str, str]:
+    import bpy
+
+    from .. import __version__
+
+    return {"unisg_blender": __version__, "blender": bpy.app.version_string}
+
+
+def _model_record(generator: Generator) -> dict[str, Any]:
+    contract = generator.contract
+    return {"file": generator.model.path.name, "kind": contract.kind, "provenance": contract.provenance}
+
+
+def _room_record(graph: SceneGraph) -> dict[str, Any]:
+    """Objects and faults of a room, measured."""
+    from ..evaluate.scene_metrics import measure_scene
+
+    report = measure_scene(graph)
+    return {
+        "objects": int(report.counted.sum()),
+        "colliding": int(report.colliding.sum()),
+        "off_support": int(report.off_support.sum()),
+        "outside": int(report.outside.sum()),
+    }
+
+
+def _generated_record(generated: Generated) -> dict[str, Any]:
+    from ..evaluate.scene_metrics import measure_scene
+
+    report, rows = measure_scene(generated.scene), generated.rows
+    spent = sorted(placement.milliseconds for placement in generated.objects)
+    return {
+        "objects_added": generated.added,
+        "refused": len(generated.refused),
+        "colliding": int(report.colliding[rows].sum()),
+        "off_support": int(report.off_support[rows].sum()),
+        "outside": int(report.outside[rows].sum()),
+        "milliseconds_per_object": round(spent[len(spent) // 2], 2) if spent else None,
+        "objects": [placement.to_record() for placement in generated.objects],
+    }
+
+
+def _lines(report: dict[str, Any], out: Path) -> list[str]:
+    before, completed, empty = report["before"], report["completed"], report["from_empty"]
+    placed = ", ".join(f"{item['name']} on {item['support'] or 'the ground'}" for item in completed["objects"])
+    return [
+        f"{out}/before.blend: an operating room with {before['objects']} objects",
+        f"{out}/dataset: the room as a dataset; as HeteroData: {report['graph']['nodes']}",
+        f"{out}/after.blend: {completed['objects_added']} objects added ({placed});",
+        f"  {completed['colliding']} collide, {completed['off_support']} float or sink, "
+        f"{completed['milliseconds_per_object']} ms an object",
+        f"{out}/from_empty.blend: a room of {empty['objects_added']} objects from nothing;",
+        f"  {empty['colliding']} collide, {empty['off_support']} float or sink, {empty['refused']} found no place",
+        f"{out}/*.png: pictures before and after; {out}/report.json: all numbers",
+    ]
