@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -59,8 +61,9 @@ class CgvaeProposer:
         count: int,
         rng: np.random.Generator,
         allowed: NDArray[np.bool_],
+        coming: Mapping[int, int],
     ) -> Proposals:
-        """``count`` proposals for a new thing; ``allowed`` bool (K,) says which things may hold it."""
+        """``count`` proposals for a new thing; see :class:`~.proposals.Proposer`. What is to come is not looked at."""
         known = len(scene.category)
         width = len(self.contract.kept)
         features = np.zeros((known + count, width), np.float32)

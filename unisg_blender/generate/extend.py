@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..dataset.assets import Asset
-from ..scene import ActionData, Material, Mesh, SceneGraph, Table, canonical, world_matrices
+from ..scene import ActionData, Material, Mesh, SceneGraph, Table, canonical, table, world_matrices
 from ..scene.assemble import index_categories
 from ..scene.identity import derived_uid, new_uid
 
@@ -19,7 +19,10 @@ UidMaker = Callable[[str], str]
 
 @dataclass(frozen=True, eq=False)
 class Addition:
-    """A thing to add: ``parent`` is a uid of the scene or of another addition ("" for none), ``world`` its matrix."""
+    """A thing to add: ``parent`` is a uid of the scene or of another addition ("" for none), ``world`` its matrix.
+
+    ``relation`` is what it is to its parent ("on_top_of" ...), "" for nothing said.
+    """
 
     asset: Asset
     uid: str
@@ -27,6 +30,7 @@ class Addition:
     parent: str
     world: NDArray[np.float64]
     category: str
+    relation: str = ""
 
 
 def uid_maker(graph: SceneGraph, seed: int | None) -> UidMaker:
@@ -78,7 +82,7 @@ def extend(graph: SceneGraph, additions: Sequence[Addition], names: Names, make_
             local = np.linalg.solve(world[addition.parent], addition.world)
         world[addition.uid] = addition.world
         grown.add(addition, local, names, make_uid)
-    return canonical(_with_actions(grown.build(), additions))
+    return canonical(_with_actions(_with_relations(grown.build(), additions), additions))
 
 
 class _Growing:
@@ -145,18 +149,27 @@ class _Growing:
         )  # fmt: skip
 
 
-def _append(table: Table | None, parts: Sequence[tuple[int, Table]]) -> Table:
+def _append(before: Table | None, parts: Sequence[tuple[int, Table]]) -> Table:
     """A table with further rows, which lie behind its own; parts with other columns are left out."""
-    kept = [part for part in parts if table is None or part[1].columns.keys() == table.columns.keys()]
-    if table is None:
-        table = kept[0][1].take(np.zeros(0, np.int64), 1 + int(kept[0][1].rows.max(initial=0)))
-        kept = [part for part in kept if part[1].columns.keys() == table.columns.keys()]
-    rows = [table.rows, *(part.rows + start for start, part in kept)]
+    kept = [part for part in parts if before is None or part[1].columns.keys() == before.columns.keys()]
+    if before is None:
+        before = kept[0][1].take(np.zeros(0, np.int64), 1 + int(kept[0][1].rows.max(initial=0)))
+        kept = [part for part in kept if part[1].columns.keys() == before.columns.keys()]
+    rows = [before.rows, *(part.rows + start for start, part in kept)]
     columns = {
         name: np.concatenate([values, *(part.columns[name] for _, part in kept)])
-        for name, values in table.columns.items()
+        for name, values in before.columns.items()
     }
     return Table(np.concatenate(rows).astype(np.int32), columns)
+
+
+def _with_relations(graph: SceneGraph, additions: Sequence[Addition]) -> SceneGraph:
+    related = [item for item in additions if item.relation and item.parent]
+    if not related:
+        return graph
+    rows = [graph.row_of_uid[item.uid] for item in related]
+    added = table(rows, kind=[item.relation for item in related], target=[item.parent for item in related])
+    return graph.with_component("relations", _joined(graph.components.get("relations"), added))
 
 
 def _with_actions(graph: SceneGraph, additions: Sequence[Addition]) -> SceneGraph:
@@ -180,17 +193,15 @@ def _with_actions(graph: SceneGraph, additions: Sequence[Addition]) -> SceneGrap
                 data.append(own)
     if not rows:
         return graph
-    column = np.empty(len(data), object)
-    column[:] = data
-    added = Table(np.array(rows, np.int32), {"data": column})
-    before = graph.components.get("actions")
-    joined = added if before is None else _append(before, [(0, added)])
-    order = np.argsort(joined.rows, kind="stable")
-    return graph.with_component("actions", _ordered(joined, order))
+    added = table(rows, data=data)
+    return graph.with_component("actions", _joined(graph.components.get("actions"), added))
 
 
-def _ordered(table: Table, order: NDArray[np.integer]) -> Table:
-    return Table(table.rows[order], {name: column[order] for name, column in table.columns.items()})
+def _joined(before: Table | None, added: Table) -> Table:
+    """Two tables of the same columns as one."""
+    whole = added if before is None else _append(before, [(0, added)])
+    order = np.argsort(whole.rows, kind="stable")
+    return Table(whole.rows[order], {name: column[order] for name, column in whole.columns.items()})
 
 
 def retarget(action: ActionData, owner: str, moved: Mapping[str, str]) -> ActionData | None:

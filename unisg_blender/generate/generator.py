@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import os
 from collections import abc
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from ..dataset.assets import STRUCTURE
+from ..dataset.assets import STRUCTURE, Asset
 from ..errors import UniSGError
 from ..scene import SceneGraph
 from ..scene.outline import FLOOR
+from .anchors import AnchorProposer
 from .cgvae import CgvaeProposer
 from .contract import Contract
 from .extend import Names, extend, uid_maker
@@ -57,7 +58,7 @@ class Generator:
 
     def add(
         self, scene: SceneGraph, counts: Mapping[str, int], seed: int | None = None, *, bulk: bool = False,
-        settle: bool = True,
+        settle: bool = True, assets: Mapping[str, Sequence[Asset]] | None = None,
     ) -> Generated:  # fmt: skip
         """Add objects to a scene; what is there already stays as it is.
 
@@ -75,13 +76,15 @@ class Generator:
             one after another.
         settle
             False takes every first proposal as it is, collisions and all.
+        assets
+            Shapes to use, by category and in order, instead of drawing them from the scene or beside the model.
 
         Raises
         ------
         UniSGError
             For a category that the model does not know, a number below 1, or nothing to add.
         """
-        steps = self.steps(scene, counts, seed, bulk=bulk, settle=settle)
+        steps = self.steps(scene, counts, seed, bulk=bulk, settle=settle, assets=assets)
         while True:
             try:
                 next(steps)
@@ -91,7 +94,7 @@ class Generator:
 
     def steps(
         self, scene: SceneGraph, counts: Mapping[str, int], seed: int | None = None, *, bulk: bool = False,
-        settle: bool = True,
+        settle: bool = True, assets: Mapping[str, Sequence[Asset]] | None = None,
     ) -> abc.Generator[Placement, None, Generated]:  # fmt: skip
         """As :meth:`add`, object by object: yields each placement, returns the result at the end."""
         _check_counts(counts, self.contract)
@@ -104,10 +107,10 @@ class Generator:
             scene, placements = add_shell(scene, counts, self.library, rng, names, make_uid)
             wanted = [name for name in wanted if name not in STRUCTURE]
             yield from placements
-        work = Placing(self._proposer, self.library, self.contract, scene, rng, settle)
+        work = Placing(self._proposer, self.library, self.contract, scene, rng, settle, wanted, assets)
         early = work.propose_all(wanted) if bulk else [None] * len(wanted)
-        for name, proposals in zip(wanted, early, strict=True):
-            placements.append(work.place(name, names, make_uid, proposals))
+        for number, (name, proposals) in enumerate(zip(wanted, early, strict=True)):
+            placements.append(work.place(number, name, names, make_uid, proposals))
             yield placements[-1]
         result = extend(scene, work.additions, names, make_uid)
         rows = np.array([row for row, uid in enumerate(result.uid) if uid not in before], np.int64)
@@ -115,7 +118,7 @@ class Generator:
 
 
 def _proposer(model: Model) -> Proposer:
-    return CgvaeProposer(model)
+    return AnchorProposer(model) if model.contract.kind == "anchors" else CgvaeProposer(model)
 
 
 def _check_counts(counts: Mapping[str, int], contract: Contract) -> None:

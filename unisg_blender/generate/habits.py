@@ -22,6 +22,7 @@ OVERLAP_SCENES = 150
 """Scenes in which overlaps are measured: a tenth of a second each."""
 
 _SHALLOW = 0.002
+Seen = tuple[str, float, str]
 
 
 @dataclass(frozen=True)
@@ -30,13 +31,14 @@ class Habit:
 
     ``support`` "" means that they have none; ``count`` how often that was seen;
     ``contact`` how they are held; ``gap`` the median of the clearance in metres
-    where they are held at the side.
+    where they are held at the side; ``relation`` how the scenes call it, "" if they do not say.
     """
 
     support: str
     count: int
     contact: str
     gap: float = 0.0
+    relation: str = ""
 
 
 @dataclass(frozen=True)
@@ -78,7 +80,7 @@ class Habits:
 def learn_habits(scenes: Iterable[Things], vocabulary: Sequence[str], rooms: int = 256) -> Habits:
     """Habits out of the things of training scenes, whose categories are numbered as in ``vocabulary``."""
     names = (*vocabulary, "")
-    contacts: dict[tuple[str, str], list[tuple[str, float]]] = defaultdict(list)
+    contacts: dict[tuple[str, str], list[Seen]] = defaultdict(list)
     sizes: dict[str, list[Any]] = defaultdict(list)
     depths: dict[str, list[float]] = defaultdict(list)
     counts = []
@@ -87,7 +89,7 @@ def learn_habits(scenes: Iterable[Things], vocabulary: Sequence[str], rooms: int
         for thing in np.flatnonzero(things.category >= 0):
             category, support = names[things.category[thing]], int(things.support[thing])
             below = names[things.category[support]] if support >= 0 else ""
-            contacts[category, below].append(contact(things, int(thing), support))
+            contacts[category, below].append((*contact(things, int(thing), support), things.relation[thing]))
             sizes[category].append(2 * things.half[thing])
         for pair, depth in _overlaps(things, names) if number < OVERLAP_SCENES else ():
             depths[pair].append(depth)
@@ -125,12 +127,13 @@ def side_gap(things: Things, thing: int, support: int) -> float:
     return float((local - reach - things.half[support, :2]).max())
 
 
-def _supports(contacts: dict[tuple[str, str], list[tuple[str, float]]]) -> dict[str, list[Habit]]:
+def _supports(contacts: dict[tuple[str, str], list[Seen]]) -> dict[str, list[Habit]]:
     found: dict[str, list[Habit]] = defaultdict(list)
     for (category, support), seen in contacts.items():
-        kind = Counter(kind for kind, _ in seen).most_common(1)[0][0]
-        gap = float(np.median([gap for other, gap in seen if other == kind]))
-        found[category].append(Habit(support, len(seen), kind, round(gap, 4)))
+        kind = Counter(kind for kind, _, _ in seen).most_common(1)[0][0]
+        gap = float(np.median([gap for other, gap, _ in seen if other == kind]))
+        relation = Counter(relation for _, _, relation in seen).most_common(1)[0][0]
+        found[category].append(Habit(support, len(seen), kind, round(gap, 4), relation))
     for habits in found.values():
         habits.sort(key=lambda habit: (-habit.count, habit.support))
         total = sum(habit.count for habit in habits)

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import time
+from collections import Counter
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..dataset.assets import Asset
 from ..scene import SceneGraph, world_matrices
 from ..scene.outline import FLOOR, room_outline
 from .contract import Contract
@@ -50,6 +53,8 @@ class Placing:
         graph: SceneGraph,
         rng: np.random.Generator,
         settle: bool,
+        wanted: Sequence[str],
+        assets: Mapping[str, Sequence[Asset]] | None = None,
     ) -> None:
         self.proposer, self.library, self.contract = proposer, library, contract
         self.habits, self.vocabulary = self.contract.habits, self.contract.vocabulary
@@ -63,16 +68,26 @@ class Placing:
         outline = room_outline(graph) if has_floor else None
         self.space = Space(things.parts, things.owner, things.category, outline, self.habits, self.vocabulary)
         self.additions: list[Addition] = []
+        self.coming = Counter(wanted)
+        self.pieces = self._pieces(wanted, assets or {})
 
-    def propose_all(self, wanted: list[str]) -> list[Proposals | None]:
+    def _pieces(self, wanted: Sequence[str], assets: Mapping[str, Sequence[Asset]]) -> list[Piece]:
+        """A shape for each object, in order."""
+        given = {name: [Piece(asset) for asset in shapes] for name, shapes in assets.items()}
+        return [
+            given[name].pop(0) if given.get(name) else self.library.piece(name, self.graph, self.rng) for name in wanted
+        ]
+
+    def propose_all(self, wanted: Sequence[str]) -> list[Proposals | None]:
         """First proposals for all objects, none of them seeing another."""
-        return [self._propose(name, self._piece(name), BATCHES[0], self._allowed(name)[0]) for name in wanted]
-
-    def _piece(self, name: str) -> Piece:
-        return self.library.piece(name, self.graph, self.rng)
+        return [
+            self._propose(name, piece, BATCHES[0], self._allowed(name)[0])
+            for name, piece in zip(wanted, self.pieces, strict=True)
+        ]
 
     def _propose(self, name: str, piece: Piece, count: int, allowed: NDArray[np.bool_]) -> Proposals:
-        return self.proposer.propose(self.scene, self.vocabulary.index(name), piece, count, self.rng, allowed)
+        coming = {self.vocabulary.index(kind): number for kind, number in self.coming.items() if number}
+        return self.proposer.propose(self.scene, self.vocabulary.index(name), piece, count, self.rng, allowed, coming)
 
     def _allowed(self, name: str) -> tuple[NDArray[np.bool_], str]:
         """Which things may hold a category, and what to say where none of the usual ones is there."""
@@ -87,10 +102,11 @@ class Placing:
         habit = self.habits.habit(name, kind) or Habit(kind, 0, RESTS)
         return Support(thing, habit, self.space.surfaces(thing), kind == FLOOR)
 
-    def place(self, name: str, names: Names, make_uid: UidMaker, early: Proposals | None) -> Placement:
-        """Find a place for one object and add it, or say why there is none."""
+    def place(self, number: int, name: str, names: Names, make_uid: UidMaker, early: Proposals | None) -> Placement:
+        """Find a place for object ``number`` and add it, or say why there is none."""
         start = time.perf_counter()
-        piece = self._piece(name)
+        self.coming[name] -= 1
+        piece = self.pieces[number]
         allowed, missing = self._allowed(name)
         spot, note = None, missing
         if missing and self.habits.supports[name][0].contact != RESTS:
@@ -151,7 +167,8 @@ class Placing:
         self.space.add(piece.boxes_at(spot.place[None]), category)
         own, uid = names.new(name), make_uid(name)
         above, held_by = (self.uids[spot.thing], self.names[spot.thing]) if spot.thing >= 0 else ("", "")
-        self.additions.append(Addition(piece.asset, uid, own, above, world, name))
+        relation = self._support(name, spot.thing).habit.relation
+        self.additions.append(Addition(piece.asset, uid, own, above, world, name, relation))
         self.uids.append(uid)
         self.names.append(own)
         self.kinds.append(name)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Protocol
 
@@ -96,5 +97,10 @@ class Proposer(Protocol):
         count: int,
         rng: np.random.Generator,
         allowed: NDArray[np.bool_],
+        coming: Mapping[int, int],
     ) -> Proposals:
-        """``count`` proposals for a piece of a category, held by one of the ``allowed`` things bool (K,)."""
+        """``count`` proposals for a piece of a category.
+
+        ``allowed`` bool (K,) says which things may hold it, ``coming`` how many things of
+        which categories are still to be placed after it.
+        """

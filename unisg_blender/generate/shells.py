@@ -43,7 +43,8 @@ def add_shell(
         made[row] = make_uid(kind)
         above = made.get(int(graph.parent[row]), "")
         part = take(graph, np.array([row]))
-        additions.append(Addition(Asset(kind, part), made[row], names.new(kind), above, world[row], kind))
+        relation = _relation(library, graph, row) if above else ""
+        additions.append(Addition(Asset(kind, part), made[row], names.new(kind), above, world[row], kind, relation))
     spent = 1e3 * (time.perf_counter() - start) / max(len(rows), 1)
     placements = [
         Placement(item.category, item.name, item.uid, _name_of(additions, item.parent), item.world, milliseconds=spent)
@@ -78,3 +79,10 @@ def _chosen(graph: SceneGraph, wanted: Mapping[str, int]) -> list[int]:
 
 def _name_of(additions: list[Addition], uid: str) -> str:
     return next((item.name for item in additions if item.uid == uid), "")
+
+
+def _relation(library: Library, graph: SceneGraph, row: int) -> str:
+    """What a part of the room usually is to what holds it."""
+    habits = library.model.contract.habits
+    habit = habits.habit(graph.category_name(row), graph.category_name(int(graph.parent[row])))
+    return habit.relation if habit else ""

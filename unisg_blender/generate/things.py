@@ -36,6 +36,8 @@ class Things:
         (K,): turn about the vertical, radians.
     parts, owner
         World boxes of the connected parts of the meshes, and int64 (P,) whose they are, ascending.
+    relation
+        K strings: the relation in which each stands to its support ("on_top_of" ...), "" for none.
     """
 
     row: NDArray[np.int64]
@@ -46,6 +48,7 @@ class Things:
     yaw: NDArray[np.float64]
     parts: Boxes
     owner: NDArray[np.int64]
+    relation: tuple[str, ...]
 
     def __len__(self) -> int:
         return len(self.row)
@@ -82,8 +85,23 @@ def things_of(graph: SceneGraph, vocabulary: Sequence[str]) -> Things:
     codes = np.array([known.get(name, -1) for name in graph.vocabulary] + [-1], np.int64)
     above = graph.parent[rows]
     parent = np.where(above >= 0, number[above], -1)
-    things = Things(rows, codes[graph.category[rows]], parent, center, half, yaw, parts, owner)
-    return _with_supports(things)
+    category = codes[graph.category[rows]]
+    support = _with_supports(Things(rows, category, parent, center, half, yaw, parts, owner, ()))
+    relation = _relations(graph, rows, number, support)
+    return Things(rows, category, support, center, half, yaw, parts, owner, relation)
+
+
+def _relations(
+    graph: SceneGraph, rows: NDArray[np.int64], number: NDArray[np.int64], support: NDArray[np.int64]
+) -> tuple[str, ...]:
+    found = [""] * len(rows)
+    table = graph.components.get("relations")
+    if table is not None:
+        for row, kind, uid in zip(table.rows, table.columns["kind"], table.columns["target"], strict=True):
+            thing, target = number[row], number[graph.row_of_uid.get(uid, -1)]
+            if thing >= 0 and rows[thing] == row and target >= 0 and target == support[thing]:
+                found[thing] = str(kind)
+    return tuple(found)
 
 
 def thing_rows(graph: SceneGraph) -> NDArray[np.int64]:
@@ -135,17 +153,15 @@ def turned(points: NDArray[np.float64], angle: NDArray[np.float64] | float) -> N
     return result
 
 
-def _with_supports(things: Things) -> Things:
-    """Give roots, and what hangs under something without geometry, the thing that they rest on."""
+def _with_supports(things: Things) -> NDArray[np.int64]:
+    """The supports, where roots and what hangs under something without geometry get the thing that they rest on."""
     support = things.support.copy()
     bare = things.half.max(axis=1) <= 0
     for thing in np.flatnonzero((support < 0) | bare[np.maximum(support, 0)]):
         below = resting_on(things, int(thing))
         if below >= 0:
             support[thing] = below
-    return Things(
-        things.row, things.category, support, things.center, things.half, things.yaw, things.parts, things.owner
-    )
+    return support
 
 
 def resting_on(things: Things, thing: int) -> int:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-import os
+import tempfile
 import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -16,6 +16,8 @@ from pytorch_lightning.callbacks import Callback, ModelCheckpoint, TQDMProgressB
 from pytorch_lightning.loggers import CSVLogger
 from torch import Tensor, nn
 from torch.utils.data import DataLoader
+
+from .settings import Settings
 
 Terms = Callable[[nn.Module, Any], Mapping[str, Tensor]]
 """Loss terms of a batch by name; "loss" is what is minimised."""
@@ -74,21 +76,35 @@ def fit(
     train: DataLoader[Any],
     val: DataLoader[Any],
     schedule: Schedule,
-    folder: Path,
-    *,
-    seed: int,
-    quiet: bool = False,
+    settings: Settings,
 ) -> dict[str, float]:
-    """Train a network in place; checkpoints and ``metrics.csv`` go to ``folder``.
+    """Train a network in place.
 
-    An interrupted training goes on where its last checkpoint stands when it is
-    called again with the same folder. Same seed, same result on the same machine.
+    Checkpoints and ``metrics.csv`` go to ``settings.logs``; an interrupted training
+    goes on from its last checkpoint when it is called again with the same folder.
+    Same seed, same result on the same machine.
 
     Returns
     -------
     dict
         The last values of all terms, named "train_..." and "val_...".
     """
+    if settings.logs is not None:
+        return _fit(network, terms, train, val, schedule, settings, settings.logs)
+    with tempfile.TemporaryDirectory() as folder:
+        return _fit(network, terms, train, val, schedule, settings, Path(folder))
+
+
+def _fit(
+    network: nn.Module,
+    terms: Terms,
+    train: DataLoader[Any],
+    val: DataLoader[Any],
+    schedule: Schedule,
+    settings: Settings,
+    folder: Path,
+) -> dict[str, float]:
+    seed, quiet = settings.seed, settings.quiet
     logging.getLogger("pytorch_lightning").setLevel(logging.ERROR)
     warnings.filterwarnings("ignore", module="pytorch_lightning")
     lightning.seed_everything(seed, workers=True, verbose=False)
@@ -113,8 +129,3 @@ def fit(
     trainer.fit(task, train, val, ckpt_path=str(last) if last.is_file() else None)
     network.eval()
     return losses.last
-
-
-def use_threads(count: int | None = None) -> None:
-    """Let torch use ``count`` threads, by default as many as OMP_NUM_THREADS says or there are cores."""
-    torch.set_num_threads(count or int(os.environ.get("OMP_NUM_THREADS", 0)) or os.cpu_count() or 1)

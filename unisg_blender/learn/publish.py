@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import platform
-from dataclasses import asdict
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
@@ -17,17 +16,18 @@ from ..dataset.assets import FILE
 from ..dataset.reader import Dataset
 from ..generate.model import assets_path
 from .scenes import dataset_checksum
+from .settings import Settings
 
 
 def provenance(
-    dataset: Dataset, settings: Any, train: int, val: int, losses: dict[str, float], network: nn.Module
+    dataset: Dataset, settings: Settings, train: int, val: int, losses: dict[str, float], network: nn.Module
 ) -> dict[str, Any]:
     """Dataset, counts, software, settings, losses and date of a training."""
     return {
         "dataset": {"sha256": dataset_checksum(dataset), "scenes": len(dataset), **dataset.manifest["counts"]},
         "scenes_trained": train,
         "scenes_held_out": val,
-        "settings": asdict(settings),
+        "settings": settings.to_record(),
         "losses": {name: round(value, 6) for name, value in sorted(losses.items())},
         "parameters": sum(parameter.numel() for parameter in network.parameters()),
         "software": f"unisg_blender {__version__}, torch {torch.__version__}, Python {platform.python_version()}",

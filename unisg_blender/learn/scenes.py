@@ -20,6 +20,7 @@ from ..scene import world_matrices
 
 FEWEST_SCENES = 4
 FEW_SCENES = 50
+HELD_OUT = 0.1
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,3 +73,10 @@ def dataset_checksum(dataset: Dataset) -> str:
     """A digest of the dataset's content: of the checksums of its shards."""
     sums = json.dumps([shard["sha256"] for shard in dataset.manifest["shards"]])
     return hashlib.sha256(sums.encode()).hexdigest()
+
+
+def split(scenes: Sequence[TrainingScene], seed: int) -> tuple[list[TrainingScene], list[TrainingScene]]:
+    """Scenes to train on and scenes to watch the loss on, at least one each."""
+    order = np.random.default_rng(seed).permutation(len(scenes))
+    count = max(1, round(HELD_OUT * len(scenes)))
+    return [scenes[i] for i in np.sort(order[count:])], [scenes[i] for i in np.sort(order[:count])]

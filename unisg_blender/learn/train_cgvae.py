@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -23,77 +22,65 @@ from .cgvae import Cgvae, CgvaeSizes, cgvae_losses
 from .export import export_onnx
 from .fit import Schedule, fit
 from .publish import provenance, save_model_assets
-from .scenes import TrainingScene, load_scenes, vocabulary_of
+from .scenes import TrainingScene, load_scenes, split, vocabulary_of
+from .settings import Settings
 
 CONSTANT = 1e-6
 """A channel that spreads less than this over the training set is constant and not learned."""
 
-import os
-KL_WEIGHT = float(os.environ.get("KLW", "1e-2"))
-HELD_OUT = 0.1
+KL_WEIGHT = 1e-2
 
 
-@dataclass(frozen=True)
-class Settings:
-    """What a user can choose."""
-
-    form: str = "cga_even"
-    epochs: int = 100
-    seed: int = 0
-    batch: int = 16
-    latent: int = 16
-    devices: int = 1
-    nodes: int = 1
-    command: str = ""
+FORM, EPOCHS = "cga_even", 100
+BATCH, LATENT = 16, 16
 
 
-def train_paper(
-    dataset: Dataset, out: Path, settings: Settings, *, logs: Path | None = None, quiet: bool = False
-) -> dict[str, Any]:
-    """Train, export and put the assets beside the model; returns the contract's provenance.
+def train(dataset: Dataset, out: Path, settings: Settings) -> dict[str, Any]:
+    """Train the project's own model, or with ``settings.paper`` the paper's."""
+    if settings.paper:
+        return train_paper(dataset, out, settings)
+    from .train_anchors import train as train_anchors
+
+    return train_anchors(dataset, out, settings)
+
+
+def train_paper(dataset: Dataset, out: Path, settings: Settings) -> dict[str, Any]:
+    """Train, export and put the assets beside the model; returns the provenance that the model carries.
 
     Raises
     ------
     UniSGError
         Too few scenes or categories.
     """
+    settings = replace(settings, form=settings.form or FORM, epochs=settings.epochs or EPOCHS)
     vocabulary = vocabulary_of(dataset)
-    scenes = load_scenes(dataset, vocabulary, quiet)
+    scenes = load_scenes(dataset, vocabulary, settings.quiet)
     contract = _contract(scenes, vocabulary, settings)
-    train, val = split(scenes, settings.seed)
+    train_scenes, val_scenes = split(scenes, settings.seed)
     torch.manual_seed(settings.seed)
-    network = Cgvae(CgvaeSizes(len(contract.kept), len(vocabulary), latent=settings.latent))
-    with tempfile.TemporaryDirectory() as scratch:
-        losses = fit(
-            network, _terms, _loader(train, contract, settings, True), _loader(val, contract, settings, False),
-            Schedule(settings.epochs, devices=settings.devices, nodes=settings.nodes), logs or Path(scratch),
-            seed=settings.seed, quiet=quiet,
-        )  # fmt: skip
-    source = provenance(dataset, settings, len(train), len(val), losses, network)
+    network = Cgvae(CgvaeSizes(len(contract.kept), len(vocabulary), latent=LATENT))
+    loaders = [_loader(part, contract, settings.seed, part is train_scenes) for part in (train_scenes, val_scenes)]
+    schedule = Schedule(settings.epochs or EPOCHS, devices=settings.devices, nodes=settings.nodes)
+    losses = fit(network, _terms, loaders[0], loaders[1], schedule, settings)
+    source = provenance(dataset, settings, len(train_scenes), len(val_scenes), losses, network)
     write_cgvae(network, replace(contract, provenance=source), out)
     save_model_assets(dataset, out)
     return source
 
 
-def split(scenes: Sequence[TrainingScene], seed: int) -> tuple[list[TrainingScene], list[TrainingScene]]:
-    """Scenes to train on and scenes to watch the loss on, at least one each."""
-    order = np.random.default_rng(seed).permutation(len(scenes))
-    count = max(1, round(HELD_OUT * len(scenes)))
-    return [scenes[i] for i in np.sort(order[count:])], [scenes[i] for i in np.sort(order[:count])]
-
-
 def _contract(scenes: Sequence[TrainingScene], vocabulary: tuple[str, ...], settings: Settings) -> Contract:
-    mean, scale, kept = normalisation([scene.local for scene in scenes], settings.form)
+    form = settings.form or FORM
+    mean, scale, kept = normalisation([scene.local for scene in scenes], form)
     habits = learn_habits((scene.things for scene in scenes), vocabulary)
     return Contract(
         kind="cgvae",
         vocabulary=vocabulary,
         habits=habits,
-        form=settings.form,
+        form=form,
         mean=tuple(mean.tolist()),
         scale=tuple(scale.tolist()),
         kept=tuple(kept.tolist()),
-        latent=settings.latent,
+        latent=LATENT,
     )
 
 
@@ -116,11 +103,11 @@ class _Nodes:
 
 
 def _loader(
-    scenes: Sequence[TrainingScene], contract: Contract, settings: Settings, shuffle: bool
+    scenes: Sequence[TrainingScene], contract: Contract, seed: int, shuffle: bool
 ) -> DataLoader[Mapping[str, Tensor]]:
     nodes = [_nodes(scene, contract) for scene in scenes]
-    order = torch.Generator().manual_seed(settings.seed)
-    return DataLoader(nodes, batch_size=settings.batch, shuffle=shuffle, collate_fn=_collate, generator=order)  # type: ignore[arg-type]
+    order = torch.Generator().manual_seed(seed)
+    return DataLoader(nodes, batch_size=BATCH, shuffle=shuffle, collate_fn=_collate, generator=order)  # type: ignore[arg-type]
 
 
 def _nodes(scene: TrainingScene, contract: Contract) -> _Nodes:

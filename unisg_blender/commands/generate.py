@@ -1,0 +1,177 @@
+"""``unisg generate``: new objects for an empty or an existing scene."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import tempfile
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ..errors import DONE, SOME_FAILED, UniSGError
+
+if TYPE_CHECKING:
+    from ..generate import Generated
+    from ..scene import SceneGraph
+
+HELP = "Add objects to an empty or an existing scene with a trained model."
+USD = (".usd", ".usda", ".usdc")
+OUTPUTS = (".blend", *USD, ".json")
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """What the verb takes."""
+    parser.add_argument("--model", metavar="M", type=Path, help="trained model (default: the shipped operating room)")
+    parser.add_argument("--scene", metavar="IN", type=Path, help="scene file to complete (default: an empty scene)")
+    parser.add_argument("--add", metavar="WHAT", help='such as "Scalpel=2,Monitor=1" (default: a whole room)')
+    parser.add_argument("--out", metavar="OUT", type=Path, required=True, help="file to write: .blend, .usda or .json")
+    parser.add_argument("--seed", type=int, help="same seed, same result (default: another result every time)")
+    mode = parser.add_mutually_exclusive_group()
+    mode.add_argument("--sequential", action="store_true", help="one by one, each sees the ones before (default)")
+    mode.add_argument("--bulk", action="store_true", help="propose places for all at once")
+    parser.add_argument("--raw", action="store_true", help="take the model's first proposals without settling them")
+    parser.add_argument("--render", metavar="PNG", type=Path, help="write a picture of the result")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Generate, write, report; exit status 3 if some objects found no place."""
+    import numpy as np
+
+    from ..generate import Generator
+    from ..pretrained import default_generator
+    from ..scene import SceneBuilder
+
+    _check(args)
+    generator = Generator.load(args.model or default_generator())
+    asked = None if args.add is None else parse_counts(args.add)
+    if asked is not None:
+        generator.contract.check_categories(list(asked))
+    scene = SceneBuilder("Room").build() if args.scene is None else read_any(args.scene)
+    counts = asked or generator.sample_counts(np.random.default_rng(args.seed))
+    start = time.perf_counter()
+    result = generator.add(scene, counts, args.seed, bulk=args.bulk, settle=not args.raw)
+    spent = time.perf_counter() - start
+    _write(args, result)
+    report = {"out": str(args.out), **to_report(result), "seconds": round(spent, 4)}
+    if args.json:
+        print(json.dumps(report, ensure_ascii=False))
+    elif not args.quiet:
+        print("\n".join(_lines(report)))
+    return SOME_FAILED if result.refused else DONE
+
+
+def parse_counts(text: str) -> dict[str, int]:
+    """Categories and numbers out of "Scalpel=2,Monitor" (1 where no number stands).
+
+    Raises
+    ------
+    UniSGError
+        If the text is not of that form.
+    """
+    counts: dict[str, int] = {}
+    for part in text.split(","):
+        name, _, number = part.partition("=")
+        name = name.strip()
+        if not name or (number.strip() and not number.strip().isdecimal()) or ("=" in part and not number.strip()):
+            raise UniSGError(f'--add must look like "Scalpel=2,Monitor=1", not {text!r}')
+        counts[name] = counts.get(name, 0) + int(number.strip() or 1)
+    return counts
+
+
+def read_any(path: Path) -> SceneGraph:
+    """The scenegraph of a file: USD by itself, everything else through Blender."""
+    if path.suffix.lower() in USD:
+        from ..usd import read_usd
+
+        return read_usd(path)
+    from ..blender import read_file
+
+    return read_file(path)[0]
+
+
+def _check(args: argparse.Namespace) -> None:
+    if args.out.suffix.lower() not in OUTPUTS:
+        raise UniSGError(f"--out must end in one of {', '.join(OUTPUTS)}, not {args.out.name!r}")
+    for path in (args.out, args.render):
+        if path is not None and not path.parent.is_dir():
+            raise UniSGError(f"there is no folder {path.parent} to write {path.name} to")
+    if args.scene is not None and not args.scene.is_file():
+        raise UniSGError(f"there is no scene file {args.scene}")
+    if args.render is not None and args.render.suffix.lower() != ".png":
+        raise UniSGError(f"--render writes .png, not {args.render.name!r}")
+
+
+def _write(args: argparse.Namespace, result: Generated) -> None:
+    kind = args.out.suffix.lower()
+    if kind == ".json":
+        from ..scene.describe import to_records
+
+        new = set(result.rows.tolist())
+        records = [{**record, "new": row in new} for row, record in enumerate(to_records(result.scene))]
+        _write_text(args.out, json.dumps({"title": result.scene.title, "entities": records}, ensure_ascii=False))
+    elif kind in USD:
+        from ..usd import write_usd
+
+        write_usd(result.scene, args.out)
+    if kind == ".blend" or args.render is not None:
+        _write_with_blender(args, result, save=kind == ".blend")
+
+
+def _write_with_blender(args: argparse.Namespace, result: Generated, save: bool) -> None:
+    """Write a .blend file (a given one keeps what the scenegraph does not hold) and the picture."""
+    import bpy
+
+    from ..blender import new_file, open_file, render_picture, save_blend, write_rows, write_scene
+
+    if args.scene is not None and args.scene.suffix.lower() not in USD:
+        open_file(args.scene)
+        write_rows(result.scene, result.rows, bpy.context.scene)
+    else:
+        new_file()
+        write_scene(result.scene, bpy.context.scene)
+    if save:
+        save_blend(args.out)
+    if args.render is not None:
+        render_picture(args.render, leave_out=("Ceiling",))
+
+
+def _write_text(path: Path, text: str) -> None:
+    handle, name = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
+    try:
+        with os.fdopen(handle, "w", encoding="utf-8") as file:
+            file.write(text)
+        os.replace(name, path)
+    except OSError as error:
+        raise UniSGError(f"cannot write {path}: {error.strerror}") from None
+    finally:
+        Path(name).unlink(missing_ok=True)
+
+
+def to_report(result: Generated) -> dict[str, Any]:
+    """What was generated, JSON-ready."""
+    return {
+        "entities": len(result.scene),
+        "added": result.added,
+        "refused": len(result.refused),
+        "objects": [placement.to_record() for placement in result.objects],
+    }
+
+
+def _lines(report: dict[str, Any]) -> list[str]:
+    lines = []
+    for item in report["objects"]:
+        what = f"{item['category']}: no place: {item['note']}" if item["refused"] else _placed(item)
+        lines.append(what)
+    lines.append(
+        f"{report['out']}: {report['added']} objects added, {report['refused']} refused, {report['seconds']} s"
+    )
+    return lines
+
+
+def _placed(item: dict[str, Any]) -> str:
+    x, y, z = (row[3] for row in item["world"][:3])
+    where = item["support"] or "the ground"
+    note = f" ({item['note']})" if item["note"] else ""
+    return f"{item['name']} on {where} at ({x:.2f}, {y:.2f}, {z:.2f}), {item['milliseconds']} ms{note}"
