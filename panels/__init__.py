@@ -6,8 +6,7 @@ own ``register`` and ``unregister``. Sub-panels name ``UNISG_PT_main`` as parent
 
 from __future__ import annotations
 
-import bpy
-
+from ..operators.registration import register_modules, unregister_modules
 from . import forms, generate, main, meshes, motion
 
 MODULES: tuple = (main, generate, forms, motion, meshes)
@@ -15,17 +14,9 @@ MODULES: tuple = (main, generate, forms, motion, meshes)
 
 def register() -> None:
     """Register all panels."""
-    for module in MODULES:
-        for cls in module.CLASSES:
-            bpy.utils.register_class(cls)
-        if hasattr(module, "register"):
-            module.register()
+    register_modules(MODULES)
 
 
 def unregister() -> None:
-    """Unregister all panels, last one first."""
-    for module in reversed(MODULES):
-        if hasattr(module, "unregister"):
-            module.unregister()
-        for cls in reversed(module.CLASSES):
-            bpy.utils.unregister_class(cls)
+    """Unregister all panels."""
+    unregister_modules(MODULES)
