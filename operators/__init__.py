@@ -6,10 +6,32 @@ Each module has a tuple ``CLASSES`` and, where it keeps more than classes
 
 from __future__ import annotations
 
-from . import categories, command_line, forms, generate, generation_settings, label, mesh_settings, meshes, motion
+from . import (
+    categories,
+    command_line,
+    export,
+    forms,
+    generate,
+    generation_settings,
+    label,
+    mesh_settings,
+    meshes,
+    motion,
+)
 from .registration import register_modules, unregister_modules
 
-MODULES: tuple = (generation_settings, generate, categories, command_line, forms, motion, mesh_settings, meshes, label)
+MODULES: tuple = (
+    generation_settings,
+    generate,
+    categories,
+    command_line,
+    forms,
+    motion,
+    mesh_settings,
+    meshes,
+    label,
+    export,
+)
 
 
 def register() -> None:

@@ -26,6 +26,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--limit", type=int, default=SHOWN, metavar="N", help=f"show at most N entities ({SHOWN}; 0: all)"
     )
+    parser.add_argument("--figures", type=Path, metavar="DIR", help="of a dataset: write pictures to this folder")
 
 
 def run(args: argparse.Namespace) -> int:
@@ -52,6 +53,10 @@ def _inspect_dataset(args: argparse.Namespace) -> int:
     from ..dataset.describe import describe_dataset, description_lines  # its own room knows what stands in a dataset
 
     record = describe_dataset(args.path)
+    if args.figures is not None:
+        from ..dataset.figures import draw_dataset
+
+        record["figures"] = [str(path) for path in draw_dataset(args.path, args.figures)]
     print(json.dumps(record, ensure_ascii=False) if args.json else "\n".join(description_lines(record)))
     return DONE
 

@@ -1,0 +1,139 @@
+"""Write the open scenes as a dataset for learning."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import bpy
+
+_form_items: list[tuple[str, str, str]] = []
+
+
+def _forms(settings: object, context: bpy.types.Context | None) -> list[tuple[str, str, str]]:
+    from ..unisg_blender.poses import FORMS
+
+    names = sorted(FORMS, key=lambda name: name != "quaternion")  # the first one is the default
+    _form_items[:] = [(name, name.replace("_", " ").capitalize(), f"{FORMS[name].width} features") for name in names]
+    return _form_items  # Blender keeps no reference to the strings of a computed enum: we must
+
+
+class DatasetSettings:
+    """What the operator and the panel both ask for."""
+
+    filepath: bpy.props.StringProperty(
+        name="Folder", description="Folder of the dataset; // is the folder of this file", subtype="DIR_PATH"
+    )
+    form: bpy.props.EnumProperty(name="Form", description="How poses are represented in the dataset", items=_forms)
+    all_scenes: bpy.props.BoolProperty(name="All Scenes", description="Every scene of this file, not only this one")
+    overwrite: bpy.props.BoolProperty(name="Replace", description="Replace a dataset that is in that folder already")
+
+
+class UNISG_DatasetSettings(DatasetSettings, bpy.types.PropertyGroup):
+    """The choices in the Dataset panel; they belong to the session, not to the file."""
+
+
+class UNISG_OT_export_dataset(DatasetSettings, bpy.types.Operator):
+    """Write the open scene as a dataset that networks can be trained on; the scene is not changed"""
+
+    bl_idname = "unisg.export_dataset"
+    bl_label = "Export Dataset"
+    bl_options = {"REGISTER"}
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        if context.mode != "OBJECT":
+            cls.poll_message_set("Leave edit mode first")
+            return False
+        if not any(scene.objects for scene in bpy.data.scenes):
+            cls.poll_message_set("There are no objects to write")
+            return False
+        return True
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        from ..unisg_blender.errors import UniSGError
+
+        try:
+            for _ in self._steps(context):
+                pass
+        except UniSGError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        return self._done()
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        self._work = self._steps(context)
+        self._timer = context.window_manager.event_timer_add(0.01, window=context.window)
+        context.window_manager.progress_begin(0, 1)
+        context.window_manager.modal_handler_add(self)
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        from ..unisg_blender.errors import UniSGError
+
+        if event.type == "ESC":
+            self._work.close()  # what it wrote goes away with it
+            self._end(context)
+            self.report({"INFO"}, "Stopped; nothing was written")
+            return {"CANCELLED"}
+        if event.type != "TIMER":
+            return {"RUNNING_MODAL"}
+        try:
+            share, text = next(self._work)
+        except StopIteration:
+            self._end(context)
+            return self._done()
+        except UniSGError as error:
+            self._end(context)
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        context.window_manager.progress_update(share)
+        context.workspace.status_text_set(f"{text}   ESC: stop")
+        return {"RUNNING_MODAL"}
+
+    def _steps(self, context: bpy.types.Context) -> Iterator[tuple[float, str]]:
+        """Read scene by scene, then write; yields how much is done, 0 to 1, and in words."""
+        from ..unisg_blender.blender import read_scene
+        from ..unisg_blender.dataset import Sample
+        from ..unisg_blender.dataset.writer import write_steps
+
+        folder = self._folder()
+        names = [scene.name for scene in (bpy.data.scenes if self.all_scenes else [context.scene]) if scene.objects]
+        samples = []
+        for number, name in enumerate(names):
+            yield number / (2 * len(names)), f"Reading {name}"
+            samples.append(Sample(read_scene(bpy.data.scenes[name]), bpy.path.basename(bpy.data.filepath) or name))
+        yield 0.5, "Writing"
+        for done in write_steps(samples, folder, self.form, overwrite=self.overwrite):
+            yield 0.5 + done / (2 * len(names)), "Writing"
+        self._summary = f"{len(names)} scenes with {sum(len(item.graph) for item in samples)} entities in {folder}"
+
+    def _folder(self) -> str:
+        from ..unisg_blender.errors import UniSGError
+
+        if not self.filepath:
+            raise UniSGError("choose a folder for the dataset")
+        if self.filepath.startswith("//") and not bpy.data.filepath:
+            raise UniSGError("save this file first, or choose a folder that does not begin with //")
+        return bpy.path.abspath(self.filepath)
+
+    def _end(self, context: bpy.types.Context) -> None:
+        context.window_manager.event_timer_remove(self._timer)
+        context.window_manager.progress_end()
+        context.workspace.status_text_set(None)
+
+    def _done(self) -> set[str]:
+        self.report({"INFO"}, self._summary)
+        return {"FINISHED"}
+
+
+CLASSES = (UNISG_DatasetSettings, UNISG_OT_export_dataset)
+
+
+def register() -> None:
+    """Add the settings to the window manager."""
+    bpy.types.WindowManager.unisg_dataset = bpy.props.PointerProperty(type=UNISG_DatasetSettings)
+
+
+def unregister() -> None:
+    """Take them away."""
+    del bpy.types.WindowManager.unisg_dataset

@@ -1,0 +1,46 @@
+"""Runs inside Blender: the operator and the panel of datasets, as scripts use them. Prints what it saw as JSON."""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+import os
+import sys
+from pathlib import Path
+
+import bpy
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+def main(out: Path) -> dict:
+    spec = importlib.util.spec_from_file_location(
+        "unisg_extension", ROOT / "__init__.py", submodule_search_locations=[str(ROOT)]
+    )
+    extension = importlib.util.module_from_spec(spec)
+    sys.modules["unisg_extension"] = extension
+    spec.loader.exec_module(extension)
+    extension.register()
+    seen: dict = {}
+    bpy.data.objects["Cube"]["unisg_category"] = "Box"
+    before = sorted(item.name for item in bpy.data.objects)
+    export = bpy.ops.unisg.export_dataset
+    seen["new"] = sorted(export(filepath=str(out / "ds"), form="pga"))
+    for name, words in (("again", {}), ("nowhere", {"filepath": ""}), ("unsaved", {"filepath": "//ds"})):
+        try:
+            export(**({"filepath": str(out / "ds"), "form": "pga"} | words))
+        except RuntimeError as error:
+            seen[name] = str(error)
+    other = bpy.data.scenes.new("Second")
+    other.collection.objects.link(bpy.data.objects.new("Empty", None))
+    seen["all"] = sorted(export(filepath=str(out / "ds"), all_scenes=True, overwrite=True))
+    seen["default"] = bpy.context.window_manager.unisg_dataset.form
+    seen["untouched"] = before == sorted(item.name for item in bpy.data.scenes["Scene"].objects)
+    extension.unregister()
+    return seen
+
+
+if __name__ == "__main__":
+    result = main(Path(sys.argv[1]))
+    print("RESULT" + json.dumps(result), flush=True)
+    os._exit(0)
