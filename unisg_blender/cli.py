@@ -21,6 +21,7 @@ VERBS = {
     "world": "make procedural scenes",
     "export": "turn scene files into a dataset for learning",
     "train": "train a model on a dataset",
+    "evaluate": "measure what a model makes, beside baselines and real scenes",
     "generate": "add objects to an empty or an existing scene with a trained model",
     "label": "propose categories for objects that have none",
     "simulate": "play a scene's lesson against its animation, a recording, a script or a rehearsal",

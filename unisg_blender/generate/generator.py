@@ -28,11 +28,11 @@ from .shells import add_shell
 class Generator:
     """Adds objects of chosen categories to scenes; see :meth:`load` and :meth:`add`."""
 
-    def __init__(self, model: Model) -> None:
+    def __init__(self, model: Model, proposer: Proposer | None = None) -> None:
         self.model = model
         self.contract = model.contract
         self.library = Library(model)
-        self._proposer: Proposer = _proposer(model)
+        self._proposer: Proposer = proposer or _proposer(model)
 
     @staticmethod
     def load(path: str | os.PathLike[str]) -> Generator:
