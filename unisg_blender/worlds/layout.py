@@ -85,6 +85,13 @@ class Layout:
         half = np.array([size]) / 2
         self.taken.add(Shapes(half * np.array([0, 0, 1.0]), half), np.asarray(pose, np.float64), -1)
 
+    def is_clear(self, size: Sequence[float], pose: Sequence[float] | Pose) -> bool:
+        """Is a box (``size`` x, y, z; ``pose`` of the centre of its bottom) free, and in the room?"""
+        half = np.array([size]) / 2
+        poses = np.asarray(pose, np.float64)[None]
+        free = self.taken.free(Shapes(half * np.array([0, 0, 1.0]), half), poses)
+        return bool(free[0] and inside(self.outline, poses[:, :2])[0])
+
     def fits(
         self, asset: Asset, poses: NDArray[np.float64], parent: Placed, clearance: float = 0.0
     ) -> NDArray[np.bool_]:

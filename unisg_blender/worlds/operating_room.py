@@ -7,10 +7,11 @@ from numpy.typing import NDArray
 
 from ..scene.graph import SceneGraph
 from .furniture import building, surgical
-from .layout import Layout, Placed, facing, pick
+from .layout import Layout, Placed, facing, matrix_of, pick
 from .operating_sides import anaesthesia_side, floor_around_table, sterile_side
 from .operating_walls import along_the_walls
 from .shell import Side, build_shell, cut_corner, keep_door_free, rectangle
+from .surgery_lesson import surgery_lesson
 
 HEIGHT = 3.0
 RAIL_HEIGHT = 0.08
@@ -28,7 +29,7 @@ def operating_room(seed: int) -> SceneGraph:
         Any integer that is not negative; every one gives another room.
     """
     layout = furnish(seed)
-    return layout.build()
+    return layout.build(*surgery_lesson(layout))
 
 
 def furnish(seed: int) -> Layout:
@@ -75,8 +76,20 @@ def _operating_table(layout: Layout, floor: Placed) -> Placed:
     shape = surgical.operating_table(pick(rng, [1.95, 2.05, 2.1]), pick(rng, [0.75, 0.8, 0.85, 0.9]))
     middle = (layout.outline.min(axis=0) + layout.outline.max(axis=0)) / 2
     at = middle + np.clip(rng.normal(0, 0.25, 2), -0.5, 0.5)
-    yaw = rng.integers(4) * np.pi / 2 + rng.normal(0, 0.02)
-    return layout.add(shape, (*at, 0.0, yaw), floor)
+    lean = rng.normal(0, 0.02)
+    for quarter in rng.permutation(4):
+        pose = np.array([*at, 0.0, quarter * np.pi / 2 + lean])
+        if _room_for_people(layout, pose, shape.size[1]):
+            break
+    return layout.add(shape, pose, floor)
+
+
+def _room_for_people(layout: Layout, pose: NDArray[np.float64], length: float) -> bool:
+    """Is there room for anaesthesia at the head, and for instruments on both sides?"""
+    turn = matrix_of(pose)
+    zones = [((2.0, 1.4, 2.0), (0.0, length / 2 + 0.95))]
+    zones += [((1.5, 1.6, 2.0), (side * 1.45, -0.4)) for side in (-1, 1)]
+    return all(layout.is_clear(size, (*(turn[:2, :2] @ np.array(at) + pose[:2]), 0.05, pose[3])) for size, at in zones)
 
 
 def _patient(layout: Layout, table: Placed) -> None:
@@ -112,14 +125,16 @@ def _lamps(layout: Layout, sides: list[Side], table: Placed) -> None:
 
 
 def _rail(layout: Layout, sides: list[Side], table: Placed) -> tuple[Placed, NDArray[np.float64]]:
-    """The girder, fixed to the wall at its end, and its direction."""
-    axis = int(layout.rng.integers(2))
+    """The girder, fixed to the wall at its end and a little beside the table's middle, and its direction."""
+    rng = layout.rng
+    axis, aside = int(rng.integers(2)), pick(rng, [-1, 1]) * rng.uniform(0.35, 0.5)
     for along in (np.eye(2)[axis], np.eye(2)[1 - axis]):
-        (start, first), (stop, second) = (_wall_ahead(layout, sides, table.pose[:2], sign * along) for sign in (-1, 1))
+        point = table.pose[:2] + along[::-1] * aside
+        (start, first), (stop, second) = (_wall_ahead(layout, sides, point, sign * along) for sign in (-1, 1))
         if start is not None and stop is not None:
             break
     slanted = 0.0 if start is not None and stop is not None else 0.08
-    middle = table.pose[:2] + along * (second - first) / 2
+    middle = point + along * (second - first) / 2
     shape = building.ceiling_rail(round(first + second - slanted - 0.001, 3))
     wall = start or stop
     return layout.add(shape, (*middle, HEIGHT - RAIL_HEIGHT, np.arctan2(along[1], along[0])), wall, "hangs_from"), along

@@ -40,13 +40,14 @@ def _instrument_table(layout: Layout, floor: Placed, table: Placed, side: float)
     parallel = rng.random() < 0.7
 
     def behind() -> np.ndarray:
-        if parallel:
-            x = side * (0.26 + rng.uniform(0.65, 1.3) + depth / 2)
-            return table.pose_at(x, rng.uniform(-0.9, 0.1), 0.0, side * -np.pi / 2 + rng.normal(0, 0.04))
+        way = side if rng.random() < 0.85 else -side
+        if parallel == (rng.random() < 0.9):
+            x = way * (0.26 + rng.uniform(0.65, 1.3) + depth / 2)
+            return table.pose_at(x, rng.uniform(-0.9, 0.1), 0.0, way * -np.pi / 2 + rng.normal(0, 0.04))
         y = -length / 2 - rng.uniform(0.6, 1.0) - depth / 2
-        return table.pose_at(side * rng.uniform(0.0, 0.9), y, 0.0, np.pi + rng.normal(0, 0.04))
+        return table.pose_at(way * rng.uniform(0.0, 0.9), y, 0.0, np.pi + rng.normal(0, 0.04))
 
-    return layout.place(shape, behind, floor, tries=24)
+    return layout.place(shape, behind, floor, tries=80)
 
 
 def _furnish_mayo(layout: Layout, mayo: Placed) -> None:
@@ -101,11 +102,12 @@ def anaesthesia_side(layout: Layout, floor: Placed, table: Placed, side: float) 
     shape = anaesthesia.anaesthesia_machine(pick(rng, [0.7, 0.75, 0.8]), pick(rng, [1.35, 1.45]))
 
     def at_head() -> np.ndarray:
-        pose = table.pose_at(side * rng.uniform(0.3, 0.8), length / 2 + rng.uniform(0.5, 0.85) + 0.36, 0.0, 0.0)
+        x, y = rng.normal(side * 0.5, 0.25), length / 2 + rng.uniform(0.5, 0.85) + 0.36
+        pose = table.pose_at(x, y, 0.0, 0.0)
         pose[3] = facing(pose, head) + rng.normal(0, 0.06)
         return pose
 
-    machine = layout.place(shape, at_head, floor, tries=24)
+    machine = layout.place(shape, at_head, floor, tries=60)
     _iv_pole(layout, floor, table, -side)
     if machine is None:
         return
@@ -167,7 +169,7 @@ def _airway(layout: Layout, machine: Placed, trolley: Placed | None) -> None:
         order = rng.permutation(len(places)) if rng.random() < 0.4 else range(len(places))[::-1]
         for index in order:
             support, surface = places[index]
-            if layout.place_on(thing, support, surface, yaw=pick(rng, [0, np.pi / 2, np.pi]), spread=0.2):
+            if layout.place_on(thing, support, surface, yaw=pick(rng, [0, np.pi / 2, np.pi]), spread=0.2, tries=24):
                 break
     if trolley is None:
         return

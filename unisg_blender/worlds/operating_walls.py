@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .furniture import anaesthesia, building, storage
+from .furniture import anaesthesia, building, storage, surgical
 from .furniture import instruments as tools
 from .furniture.kit import Asset
 from .layout import Layout, Placed, pick
@@ -17,21 +17,44 @@ BOX_COLORS = ["blue", "green", "cream", "white", "teal"]
 def along_the_walls(layout: Layout, floor: Placed, sides: list[Side]) -> None:
     """Cabinets, shelves, desk, bins and spare things, big ones first; then what hangs on the walls."""
     rng = layout.rng
-    for _ in range(int(rng.integers(1, 4))):
+    much = sum(side.length for side in sides) / 28  # a longer wall holds more
+    for _ in range(round(much * rng.integers(1, 4))):
         _cabinet(layout, floor, sides)
     _desk(layout, floor, sides)
-    for _ in range(int(rng.integers(0, 3))):
+    if rng.random() < 0.4:
+        _to_wall(layout, floor, sides, storage.wash_basin(pick(rng, [0.7, 0.9])))
+    for _ in range(round(much * rng.integers(0, 3))):
         _shelf(layout, floor, sides)
-    if rng.random() < 0.5:
+    for _ in range(round(much * rng.integers(0, 3))):
         _spare_trolley(layout, floor, sides)
     _bins(layout, floor, sides)
+    _on_the_walls(layout, sides)
+    _pushed_aside(layout, floor, sides, much)
+
+
+def _on_the_walls(layout: Layout, sides: list[Side]) -> None:
+    rng = layout.rng
     mount(layout, sides, building.supply_panel(pick(rng, [0.6, 0.8])), 1.3)
     mount(layout, sides, building.light_box(pick(rng, [0.8, 1.2])), pick(rng, [1.35, 1.45]))
     mount(layout, sides, building.wall_clock(0.16), 2.3)
     for _ in range(int(rng.integers(0, 3))):
-        stool = storage.stool(pick(rng, [0.5, 0.6, 0.7]), pick(rng, STOOL_COLORS))
-        layout.place(stool, lambda: beside_wall(layout, sides, stool), floor)  # noqa: B023
-    if rng.random() < 0.5:
+        mount(layout, sides, building.glove_dispenser(pick(rng, [2, 3])), 1.2)
+
+
+def _pushed_aside(layout: Layout, floor: Placed, sides: list[Side], much: float) -> None:
+    """What nobody needs now: x-ray unit, hampers, stools, a pole, in any direction near the walls."""
+    rng = layout.rng
+    spare: list[Asset] = []
+    if rng.random() < 0.35:
+        spare.append(surgical.c_arm(pick(rng, [0.75, 0.85])))
+    spare += [storage.linen_hamper(pick(rng, ["gauze", "blue", "green"])) for _ in range(int(rng.integers(0, 3)))]
+    stools = [
+        storage.stool(pick(rng, [0.5, 0.6, 0.7]), pick(rng, STOOL_COLORS)) for _ in range(int(rng.integers(0, 3)))
+    ]
+    spare += [*stools, *([surgical.step_stool(0.2)] if rng.random() < 0.4 else [])]
+    for asset in spare:
+        layout.place(asset, lambda asset=asset: beside_wall(layout, sides, asset), floor)  # type: ignore[misc]
+    for _ in range(round(much * rng.integers(0, 3))):
         pole = layout.place(
             anaesthesia.iv_pole(1.9), lambda: beside_wall(layout, sides, anaesthesia.iv_pole(1.9)), floor
         )
@@ -88,10 +111,14 @@ def _desk(layout: Layout, floor: Placed, sides: list[Side]) -> None:
 
 def _spare_trolley(layout: Layout, floor: Placed, sides: list[Side]) -> None:
     rng = layout.rng
-    trolley = _to_wall(layout, floor, sides, anaesthesia.trolley(0.7, 0.9, pick(rng, ["blue", "teal", "grey"])))
-    if trolley is not None:
-        for _ in range(int(rng.integers(0, 3))):
-            layout.place_on(_box(rng), trolley, "top", yaw=0.0, spread=0.2)
+    color = pick(rng, ["blue", "teal", "grey", "red"])
+    trolley = _to_wall(layout, floor, sides, anaesthesia.trolley(0.7, 0.9, color))
+    if trolley is None:
+        return
+    if color == "red":
+        layout.place_on(anaesthesia.defibrillator(), trolley, "top", yaw=0.0, spread=0.1)
+    for _ in range(int(rng.integers(0, 3))):
+        layout.place_on(_box(rng), trolley, "top", yaw=0.0, spread=0.2)
 
 
 def _bins(layout: Layout, floor: Placed, sides: list[Side]) -> None:

@@ -163,3 +163,15 @@ def medicine_vial(color: str) -> Asset:
     """A glass vial with a coloured cap."""
     body = lathe("clear", [(0, 0), (0.013, 0), (0.013, 0.035), (0, 0.035)], sides=8)
     return asset("Vial", [body, rod(color, 0.010, (0, 0, 0.0352), (0, 0, 0.048), 8)])
+
+
+@cache
+def defibrillator() -> Asset:
+    """A defibrillator with its two paddles."""
+    parts = [
+        block("cream", (0.34, 0.26, 0.20)),
+        block("screen", (0.16, 0.006, 0.10), (-0.06, -0.1335, 0.07)),
+        block("red", (0.05, 0.006, 0.05), (0.10, -0.1335, 0.10)),
+        *(block("dark", (0.09, 0.14, 0.06), (x, 0.02, 0.201)) for x in (-0.09, 0.09)),
+    ]
+    return asset("Defibrillator", parts)

@@ -111,7 +111,7 @@ def window(width: float, height: float) -> Asset:
 @cache
 def ceiling_rail(length: float) -> Asset:
     """The steel girder below the ceiling that lamps hang from; the ceiling itself is left out, to look in."""
-    return asset("Ceiling Rail", [block("steel", (length, 0.14, 0.08))])
+    return asset("Ceiling Rail", [block("steel", (length, 0.10, 0.08))])
 
 
 @cache
@@ -122,6 +122,17 @@ def supply_panel(width: float) -> Asset:
         for i, color in enumerate(("white", "black", "yellow", "green", "blue", "grey")[: int((width - 0.1) / 0.13)])
     ]
     return asset("Supply Panel", [block("steel", (width, 0.07, 0.35)), *outlets])
+
+
+@cache
+def glove_dispenser(boxes: int) -> Asset:
+    """Glove boxes one above another in a rack, to be fixed to a wall."""
+    parts = [block("steel", (0.28, 0.02, 0.14 * boxes + 0.04), (0, 0.06, 0))]
+    for i in range(boxes):
+        color = ("blue", "green", "white")[i % 3]
+        parts.append(block(color, (0.25, 0.10, 0.13), (0, -0.001, 0.02 + 0.14 * i)))
+        parts.append(block("white", (0.12, 0.004, 0.05), (0, -0.0535, 0.06 + 0.14 * i)))
+    return asset("Glove Dispenser", parts)
 
 
 @cache

@@ -96,3 +96,37 @@ def waste_bin(color: str, height: float) -> Asset:
         block("chrome", (0.12, 0.05, 0.02), (0, -0.21, 0.015)),
     ]
     return asset("Waste Bin", parts)
+
+
+@cache
+def linen_hamper(color: str) -> Asset:
+    """A bag for used linen in a wheeled frame."""
+    posts = [rod("chrome", 0.012, (x, y, 0.05), (x, y, 0.88), 6) for x in (-0.22, 0.22) for y in (-0.22, 0.22)]
+    wheels = [
+        rod("rubber", 0.025, (x - 0.01, y, 0.025), (x + 0.01, y, 0.025), 8)
+        for x in (-0.22, 0.22)
+        for y in (-0.22, 0.22)
+    ]
+    bag = lathe(color, [(0, 0.10), (0.16, 0.10), (0.2, 0.45), (0.19, 0.84), (0, 0.80)], sides=10)
+    return asset("Linen Hamper", [*posts, *wheels, block("chrome", (0.5, 0.5, 0.015), (0, 0, 0.882)), bag])
+
+
+@cache
+def wash_basin(width: float) -> Asset:
+    """A scrub basin on a cupboard, with a long tap."""
+    depth = 0.5
+    walls = [
+        *(block("steel", (width, 0.03, 0.14), (0, y, 0.761)) for y in (-depth / 2 + 0.015, depth / 2 - 0.015)),
+        *(block("steel", (0.03, depth - 0.062, 0.14), (x, 0, 0.761)) for x in (-width / 2 + 0.015, width / 2 - 0.015)),
+    ]
+    tap = [
+        rod("chrome", 0.014, (0, 0.2, 0.902), (0, 0.2, 1.15), 6),
+        rod("chrome", 0.012, (0, 0.187, 1.14), (0, -0.02, 1.1), 6),
+    ]
+    parts = [
+        block("plastic", (width - 0.02, depth - 0.06, 0.70), (0, 0.02, 0)),
+        block("steel", (width, depth, 0.06), (0, 0, 0.7005)),
+        *walls,
+        *tap,
+    ]
+    return asset("Wash Basin", parts)

@@ -5,6 +5,8 @@ from __future__ import annotations
 from functools import cache
 from itertools import pairwise
 
+import numpy as np
+
 from .kit import Asset, Surface, asset, ball, block, lathe, rod
 
 PATIENT_HEIGHT = 0.27
@@ -35,10 +37,10 @@ def operating_table(length: float, height: float) -> Asset:
 
 @cache
 def patient(length: float, side: int) -> Asset:
-    """A patient on the back under a drape, head at +y; the knee on ``side`` (-1 left of the picture, +1 right) is bare.
+    """A patient on the back under a drape, head at +y; the knee at the sign ``side`` of x is bare (-1: the right one).
 
-    The surface "knee" is the place to be operated, "thighs" a level part of the
-    drape, "face" the mouth.
+    The surfaces "knee", "belly" and "face" are where it is operated, where the
+    drape is level, and the mouth.
     """
     unit = length / 1.75
     hip, shoulder, neck = -0.02 * unit, 0.50 * unit, 0.60 * unit
@@ -258,3 +260,25 @@ def step_stool(height: float) -> Asset:
     """A low step for people who are not tall enough."""
     legs = [block("chrome", (0.03, 0.03, height - 0.031), (x, y, 0)) for x in (-0.17, 0.17) for y in (-0.12, 0.12)]
     return asset("Step Stool", [*legs, block("rubber", (0.40, 0.30, 0.03), (0, 0, height - 0.03))])
+
+
+@cache
+def c_arm(opening: float) -> Asset:
+    """A mobile x-ray unit: a C of steel with tube and detector, on a cart behind it (+y)."""
+    radius, height = opening / 2 + 0.12, 1.15
+    angles = np.radians(np.arange(90, 271, 20))
+    ring = [(0.0, radius * float(np.cos(a)) - 0.45, height - radius * float(np.sin(a))) for a in angles - np.pi / 2]
+    arc = [rod("white", 0.045, a, b, 6) for a, b in pairwise(ring)]
+    top, bottom = ring[-1], ring[0]
+    low, high = sorted([top, bottom], key=lambda point: point[2])
+    parts = [
+        *arc,
+        rod("grey", 0.15, (0, high[1], high[2] - 0.22), (0, high[1], high[2] - 0.05), 12),
+        rod("white", 0.11, (0, low[1], low[2] + 0.05), (0, low[1], low[2] + 0.25), 10),
+        block("white", (0.5, 0.55, 0.9), (0, 0.45, 0.12), taper=0.9),
+        block("grey", (0.56, 0.75, 0.06), (0, 0.4, 0.061)),
+        block("white", (0.14, 0.36, 0.14), (0, 0.05, height - 0.07)),
+        *(rod("rubber", 0.06, (x - 0.02, y, 0.06), (x + 0.02, y, 0.06), 8) for x in (-0.3, 0.3) for y in (0.1, 0.7)),
+        block("screen", (0.34, 0.03, 0.24), (0, 0.6, 1.03)),
+    ]
+    return asset("C-Arm", parts)
