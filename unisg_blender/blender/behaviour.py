@@ -56,22 +56,29 @@ def store_lesson(item: bpy.types.Object, operation: LessonNode | None) -> None:
 
 
 def _store(item: bpy.types.Object, key: str, text: str | None) -> None:
-    reason = why_fixed(item)
+    reason = why_fixed(item, key)
     if reason:
         raise UniSGError(reason)
     if text is None:
         item.pop(key, None)
-    else:
-        item[key] = text
-    item.update_tag()
+        return
+    item[key] = text
+    if item.override_library is None:
+        item.property_overridable_library_set(f'["{key}"]', True)  # so that overrides of it in other files may differ
 
 
-def why_fixed(item: bpy.types.Object) -> str:
-    """Why an object's behaviour cannot be changed here, "" if it can."""
-    if item.library is not None and item.override_library is None:
+def why_fixed(item: bpy.types.Object, key: str = ACTIONS) -> str:
+    """Why an object's behaviour (the custom property ``key``) cannot be changed here, "" if it can."""
+    if item.library is not None:
         return f"{item.name!r} is linked from another file: make a library override, or edit it there"
-    if item.override_library is not None and item.override_library.is_system_override:
+    override = item.override_library
+    if override is None or key not in override.reference:
+        return ""
+    if override.is_system_override:
         return f"{item.name!r} is a library override that is not editable: make it editable first"
+    if not item.is_property_overridable_library(f'["{key}"]'):
+        path = override.reference.library.filepath
+        return f"{item.name!r} may not be overridden: open {path} and edit its behaviour there once with UniSG"
     return ""
 
 

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 import bpy
+import numpy as np
+from numpy.typing import NDArray
 
 from ..scene.actions import actions_to_json
-from ..scene.identity import new_uid, resolve_uids, retarget_copies
-from ..scene.properties import ACTIONS, CATEGORY, UID, decode_properties
+from ..scene.copies import retarget_properties
+from ..scene.identity import new_uid, resolve_uids
+from ..scene.lesson import lesson_to_json
+from ..scene.properties import ACTIONS, CATEGORY, LSA, NAMES, RELATIONS, UID, ObjectProperties, decode_properties
+from ..scene.relations import relations_to_json
 
 
 def assign_category(objects: Iterable[bpy.types.Object], category: str) -> int:
@@ -43,22 +48,42 @@ def ensure_uid(item: bpy.types.Object) -> str:
 def repair_identities(scene: bpy.types.Scene) -> int:
     """Write down a unique uid for every object of a scene that may be changed.
 
-    A copy gets the uid under which reading already knows it, and its actions
-    point to the targets that were copied with it; an object without a uid gets a
-    random one. Returns the number of objects that got another uid.
+    A copy gets the uid under which reading already knows it, and its actions,
+    lesson and relations point to what was copied with it; an object without a uid
+    gets a random one. Returns the number of objects that got another uid.
     """
     objects = list(scene.objects)
-    names = [item.name_full for item in objects]
-    decoded = [decode_properties({key: item[key] for key in (UID, ACTIONS) if key in item}) for item in objects]
+    names = [item.name for item in objects]
+    decoded = [decode_properties({key: item[key] for key in NAMES if key in item}) for item in objects]
     stored = [record.uid for record in decoded]
     resolved = resolve_uids(stored, names)
-    actions = retarget_copies(stored, resolved, names, [record.actions for record in decoded])
+    records = retarget_properties(stored, resolved, names, decoded, lambda: world_matrices_of(objects))
     repaired = 0
-    for item, record, old, uid, own in zip(objects, decoded, stored, resolved, actions, strict=True):
+    for item, record, old, uid in zip(objects, records, stored, resolved, strict=True):
         if item.library is not None or uid == old:
             continue
         item[UID] = uid if old else new_uid()
-        if own is not record.actions:
-            item[ACTIONS] = actions_to_json(own)
+        if old:
+            _write(item, record)
         repaired += 1
     return repaired
+
+
+def repair_copies(scene: bpy.types.Scene) -> int:
+    """As :func:`repair_identities`, but only if objects share a uid; to be called right after something was copied."""
+    stored = [uid for item in scene.objects if isinstance(uid := item.get(UID), str) and uid]
+    return repair_identities(scene) if len(set(stored)) < len(stored) else 0
+
+
+def world_matrices_of(objects: Sequence[bpy.types.Object]) -> NDArray[np.float64]:
+    """World matrices float64 (N, 4, 4) of objects, as Blender has them now."""
+    return np.array([item.matrix_world for item in objects], np.float64).reshape(-1, 4, 4)
+
+
+def _write(item: bpy.types.Object, record: ObjectProperties) -> None:
+    if record.actions:
+        item[ACTIONS] = actions_to_json(record.actions)
+    if record.relations:
+        item[RELATIONS] = relations_to_json(record.relations)
+    if record.lsa is not None:
+        item[LSA] = lesson_to_json(record.lsa)

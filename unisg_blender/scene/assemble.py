@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .copies import retarget_properties
 from .graph import TYPE_INDEX, SceneGraph, Table
-from .hierarchy import take
-from .identity import resolve_uids, retarget_copies
+from .hierarchy import compose_world, take
+from .identity import resolve_uids
 from .mesh import Material, Mesh
 from .order import canonical_order
 from .properties import ObjectProperties, property_tables
@@ -50,21 +51,19 @@ def assemble(columns: Columns) -> SceneGraph:
     properties = list(columns.properties) or [ObjectProperties()] * len(names)
     stored = [record.uid for record in properties]
     uids = resolve_uids(stored, names)
-    actions = retarget_copies(stored, uids, names, [record.actions for record in properties])
-    properties = [
-        record if own is record.actions else replace(record, actions=own)
-        for record, own in zip(properties, actions, strict=True)
-    ]
+    parent = np.asarray(columns.parent, np.int32).reshape(len(names))
+    local = np.asarray(columns.local, np.float64).reshape(-1, 4, 4)
+    properties = retarget_properties(stored, uids, names, properties, lambda: compose_world(local, parent))
     category, vocabulary = index_categories([record.category for record in properties])
     other = TYPE_INDEX["OTHER"]
     graph = SceneGraph(
         name=names,
         uid=tuple(uids),
         type=np.array([TYPE_INDEX.get(kind, other) for kind in columns.type], np.int8),
-        parent=np.asarray(columns.parent, np.int32).reshape(len(names)),
+        parent=parent,
         category=category,
         vocabulary=vocabulary,
-        local=np.asarray(columns.local, np.float64).reshape(-1, 4, 4),
+        local=local,
         mesh=np.asarray(columns.mesh, np.int32).reshape(len(names)),
         meshes=tuple(columns.meshes),
         materials=dict(columns.materials),

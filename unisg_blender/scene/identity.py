@@ -85,32 +85,3 @@ def retarget_copy(action: ActionData, owner: str, copy_of: dict[str, str]) -> Ac
         members=moved(action.members),
         frame=copy_of.get(action.frame, action.frame),
     )
-
-
-def retarget_copies(
-    stored: Sequence[str], resolved: Sequence[str], names: Sequence[str], actions: Sequence[tuple[ActionData, ...]]
-) -> list[tuple[ActionData, ...]]:
-    """Point the actions of copied objects to the copied targets.
-
-    The k-th copy of an object (natural name order) belongs with the k-th copies
-    of the others: Blender numbers what it duplicates together alike.
-
-    Parameters
-    ----------
-    stored, resolved, names
-        As for :func:`resolve_uids`, and its result.
-    actions
-        Each object's actions as found.
-    """
-    groups = copies(stored, resolved, names)
-    if not groups:
-        return list(actions)
-    result = list(actions)
-    for row, (old, new) in enumerate(zip(stored, resolved, strict=True)):
-        if not actions[row] or old == new or not old:
-            continue
-        place = groups[old].index(new)
-        copy_of = {uid: group[place] for uid, group in groups.items() if place < len(group)}
-        copy_of |= {action.uid: derived_uid(action.uid, new) for action in actions[row]}
-        result[row] = tuple(retarget_copy(action, new, copy_of) for action in actions[row])
-    return result
