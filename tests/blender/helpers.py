@@ -67,7 +67,6 @@ def assert_same_scene(first: SceneGraph, second: SceneGraph) -> None:
         if first.mesh[row] >= 0:
             _assert_same_mesh(first.meshes[first.mesh[row]], second.meshes[second.mesh[other]])
 
-
     for name in COMPARED:
         _assert_same_component(first, second, name)
     _assert_same_instances(first, second)

@@ -98,16 +98,16 @@ def save_blend(path: str | os.PathLike[str]) -> None:
     path = Path(path)
     if not path.parent.is_dir():
         raise UniSGError(f"cannot write {path}: the folder {path.parent} does not exist")
-    handle, name = tempfile.mkstemp(suffix=".blend", prefix=f".{path.stem[:40]}-", dir=path.parent)
-    os.close(handle)
-    try:
-        with captured_output():
-            bpy.ops.wm.save_as_mainfile(filepath=name, copy=True, check_existing=False)
-        os.replace(name, path)
-    except (RuntimeError, OSError) as error:
-        raise UniSGError(f"cannot write {path}: {_last_line(str(error))}") from None
-    finally:
-        Path(name).unlink(missing_ok=True)
+    if path.is_dir():
+        raise UniSGError(f"cannot write {path}: it is a folder")
+    with tempfile.TemporaryDirectory(prefix=".unisg-", dir=path.parent) as folder:
+        name = os.path.join(folder, "scene.blend")
+        try:
+            with captured_output():
+                bpy.ops.wm.save_as_mainfile(filepath=name, copy=True, check_existing=False)
+            os.replace(name, path)
+        except (RuntimeError, OSError) as error:
+            raise UniSGError(f"cannot write {path}: {_last_line(str(error))}") from None
 
 
 def _check_path(path: Path) -> None:

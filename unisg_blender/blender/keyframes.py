@@ -16,7 +16,7 @@ import numpy as np
 from mathutils import Euler, Quaternion
 from numpy.typing import NDArray
 
-from ..poses import FORMS, convert, rebuild
+from ..poses import FORMS, convert, third_poses
 
 Item: TypeAlias = "bpy.types.Object | bpy.types.PoseBone"
 Floats = NDArray[np.float64]
@@ -103,11 +103,11 @@ def read_motors(item: Item, frames: Floats) -> Floats:
     return _to_motors(values, item.rotation_mode)
 
 
-def write_motors(item: Item, frames: Floats, motors: Floats) -> None:
-    """Replace the location and rotation keys by these; between them the curves follow the screws.
+def write_motors(item: Item, frames: Floats, motors: Floats, thirds: Floats | None = None) -> None:
+    """Replace the location and rotation keys by these.
 
-    Each span of each channel is the cubic through the screw's values at its thirds, which
-    a Bezier span with handles at its thirds plays exactly.
+    Each span of each channel is the cubic through the values at its thirds, which a Bezier
+    span with handles at its thirds plays exactly.
 
     Parameters
     ----------
@@ -117,10 +117,14 @@ def write_motors(item: Item, frames: Floats, motors: Floats) -> None:
         Shape (K,), rising, K at least 1.
     motors
         Shape (K, 8).
+    thirds
+        Shape (2, K - 1, 8): where the motion is at one and at two thirds of each span; on the
+        screws between the keys when omitted.
     """
     start = read_channel_values(item, frames[:1])[0]
-    thirds = np.concatenate([frames[:-1, None] + np.diff(frames)[:, None] * [0.0, 1 / 3, 2 / 3], np.zeros((0, 3))])
-    samples = rebuild(np.append(thirds.ravel(), frames[-1]), frames, motors)
+    if thirds is None:
+        thirds = third_poses(frames, motors, np.arange(len(frames)))
+    samples = np.concatenate([np.stack([motors[:-1], *thirds], axis=1).reshape(-1, 8), motors[-1:]])
     values = _to_channels(samples, item.rotation_mode, start)
     curves = curves_of(item)
     for column, channel in enumerate(channels_of(item)):

@@ -1,7 +1,7 @@
 """Screw interpolation and keyframe reduction of animated objects and bones.
 
 Blender plays F-curves, channel by channel, and knows no screws: so the keys that
-are written carry handles which make the curves follow the screws, and the error
+are written carry handles which make the curves follow the motion, and the error
 reported is measured on the curves as Blender evaluates them.
 """
 
@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import UniSGError
-from ..poses import compose, inverse, log, pose_errors, rebuild, reduce_keyframes
+from ..poses import compose, cubic_sclerp, inverse, log, pose_errors, rebuild, reduce_keyframes, third_poses
 from .keyframes import Floats, Item, animated, key_count, key_times, plain, read_motors, restore_keys, save_keys
 from .keyframes import write_motors as write
 
@@ -74,10 +74,11 @@ def interpolate_with_motors(item: Item, tolerance: Tolerance) -> MotionReport:
 
 
 def reduce_item_keyframes(item: Item, tolerance: Tolerance) -> MotionReport:
-    """Replace an item's keys by few, from which screws rebuild its motion within tolerance.
+    """Replace an item's keys by few, from which its motion comes back within tolerance.
 
-    The motion is what the curves give at every whole frame and at every key. An item whose
-    keys cannot be made fewer stays as it is (``changed`` False).
+    The motion is what the curves give at every whole frame and at every key. Keys are chosen so
+    that ``cubic_sclerp`` rebuilds it, handles so that the curves do. An item whose keys cannot be
+    made fewer stays as it is (``changed`` False).
 
     Parameters
     ----------
@@ -99,7 +100,7 @@ def reduce_item_keyframes(item: Item, tolerance: Tolerance) -> MotionReport:
     frames = _frames(_checked_times(item))
     wanted, count, saved = read_motors(item, frames), key_count(item), save_keys(item)
     millimetres = tolerance.millimetres / tolerance.metres
-    keys = reduce_keyframes(frames, wanted, millimetres, tolerance.degrees)[0]
+    keys = reduce_keyframes(frames, wanted, millimetres, tolerance.degrees, interpolate=cubic_sclerp)[0]
     errors = _fit(item, frames, wanted, keys, tolerance)
     if key_count(item) < count:
         return MotionReport(item.name, count, key_count(item), *errors)
@@ -128,7 +129,7 @@ def _fit(
 ) -> tuple[float, float]:
     """Write keys, measure, and add the worst frame of every span that is off, until none is."""
     while True:
-        write(item, frames[keys], wanted[keys])
+        write(item, frames[keys], wanted[keys], third_poses(frames, wanted, keys))
         distance, angle = pose_errors(read_motors(item, frames), wanted)
         errors = distance * tolerance.metres * 1e3, np.degrees(angle)
         excess = np.maximum(errors[0] / tolerance.millimetres, errors[1] / tolerance.degrees)

@@ -57,9 +57,13 @@ def parenting_table(items: Items, hierarchy: Hierarchy) -> Table:
         rows,
         kind=[items[row].parent_type for row in rows],
         bone=[items[row].parent_bone for row in rows],
-        vertices=np.array([items[row].parent_vertices for row in rows], np.int32).reshape(-1, 3),
+        vertices=np.array([_parent_vertices(items[row]) for row in rows], np.int32).reshape(-1, 3),
         frame=np.array([hierarchy.frames[row] for row in rows]).reshape(-1, 4, 4),
     )
+
+
+def _parent_vertices(item: bpy.types.Object) -> tuple[int, ...]:
+    return tuple(item.parent_vertices) if item.parent_type.startswith("VERTEX") else (0, 0, 0)
 
 
 def channel_table(objects: bpy.types.bpy_prop_collection, items: Items) -> Table:
