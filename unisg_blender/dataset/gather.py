@@ -13,6 +13,7 @@ from .schema import COLUMNS
 
 TABLES = ("entity", "relation", "action", "lesson", "stage", "link")
 KEYS = {table: tuple(key for key, of in COLUMN_TABLES.items() if of == table) for table in TABLES}
+PLAN = [(table, f"{table}.ptr", keys) for table, keys in KEYS.items()]
 MESH_KEYS = ("mesh.descriptor", "mesh.feature")
 
 
@@ -37,11 +38,11 @@ def gather(dataset: Dataset, indices: Sequence[int] | NDArray[np.integer]) -> Co
     for shard, row in zip(shards.tolist(), rows, strict=True):
         columns = dataset.shard(shard)
         labels.append(columns["scene.label"][row])
-        for table in TABLES:
-            start, stop = columns[f"{table}.ptr"][row : row + 2].tolist()
+        for table, ptr, keys in PLAN:
+            start, stop = columns[ptr][row : row + 2].tolist()
             counts[table].append(stop - start)
             if stop > start:
-                for key in KEYS[table]:
+                for key in keys:
                     pieces[key].append(columns[key][start:stop])
     whole = {key: np.concatenate(found) if found else _none(dataset, key) for key, found in pieces.items()}
     whole |= {f"{table}.ptr": np.cumsum([0, *sizes], dtype=np.int64) for table, sizes in counts.items()}

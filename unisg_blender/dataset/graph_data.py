@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping, Sequence
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -145,9 +146,22 @@ class UniSGDataset(GraphDataset):
 
     def batch(self, indices: Sequence[int] | NDArray[np.integer]) -> Any:
         """Some scenes (numbers within this subset) as one ``Batch``."""
-        numbers = np.asarray(self.indices(), np.int64)[np.asarray(indices, np.int64)]
+        numbers = np.asarray(indices, np.int64)
+        if self._indices is not None:
+            numbers = self._own_numbers[numbers]
         data = _batch(self._arrays(numbers))
         return data if self.transform is None else self.transform(data)
+
+    @cached_property
+    def _own_numbers(self) -> NDArray[np.int64]:
+        """The scenes of this subset."""
+        return np.asarray(self.indices(), np.int64)
+
+    def index_select(self, idx: Any) -> UniSGDataset:
+        """A subset; see PyG's ``Dataset.index_select``."""
+        subset = super().index_select(idx)
+        subset.__dict__.pop("_own_numbers", None)
+        return subset
 
     def _arrays(self, numbers: Sequence[int] | NDArray[np.integer]) -> GraphArrays:
         return graph_arrays(gather(self.columns, numbers), self.vocabulary["relations"])
