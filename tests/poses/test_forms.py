@@ -83,7 +83,7 @@ def test_widths_and_channels(name):
 
 
 @pytest.mark.parametrize("name", NAMES)
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=30, deadline=None)
 @given(rigid)
 def test_rigid_round_trip(name, matrix):
     form = FORMS[name]
@@ -93,7 +93,7 @@ def test_rigid_round_trip(name, matrix):
 
 
 @pytest.mark.parametrize("name", NAMES)
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=50, deadline=None)
 @given(affine)
 def test_affine_round_trip_with_stretch(name, matrix):
     form = FORMS[name]

@@ -16,13 +16,17 @@ from unisg_blender.poses import (
     blend,
     compose,
     convert,
+    cubic_sclerp,
     exp,
     inverse,
+    linear_slerp,
     log,
     pose_errors,
     rebuild,
+    rebuild_cubic,
     reduce_keyframes,
     sclerp,
+    third_poses,
 )
 
 DQ = FORMS["dual_quaternion"]
@@ -182,6 +186,43 @@ def test_reduction_keeps_every_frame_within_tolerance(shared, millimetres, degre
         assert frames[-1] == 149
         total += len(frames)
     assert total < 0.7 * 150 * (1 if shared else 4)
+
+
+@pytest.mark.parametrize("form", ["dual_quaternion", "pga"])
+@pytest.mark.parametrize("shared", [False, True])
+def test_cubic_motors_rebuild_smooth_motions_from_fewer_keys(form, shared):
+    rng = np.random.default_rng(4)
+    times = np.cumsum(rng.uniform(0.5, 1.5, 200))
+    phase = times[:, None, None] / times[-1] * rng.uniform(2, 8, (3, 6)) + rng.uniform(0, 6, (3, 6))
+    dense = convert(exp(np.sin(phase)), "dual_quaternion", form)
+    screws = reduce_keyframes(times, dense, 1.0, 0.1, form, shared)
+    cubics = reduce_keyframes(times, dense, 1.0, 0.1, form, shared, cubic_sclerp)
+    for body, (many, few) in enumerate(zip(screws, cubics, strict=True)):
+        motion = dense if shared else dense[:, body]
+        thirds = third_poses(times, motion, few, form)
+        distance, angle = pose_errors(rebuild_cubic(times, times[few], motion[few], thirds, form), motion, form)
+        assert distance.max() <= 1e-3
+        assert np.degrees(angle.max()) <= 0.1
+        assert len(few) < 0.5 * len(many)
+
+
+@settings(max_examples=40, deadline=None)
+@given(motors, screws, st.floats(0.0, 1.0))
+def test_cubic_path_goes_through_its_poses_and_holds_screws(a, screw, fraction):
+    p, q, b = (compose(a, exp(third * screw)) for third in (1 / 3, 2 / 3, 1.0))
+    for place, pose in ((0.0, a), (1 / 3, p), (2 / 3, q), (1.0, b)):
+        np.testing.assert_allclose(DQ.decode(cubic_sclerp(a, p, q, b, place)), DQ.decode(pose), atol=1e-11)
+    if np.linalg.norm(screw[:3]) < np.pi - 1e-6:
+        found = DQ.decode(cubic_sclerp(a, p, q, b, fraction))
+        np.testing.assert_allclose(found, DQ.decode(sclerp(a, b, fraction)), atol=1e-11)
+
+
+@settings(max_examples=40, deadline=None)
+@given(motors, motors, st.floats(0.0, 1.0))
+def test_linear_slerp_is_a_line_and_a_slerp(a, b, fraction):
+    found, ends = DQ.decode(linear_slerp(a, b, fraction)), DQ.decode(np.stack([a, b]))
+    np.testing.assert_allclose(found[:3, 3], ends[0, :3, 3] * (1 - fraction) + ends[1, :3, 3] * fraction, atol=1e-12)
+    np.testing.assert_allclose(found[:3, :3], DQ.decode(sclerp(a, b, fraction))[:3, :3], atol=1e-12)
 
 
 def test_small_motions_reduce():

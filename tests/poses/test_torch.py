@@ -47,10 +47,10 @@ def test_tensors_give_what_arrays_give(name, dtype):
 @pytest.mark.parametrize("name", NAMES)
 def test_gradients_are_exact(name):
     form = FORMS[name]
-    last = torch.tensor([0.0, 0.0, 0.0, 1.0], dtype=torch.float64).expand(6, 1, 4)
-    upper = torch.tensor(affines(6)[:, :3]).requires_grad_()
+    last = torch.tensor([0.0, 0.0, 0.0, 1.0], dtype=torch.float64).expand(2, 1, 4)
+    upper = torch.tensor(affines(2)[:, :3]).requires_grad_()
     assert torch.autograd.gradcheck(lambda x: form.encode(torch.cat([x, last], 1), stretch=True), (upper,))
-    raw = torch.tensor(np.random.default_rng(7).normal(size=(6, form.width))).requires_grad_()
+    raw = torch.tensor(np.random.default_rng(7).normal(size=(2, form.width))).requires_grad_()
     assert torch.autograd.gradcheck(form.project, (raw,))
     assert torch.autograd.gradcheck(lambda x: form.decode(form.project(x)), (raw,))
     assert torch.autograd.gradcheck(lambda x: convert(form.project(x), name, "pga_even"), (raw,))

@@ -5,9 +5,9 @@ from __future__ import annotations
 from .arrays import PoseError
 from .clifford_interop import from_multivector, to_multivector
 from .forms import FORMS, STRETCH_CHANNELS, STRETCH_WIDTH, Form, convert
-from .motion import blend, compose, exp, inverse, log, sclerp
+from .motion import blend, compose, cubic_sclerp, exp, inverse, linear_slerp, log, sclerp
 from .parts import MotorParts, dilator, rotor, split_motor, translator
-from .reduction import pose_errors, rebuild, reduce_keyframes
+from .reduction import pose_errors, rebuild, rebuild_cubic, reduce_keyframes, third_poses
 
 __all__ = [
     "FORMS",
@@ -19,17 +19,21 @@ __all__ = [
     "blend",
     "compose",
     "convert",
+    "cubic_sclerp",
     "dilator",
     "exp",
     "from_multivector",
     "inverse",
+    "linear_slerp",
     "log",
     "pose_errors",
     "rebuild",
+    "rebuild_cubic",
     "reduce_keyframes",
     "rotor",
     "sclerp",
     "split_motor",
+    "third_poses",
     "to_multivector",
     "translator",
 ]

@@ -89,6 +89,58 @@ def sclerp(a: Any, b: Any, fraction: Any, form: str = PIVOT, shortest: bool = Tr
     return _back(_map(interpolated, *ends, _column(fraction, ends[0]), out=8), form)
 
 
+def cubic_sclerp(a: Any, p: Any, q: Any, b: Any, fraction: Any, form: str = PIVOT) -> Any:
+    """Path through four poses at fractions 0, 1/3, 2/3 and 1: a screw whose axis and speed change smoothly.
+
+    exp of the cubic through the logarithms of the poses as seen from ``a``. Poses more than
+    180 degrees from ``a`` are taken the short way.
+
+    Parameters
+    ----------
+    a, p, q, b
+        Shapes (..., width), broadcast against each other.
+    fraction
+        Numbers broadcast against the leading axes.
+    form
+        Name in ``FORMS``.
+
+    Returns
+    -------
+    array or tensor
+        Poses, shape (..., width), canonical sign.
+    """
+
+    def interpolated(x: Components) -> Components:
+        back, s = inverse_motor(x[:8]), x[32]
+        weights = (
+            13.5 * s * (s - 2 / 3) * (s - 1.0),
+            -13.5 * s * (s - 1 / 3) * (s - 1.0),
+            4.5 * s * (s - 1 / 3) * (s - 2 / 3),
+        )
+        total: Components = (0.0,) * 6
+        for weight, start in zip(weights, (8, 16, 24), strict=True):
+            step = multiply_motors(back, x[start : start + 8])
+            screw = logarithm(scale(canonical_sign(step[:4]), step))
+            total = tuple(t + weight * c for t, c in zip(total, screw, strict=True))
+        return unit_motor(multiply_motors(x[:8], exponential(total)))
+
+    poses = [_motors(pose, form) for pose in (a, p, q, b)]
+    return _back(_map(interpolated, *poses, _column(fraction, poses[0]), out=8), form)
+
+
+def linear_slerp(a: Any, b: Any, fraction: Any, form: str = PIVOT) -> Any:
+    """The usual interpolation, for comparison: a straight line and, apart from it, slerp the short way.
+
+    Arguments as in ``sclerp``. Unlike a screw, the path depends on where the body's origin lies.
+    """
+    x, y = (convert(_motors(end, form), PIVOT, "quaternion") for end in (a, b))
+    part = _column(fraction, x)
+    line = (1.0 - part) * x[..., :3] + part * y[..., :3]
+    turned = [namespace(x).concatenate([0.0 * end[..., :3], end[..., 3:]], -1) for end in (x, y)]
+    turns = sclerp(turned[0], turned[1], fraction, "quaternion")[..., 3:]
+    return convert(namespace(x).concatenate([line, turns], -1), "quaternion", form)
+
+
 def blend(motors: Any, weights: Any, form: str = PIVOT) -> Any:
     """Normalised weighted sum of poses: much cheaper than screws, close to them for near poses.
 
