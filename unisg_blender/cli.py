@@ -19,10 +19,12 @@ from .errors import MISUSE, UNUSABLE_INPUT, UniSGError
 VERBS = {
     "inspect": "show the entity tree of a scene, or the contents of a dataset",
     "world": "make procedural scenes",
+    "convert": "turn a scene file into a Blender, USD or JSON file, through the scenegraph",
     "export": "turn scene files into a dataset for learning",
     "train": "train a model on a dataset",
     "evaluate": "measure what a model makes, beside baselines and real scenes",
     "generate": "add objects to an empty or an existing scene with a trained model",
+    "relations": "tell which thing stands on, in or beside which",
     "label": "propose categories for objects that have none",
     "simulate": "play a scene's lesson against its animation, a recording, a script or a rehearsal",
     "benchmark": "measure and write tables and figures",

@@ -1,0 +1,65 @@
+"""``unisg relations``: which thing stands on, in, beside which, by geometry."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from dataclasses import fields
+from pathlib import Path
+
+from ..errors import DONE, UniSGError
+from ..scene.graph import SceneGraph
+from ..scene.relate import KINDS, RelationTolerances, find_relations, relate
+from .scene_files import check_kinds, read_scene_file, write_scene_file
+
+HELP = "Tell which thing stands on, in, above or beside which other, from the geometry of a scene."
+LENGTHS = {
+    "gap": "largest distance at which surfaces touch, metres",
+    "overlap": "largest depth at which surfaces touch, metres",
+    "beside": "largest horizontal distance of things beside each other, metres",
+    "above": "largest height at which one thing is told to be above another, metres",
+    "heading": "direction in which the viewer looks, radians from +Y: it decides left, right, in front, behind",
+}
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """What the verb takes."""
+    parser.add_argument("path", metavar="FILE", type=Path, help="a scene file")
+    parser.add_argument("--kind", action="append", choices=KINDS, metavar="KIND", help=f"only this: {', '.join(KINDS)}")
+    parser.add_argument("--out", type=Path, metavar="FILE", help="write the scene with its relations to this file")
+    for name, text in LENGTHS.items():
+        default = getattr(RelationTolerances(), name)
+        parser.add_argument(f"--{name}", type=float, default=default, metavar="X", help=f"{text} ({default})")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Print one line per relation, or with ``--json`` all of them as one JSON object."""
+    check_kinds(args.path, args.out)
+    values = {field.name: getattr(args, field.name) for field in fields(RelationTolerances) if field.name in LENGTHS}
+    for name in ("gap", "overlap", "beside", "above"):
+        if not values[name] >= 0:
+            raise UniSGError(f"--{name} must not be negative")
+    graph, _ = read_scene_file(args.path)
+    tolerances = RelationTolerances(**values)
+    found = [entry for entry in find_relations(graph, tolerances) if not args.kind or entry[1] in args.kind]
+    if args.out is not None:
+        write_scene_file(relate(graph, tolerances), args.out)
+    if args.json:
+        print(json.dumps({"file": str(args.path), "relations": _records(graph, found)}, ensure_ascii=False))
+    elif not args.quiet:
+        for subject, kind, target in found:
+            print(f"{graph.name[subject]}  {kind.replace('_', ' ')}  {graph.name[target]}")
+    return DONE
+
+
+def _records(graph: SceneGraph, found: list[tuple[int, str, int]]) -> list[dict[str, str]]:
+    return [
+        {
+            "subject": graph.name[subject],
+            "subject_uid": graph.uid[subject],
+            "kind": kind,
+            "target": graph.name[target],
+            "target_uid": graph.uid[target],
+        }
+        for subject, kind, target in found
+    ]
