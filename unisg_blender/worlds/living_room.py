@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from ..scene.graph import SceneGraph
 from .furniture import building
+from .home_lesson import home_lesson
 from .layout import Layout, Placed, pick
 from .living_groups import dining_group, television_group
 from .living_walls import along_the_walls
@@ -26,7 +27,8 @@ def living_room(seed: int) -> SceneGraph:
     seed
         Any integer that is not negative; every one gives another room.
     """
-    return furnish(seed).build()
+    layout = furnish(seed)
+    return layout.build(*home_lesson(layout))
 
 
 def furnish(seed: int) -> Layout:

@@ -59,7 +59,8 @@ def _furnish_mayo(layout: Layout, mayo: Placed) -> None:
     flip = rng.random() < 0.5
     row, rest = ((0.30, 0, 1, 1), (0, 0, 0.28, 1)) if flip else ((0, 0, 0.70, 1), (0.72, 0, 1, 1))
     first = [tools.scalpel()] * int(rng.integers(1, 3)) + [tools.retractor(), tools.forceps()]
-    lay_row(layout, support, surface, [*first, *instrument_set(rng, int(rng.integers(2, 6)))], area=row)
+    assets = [*first, *instrument_set(rng, int(rng.integers(3, 9)))]
+    lay_row(layout, support, surface, assets, area=row, tight=bool(rng.random() < 0.5))
     swabs(layout, support, surface, rest, int(rng.integers(1, 3)))
 
 

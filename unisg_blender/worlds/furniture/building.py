@@ -48,10 +48,11 @@ def wall(
     else:
         x, sill, width, tall = opening
         left, right = x - width / 2, x + width / 2
+        lintel = "door" if sill == 0 else material  # so that doors show from above
         pieces = [
             _wall_piece(material, -half, left, 0, height, start_miter, 0),
             _wall_piece(material, right, half, 0, height, 0, end_miter),
-            block(material, (width - 2e-4, t - 2e-4, height - sill - tall), (x, 0, sill + tall)),
+            block(lintel, (width - 2e-4, t - 2e-4, height - sill - tall), (x, 0, sill + tall)),
         ]
         if sill > 0:
             pieces.append(block(material, (width - 2e-4, t - 2e-4, sill), (x, 0, 0)))

@@ -107,8 +107,10 @@ def linen_hamper(color: str) -> Asset:
         for x in (-0.22, 0.22)
         for y in (-0.22, 0.22)
     ]
-    bag = lathe(color, [(0, 0.10), (0.16, 0.10), (0.2, 0.45), (0.19, 0.84), (0, 0.80)], sides=10)
-    return asset("Linen Hamper", [*posts, *wheels, block("chrome", (0.5, 0.5, 0.015), (0, 0, 0.882)), bag])
+    bars = [block("chrome", (0.025, 0.466, 0.02), (x, 0, 0.8805)) for x in (-0.22, 0.22)]
+    bars += [block("chrome", (0.412, 0.025, 0.02), (0, y, 0.8805)) for y in (-0.22, 0.22)]
+    bag = lathe(color, [(0, 0.10), (0.16, 0.10), (0.2, 0.45), (0.2, 0.86), (0.12, 0.86), (0, 0.70)], sides=10)
+    return asset("Linen Hamper", [*posts, *wheels, *bars, bag])
 
 
 @cache

@@ -53,9 +53,14 @@ def patient(length: float, side: int) -> Asset:
             block(cloth, (0.14, 0.16 * unit, 0.14), (x, hip - 0.505 * unit, 0.001), taper=0.9),
             block("drape", (0.13, 0.26 * unit, 0.12), (x, hip - 0.72 * unit, 0.001), taper=0.9),
         ]
+    arms = []
+    for arm in (-0.225, 0.225):
+        arms += [block("drape", (0.055, 0.50 * unit, 0.07), (arm, shoulder - 0.27 * unit, 0.001), taper=0.9)]
+        arms += [block("skin", (0.05, 0.14 * unit, 0.045), (arm, shoulder - 0.60 * unit, 0.001), taper=0.8)]
     parts = [
         *legs,
-        block("drape", (0.40, shoulder - hip - 0.01, 0.19), (0, (shoulder + hip) / 2, 0), taper=0.88),
+        *arms,
+        block("drape", (0.38, shoulder - hip - 0.01, 0.19), (0, (shoulder + hip) / 2, 0), taper=0.88),
         block("skin", (0.10, neck - shoulder + 0.02, 0.09), (0, (shoulder + neck) / 2, 0.03)),
         ball("skin", (0.078, 0.105, 0.095), (0, neck + 0.095, 0.096)),
         block("drape_light", (0.14, 0.06, 0.10), (0, neck + 0.16, 0.01)),
