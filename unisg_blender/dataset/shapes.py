@@ -38,6 +38,7 @@ def scenes_with_shapes(dataset: Dataset) -> Iterator[SceneGraph]:
 def _shape_mesh(box: Mesh, parts: NDArray[np.float32] | None, outline: NDArray[np.float32] | None) -> Mesh:
     if outline is not None and len(outline) >= 3:
         low, high = box.bounds[:, 2]
+        outline = _from_a_corner_that_sees_all(outline)
         count, steps = len(outline), np.arange(len(outline))
         points = np.concatenate([np.column_stack([outline, np.full(count, z)]) for z in (low, high)])
         sides = np.stack([steps, (steps + 1) % count, count + (steps + 1) % count, count + steps], axis=1)
@@ -48,3 +49,13 @@ def _shape_mesh(box: Mesh, parts: NDArray[np.float32] | None, outline: NDArray[n
     points = parts[:, corners, np.arange(3)]
     faces = [[8 * place + corner for corner in face] for place in range(len(parts)) for face in BOX_FACES]
     return mesh_from_faces(box.name, points.reshape(-1, 3), faces)
+
+
+def _from_a_corner_that_sees_all(outline: NDArray[np.float32]) -> NDArray[np.float32]:
+    """The polygon begun at a corner from which a fan of triangles covers it (faces are cut into fans)."""
+    for start in range(len(outline)):
+        turned = np.roll(outline, -start, axis=0)
+        first, second = turned[1:-1] - turned[0], turned[2:] - turned[0]
+        if (first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0] > -1e-9).all():
+            return turned
+    return outline

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..dataset.assets import Asset
+from ..dataset.assets import STRUCTURE, Asset
 from ..scene import SceneGraph, world_matrices
 from ..scene.outline import FLOOR, room_outline
 from .contract import Contract
@@ -100,7 +100,7 @@ class Placing:
     def _support(self, name: str, thing: int) -> Support:
         kind = self.kinds[thing] if thing >= 0 else ""
         habit = self.habits.habit(name, kind) or Habit(kind, 0, RESTS)
-        return Support(thing, habit, self.space.surfaces(thing), kind == FLOOR)
+        return Support(thing, habit, self.space.surfaces(thing), kind == FLOOR, name in STRUCTURE)
 
     def place(self, number: int, name: str, names: Names, make_uid: UidMaker, early: Proposals | None) -> Placement:
         """Find a place for object ``number`` and add it, or say why there is none."""

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..scene import Boxes
-from ..scene.outline import inside
+from ..scene.outline import inside, outside_distance
 from .habits import BESIDE, HANGS, RESTS, Habit
 from .pieces import Piece
 from .space import Space, footprints
@@ -16,23 +16,42 @@ from .space import Space, footprints
 OUTSIDE = 0.001
 """Metres by which a footprint may leave the room."""
 
+LOOSE = 0.01
+"""Metres of clearance up to which a thing that hangs counts as held."""
+
+NEAR_ROOM = 0.5
+"""A support that is farther out of the room than this, in metres, may hold things out there."""
+
 SEARCH = 9
 """Places along each side of a surface that the last search tries, with three turns each."""
 
 
 @dataclass(frozen=True, eq=False)
 class Support:
-    """What a thing is to be held by: ``thing`` is its number (-1: the ground at height 0), ``habit`` how."""
+    """What a thing is to be held by: ``thing`` is its number (-1: the ground at height 0), ``habit`` how.
+
+    ``floor`` says that it is the floor of the room, ``structural`` that what it is to
+    hold is part of the building and may reach out of the room.
+    """
 
     thing: int
     habit: Habit
     surfaces: Boxes
     floor: bool
+    structural: bool = False
 
     @property
     def contact(self) -> str:
         """How the thing is held."""
         return self.habit.contact
+
+    def indoors(self, space: Space) -> bool:
+        """Is the support in the room or at its walls, so that what it holds should be in the room?"""
+        if space.outline is None or self.structural:
+            return False
+        if self.floor or not len(self.surfaces.center):
+            return True
+        return bool(outside_distance(space.outline, self.surfaces.center[:, :2]).min() < NEAR_ROOM)
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,7 +92,27 @@ def rest(piece: Piece, places: NDArray[np.float64], support: Support, space: Spa
         places[:, 2] = low.min() - 2 * piece.half[2]
     elif support.contact == BESIDE and len(support.surfaces.center):
         places = _to_side(piece, places, support, space)
+    if support.contact != RESTS and len(support.surfaces.center) and len(piece.parts.center):
+        places = _touching(piece, places, support.surfaces)
     return places
+
+
+def _touching(piece: Piece, places: NDArray[np.float64], parts: Boxes) -> NDArray[np.float64]:
+    """The places moved the shortest way until some part of the piece touches some of the support's parts."""
+    boxes = piece.boxes_at(places)
+    count = len(piece.parts.center)
+    axes = parts.axes
+    offset = np.einsum("sij,psi->psj", axes, boxes.center[:, None] - parts.center)
+    reach = np.einsum("psij,pj->psi", np.abs(np.einsum("ski,pkj->psij", axes, boxes.axes)), boxes.half)
+    gap = np.maximum(np.abs(offset) - parts.half - reach, 0)
+    distance = np.linalg.norm(gap, axis=2).reshape(len(places), -1)
+    nearest = distance.argmin(axis=1)
+    part, other = nearest // len(parts.center), nearest % len(parts.center)
+    row = np.arange(len(places)) * count + part
+    step = np.einsum("tij,tj->ti", axes[other], -np.sign(offset[row, other]) * gap[row, other])
+    result = places.copy()
+    result[:, :3] += step * (distance[np.arange(len(places)), nearest] > LOOSE)[:, None]
+    return result
 
 
 def _onto_surface(piece: Piece, places: NDArray[np.float64], tops: Surfaces, clamp: bool) -> NDArray[np.float64]:
@@ -150,9 +189,9 @@ def _to_side(piece: Piece, places: NDArray[np.float64], support: Support, space:
 def fitting(
     piece: Piece, places: NDArray[np.float64], category: int, support: Support, space: Space
 ) -> NDArray[np.bool_]:
-    """At which places (T,) the piece meets nothing and is in the room (things held at a side may stick out)."""
+    """At which places (T,) the piece meets nothing and is in the room, if its support is."""
     good = space.depth(piece, places, category) <= 0
-    if support.contact == RESTS and good.any():
+    if good.any() and support.indoors(space):
         good[good] = space.outside(piece, places[good]) <= OUTSIDE
     return good
 

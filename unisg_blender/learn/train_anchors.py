@@ -26,8 +26,8 @@ from .publish import provenance, save_model_assets
 from .scenes import TrainingScene, load_scenes, split, vocabulary_of
 from .settings import Settings
 
-EPOCHS = 30
-PER_EPOCH = 3200
+EPOCHS = 150
+PER_EPOCH = 640
 BATCH = 32
 NLL_LIMIT = 20.0
 HEIGHT_WEIGHT, SUPPORT_WEIGHT = 0.3, 0.3
@@ -55,7 +55,7 @@ def train(dataset: Dataset, out: Path, settings: Settings) -> dict[str, Any]:
     rank = placing_rank(habits, vocabulary)
     loaders = [
         _loader(train_scenes, rank, PER_EPOCH, settings.seed, fresh=True),
-        _loader(val_scenes, rank, min(640, 40 * len(val_scenes)), settings.seed + 1, fresh=False),
+        _loader(val_scenes, rank, min(320, 40 * len(val_scenes)), settings.seed + 1, fresh=False),
     ]
     schedule = Schedule(settings.epochs or EPOCHS, devices=settings.devices, nodes=settings.nodes)
     losses = fit(network, _terms, loaders[0], loaders[1], schedule, settings)

@@ -1,0 +1,188 @@
+"""Generating: existing things stay as they are, new ones are well placed, same seed same result, bad input is told."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tests.generate.rooms import at, box, room
+from unisg_blender.errors import UniSGError
+from unisg_blender.evaluate.scene_metrics import measure_scene
+from unisg_blender.generate import Generator
+from unisg_blender.scene import SceneBuilder, SceneGraph, world_matrices
+
+
+@pytest.fixture(scope="module")
+def generator(model_file: Path) -> Generator:
+    return Generator.load(model_file)
+
+
+def assert_unchanged(before: SceneGraph, after: SceneGraph) -> None:
+    worlds, old = world_matrices(after), world_matrices(before)
+    for row, uid in enumerate(before.uid):
+        place = after.row_of_uid[uid]
+        assert after.name[place] == before.name[row]
+        assert after.category_name(place) == before.category_name(row)
+        np.testing.assert_array_equal(after.local[place], before.local[row])
+        np.testing.assert_array_equal(worlds[place], old[row])
+        assert after[place].mesh is before[row].mesh
+        assert after[place].actions == before[row].actions
+        above, own = after.parent[place], before.parent[row]
+        assert (after.uid[above] if above >= 0 else "") == (before.uid[own] if own >= 0 else "")
+
+
+@pytest.mark.parametrize("bulk", [False, True])
+def test_an_existing_scene_is_extended_and_not_changed(generator: Generator, bulk: bool) -> None:
+    scene = room(100)
+    result = generator.add(scene, {"Cup": 3, "Table": 1, "Lamp": 1}, seed=1, bulk=bulk)
+    assert_unchanged(scene, result.scene)
+    assert result.added + len(result.refused) == 5
+    assert len(result.scene) == len(scene) + result.added == len(scene) + len(result.rows)
+    assert len(set(result.scene.uid)) == len(result.scene)
+    for placement in result.objects:
+        if not placement.refused:
+            row = result.scene.row_of_uid[placement.uid]
+            np.testing.assert_allclose(world_matrices(result.scene)[row], placement.world, atol=1e-9)
+            assert result.scene.category_name(row) == placement.category
+            assert placement.collision == 0
+
+
+def test_settled_things_stand_touch_nothing_and_stay_inside(generator: Generator) -> None:
+    for seed in range(3):
+        result = generator.add(room(200 + seed), {"Cup": 4, "Table": 2}, seed=seed)
+        report = measure_scene(result.scene)
+        assert result.added > 0
+        assert not report.faults[result.rows].any()
+
+
+def test_same_seed_same_result_and_another_seed_another(generator: Generator) -> None:
+    scene = room(300)
+    one, two, other = (generator.add(scene, {"Cup": 2, "Table": 1}, seed=seed) for seed in (5, 5, 6))
+    assert one.scene.uid == two.scene.uid
+    np.testing.assert_array_equal(one.scene.local, two.scene.local)
+    assert one.scene.local.shape != other.scene.local.shape or not np.allclose(one.scene.local, other.scene.local)
+    assert set(one.scene.uid) != set(other.scene.uid)
+
+
+def test_a_room_from_nothing_begins_with_a_shell(generator: Generator) -> None:
+    result = generator.add(SceneBuilder("Empty").build(), {"Floor": 1, "Wall": 4, "Table": 1, "Cup": 2}, seed=2)
+    names = [result.scene.category_name(row) for row in range(len(result.scene))]
+    assert names.count("Floor") == 1
+    assert names.count("Wall") == 4
+    assert names.count("Table") == 1
+    assert result.scene["Wall"].parent is not None
+
+
+def test_counts_of_a_typical_room_are_those_of_a_training_scene(generator: Generator) -> None:
+    counts = generator.sample_counts(np.random.default_rng(0))
+    assert counts == {"Cup": 2, "Floor": 1, "Lamp": 1, "Table": 1, "Wall": 4}
+
+
+def test_actions_and_relations_come_along_retargeted(generator: Generator) -> None:
+    scene = room(400)
+    result = generator.add(scene, {"Cup": 1}, seed=0)
+    cup = result.scene[int(result.rows[0])]
+    (action,) = cup.actions
+    assert action.targets == (cup.uid,)
+    assert action.frame == scene["Table"].uid
+    assert action.uid not in {known.uid for entity in scene.name for known in scene[entity].actions}
+    relation = cup.component("relations")
+    assert relation["kind"].tolist() == ["on_top_of"]
+    assert cup.parent is not None
+    assert relation["target"].tolist() == [cup.parent.uid]
+
+
+def test_a_full_table_refuses_honestly(generator: Generator) -> None:
+    builder = SceneBuilder("Tiny")
+    floor = builder.add("Floor", uid="f", local=at(0, 0, -0.1), mesh=box("Floor", 1, 1, 0.1), category="Floor")
+    builder.add("Table", uid="t", parent=floor, local=at(0, 0, 0.1), mesh=box("Table", 0.9, 0.9, 0.8), category="Table")
+    scene = builder.build()
+    result = generator.add(scene, {"Table": 3}, seed=0)
+    assert len(result.refused) == 3
+    assert all("no room" in placement.note for placement in result.refused)
+    assert len(result.scene) == len(scene)
+
+
+def test_without_its_usual_support_a_thing_stands_on_the_floor_or_is_refused(generator: Generator) -> None:
+    builder = SceneBuilder("Bare")
+    builder.add("Floor", uid="f", local=at(0, 0, -0.1), mesh=box("Floor", 4, 4, 0.1), category="Floor")
+    result = generator.add(builder.build(), {"Cup": 1, "Lamp": 1}, seed=0)
+    cup = next(placement for placement in result.objects if placement.category == "Cup")
+    lamp = next(placement for placement in result.objects if placement.category == "Lamp")
+    assert cup.support == "Floor"
+    assert "Table" in cup.note
+    assert lamp.refused
+    assert "Wall" in lamp.note
+
+
+@pytest.mark.parametrize(
+    ("counts", "text"),
+    [
+        ({"Cpu": 1}, "did you mean 'Cup'"),
+        ({"Piano": 1}, "Cup, Floor, Lamp, Table, Wall"),
+        ({"Cup": 0}, "from 1 on"),
+        ({"Cup": -2}, "from 1 on"),
+        ({"Cup": True}, "from 1 on"),
+        ({}, "nothing to add"),
+    ],
+)
+def test_bad_requests_are_told_in_one_line(generator: Generator, counts: dict[str, int], text: str) -> None:
+    with pytest.raises(UniSGError, match=text) as error:
+        generator.add(room(1), counts)
+    assert "\n" not in str(error.value)
+
+
+def test_bad_model_files_are_told_in_one_line(tmp_path: Path) -> None:
+    import onnx
+    from onnx import TensorProto, helper
+
+    nonsense = tmp_path / "nonsense.onnx"
+    nonsense.write_bytes(b"this is no model")
+    graph = helper.make_graph(
+        [helper.make_node("Identity", ["x"], ["y"])], "g",
+        [helper.make_tensor_value_info("x", TensorProto.FLOAT, [1])],
+        [helper.make_tensor_value_info("y", TensorProto.FLOAT, [1])],
+    )  # fmt: skip
+    foreign = tmp_path / "foreign.onnx"
+    model = helper.make_model(graph, opset_imports=[helper.make_opsetid("", 18)], ir_version=9)
+    onnx.save(model, foreign)
+    newer = tmp_path / "newer.onnx"
+    entry = model.metadata_props.add()
+    entry.key, entry.value = "unisg", '{"contract": 99, "task": "generate"}'
+    onnx.save(model, newer)
+    broken = tmp_path / "broken.onnx"
+    model.metadata_props[0].value = '{"contract": 1, "task": "generate", "kind": "cgvae"}'
+    onnx.save(model, broken)
+    other = tmp_path / "other.onnx"
+    model.metadata_props[0].value = '{"contract": 1, "task": "classify"}'
+    onnx.save(model, other)
+    for path, text in (
+        (tmp_path / "missing.onnx", "there is no model"),
+        (nonsense, "no ONNX model"),
+        (foreign, "no UniSG metadata"),
+        (newer, "contract 99"),
+        (broken, "damaged"),
+        (other, "classify"),
+    ):
+        with pytest.raises(UniSGError, match=text) as error:
+            Generator.load(path)
+        assert "\n" not in str(error.value)
+
+
+def test_generating_loads_neither_torch_nor_blender(model_file: Path) -> None:
+    code = (
+        "import sys\n"
+        "from unisg_blender.generate import Generator\n"
+        "from unisg_blender.scene import SceneBuilder\n"
+        "generator = Generator.load(sys.argv[1])\n"
+        "generator.add(SceneBuilder('Empty').build(), {'Floor': 1, 'Table': 1, 'Cup': 1}, seed=0)\n"
+        "print(sorted({'torch', 'bpy', 'torch_geometric', 'onnx', 'sklearn'} & set(sys.modules)))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code, model_file], capture_output=True, text=True, timeout=120, check=True
+    )
+    assert done.stdout.strip() == "[]"
