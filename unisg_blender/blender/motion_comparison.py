@@ -25,6 +25,7 @@ from ..poses import (
 from .keyframes import Floats, Item, curves_of, key_count, key_times, read_motors, write_motors
 from .motion import Tolerance, reduce_item_keyframes
 
+BLENDER = bpy.app.version_string
 FRAMES = 240
 TIMES = np.arange(1.0, FRAMES + 1)
 POSE_NUMBERS, THIRDS_NUMBERS = 8, 14  # per key a time and a pose; per span of cubic motors two more poses
