@@ -17,6 +17,8 @@ HELP = "Measure in one run and write tables (CSV, JSON) and figures (PNG, SVG)."
 # name -> what it measures, and "module:function": (args, folder, progress) -> report; the function writes its files
 BENCHMARKS = {
     "poses": ("exactness and speed of the representation forms", "..evaluate.poses_report:write_poses_report"),
+    "motion": ("keyframe reduction beside Blender's own", "..evaluate.motion_report:write_motion_report"),
+    "meshes": ("mesh features, decoded meshes and proposed categories", "..evaluate.meshes_report:write_meshes_report"),
 }
 
 
@@ -27,6 +29,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder for tables and figures")
     parser.add_argument("--count", type=int, default=1_000_000, help="poses to time (default: 1000000)")
     parser.add_argument("--repeats", type=int, default=5, help="rounds whose median counts (default: 5)")
+    parser.add_argument("--data", type=Path, nargs="+", metavar="DIR", help="folders of mesh files (meshes)")
     parser.add_argument("--seed", type=int, default=0, help="of everything random (default: 0)")
 
 

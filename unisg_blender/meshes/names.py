@@ -39,7 +39,7 @@ def name_scores(name: str, lexicon: Sequence[Mapping[str, float]]) -> NDArray[np
     Notes
     -----
     A word fits a category by its best match there; forms of one word ("chairs")
-    are found by their letter triples. The last known word counts double: in
+    are found by their letter triples. The last known word counts three times: in
     "desk lamp" it is the lamp. Scores are shares of the known words' weight.
     """
     scores, total = np.zeros(len(lexicon)), 0.0
@@ -47,7 +47,7 @@ def name_scores(name: str, lexicon: Sequence[Mapping[str, float]]) -> NDArray[np
         matches = np.array([_match(word, known) for known in lexicon])
         if not matches.any():
             continue
-        importance = 2.0 if total == 0 else 1.0
+        importance = 3.0 if total == 0 else 1.0
         scores += importance * matches
         total += importance
         if place > 6:

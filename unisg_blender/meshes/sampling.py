@@ -12,7 +12,7 @@ from ..errors import UniSGError
 from ..scene.mesh import Mesh
 from .triangulate import inner_triangles
 
-OVERSAMPLING = 3
+OVERSAMPLING = 2.5
 CHUNK = 250_000
 """Triangles measured at once, so that a mesh of millions of faces needs little memory."""
 
@@ -39,7 +39,7 @@ class SurfaceSamples:
 def sample_surface(mesh: Mesh, count: int, seed: int = 0) -> SurfaceSamples:
     """Exactly ``count`` blue-noise points of a mesh's surface.
 
-    Three times as many uniform random points are thinned out by weighted sample
+    Two and a half times as many uniform random points are thinned out by weighted sample
     elimination (Yuksel, "Sample Elimination for Generating Poisson Disk Sample
     Sets", Eurographics 2015) with straight-line distances, in rounds that remove
     all local maxima of the weight at once (the weight's exponent alpha is 8).
@@ -68,7 +68,7 @@ def sample_surface(mesh: Mesh, count: int, seed: int = 0) -> SurfaceSamples:
     if not areas.sum() > 0:
         raise NoSurfaceError(f"mesh {mesh.name!r} has no surface to sample: it needs faces with an area")
     generator = np.random.default_rng(seed)
-    points, faces = _uniform(mesh.points, triangles, areas, OVERSAMPLING * count, generator)
+    points, faces = _uniform(mesh.points, triangles, areas, int(np.ceil(OVERSAMPLING * count)), generator)
     kept = eliminate(points, count, float(areas.sum()))
     a, b, c = mesh.points[triangles[faces[kept]]].astype(np.float64).swapaxes(0, 1)
     normals = np.cross(b - a, c - a)

@@ -14,6 +14,7 @@ from ..scene.mesh import Mesh
 from .feature import POINTS, AtlasNetEncoder, cloud, default_encoder
 from .files import MESH_SUFFIXES, read_mesh_file
 from .label_model import size_channels
+from .networks import FEATURE_WIDTH
 from .normalise import normalise
 
 SIZE_WEIGHT = 0.25
@@ -81,7 +82,7 @@ def mesh_library(names: Sequence[str], meshes: Sequence[Mesh], encoder: AtlasNet
     """A library of meshes in metres; those without points are left out."""
     kept = [k for k, mesh in enumerate(meshes) if np.isfinite(mesh.points).all(axis=1).any()]
     features = (encoder or default_encoder()).encode([meshes[k] for k in kept])
-    vectors = np.array([feature.vector for feature in features], np.float32).reshape(len(kept), -1)
+    vectors = np.array([feature.vector for feature in features], np.float32).reshape(len(kept), FEATURE_WIDTH)
     sizes = np.array([np.ptp(meshes[k].bounds, axis=0) for k in kept]).reshape(-1, 3)
     return MeshLibrary(tuple(names[k] for k in kept), vectors, sizes)
 

@@ -7,6 +7,8 @@ from numpy.typing import NDArray
 
 from ..scene.mesh import Mesh
 
+CHUNK = 250_000
+"""Faces looked at together, so that a mesh of millions of faces needs little memory."""
 LONGEST_CLIPPED = 2000
 """Faces with more corners keep their fan: clipping takes a time that grows with the square of the corners."""
 
@@ -27,8 +29,12 @@ def inner_triangles(mesh: Mesh) -> NDArray[np.int32]:
 
 def _cut_concave(mesh: Mesh, triangles: NDArray[np.int32], sizes: NDArray[np.int32]) -> NDArray[np.int32]:
     face = np.repeat(np.arange(len(sizes)), np.maximum(sizes - 2, 0))
-    polygon = sizes[face] > 3
-    concave = _concave_faces(mesh.points, triangles[polygon], face[polygon])
+    concave = np.concatenate(
+        [
+            _concave_faces(mesh.points, triangles, face, start, min(start + CHUNK, len(sizes)))
+            for start in range(0, len(sizes), CHUNK)
+        ]
+    )
     concave = concave[sizes[concave] <= LONGEST_CLIPPED]
     if not len(concave):
         return triangles
@@ -37,17 +43,17 @@ def _cut_concave(mesh: Mesh, triangles: NDArray[np.int32], sizes: NDArray[np.int
 
 
 def _concave_faces(
-    points: NDArray[np.float32], triangles: NDArray[np.int32], face: NDArray[np.int64]
+    points: NDArray[np.float32], triangles: NDArray[np.int32], face: NDArray[np.int64], start: int, stop: int
 ) -> NDArray[np.int64]:
-    """Faces with a fan triangle that turns against the face's area vector."""
-    if not len(triangles):
-        return np.zeros(0, np.int64)
-    a, b, c = points[triangles].astype(np.float64).swapaxes(0, 1)
+    """Those of the faces ``start`` to ``stop`` with a fan triangle that turns against the face's area vector."""
+    first, last = np.searchsorted(face, (start, stop))
+    own = face[first:last] - start
+    a, b, c = points[triangles[first:last]].astype(np.float64).swapaxes(0, 1)
     normals = np.cross(b - a, c - a)
-    names, place = np.unique(face, return_inverse=True)
-    total = np.stack([np.bincount(place, normals[:, k], len(names)) for k in range(3)], axis=1)
-    against = np.einsum("tk,tk->t", normals, total[place]) < -1e-9 * np.einsum("tk,tk->t", total, total)[place]
-    return np.unique(face[against])
+    total = np.stack([np.bincount(own, normals[:, k], stop - start) for k in range(3)], axis=1)
+    along = np.einsum("tk,tk->t", normals, total[own])
+    against = along < -1e-9 * np.einsum("fk,fk->f", total, total)[own]
+    return start + np.unique(own[against])
 
 
 def clip_ears(points: NDArray[np.floating], corners: NDArray[np.integer]) -> NDArray[np.int32]:
