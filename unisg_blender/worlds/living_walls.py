@@ -10,7 +10,12 @@ from .layout import Layout, Placed, pick
 from .living_groups import TEXTILES, WOODS
 from .shell import Side, against, mount
 
-SPINES = ["blue", "red", "green", "cream", "walnut", "leather", "canvas", "dark"]
+BOOKS = [
+    (0.02, 0.15, 0.20, "red"), (0.02, 0.15, 0.20, "canvas"), (0.02, 0.15, 0.20, "cream"), (0.03, 0.15, 0.24, "blue"),
+    (0.03, 0.15, 0.24, "leather"), (0.03, 0.19, 0.24, "green"), (0.03, 0.19, 0.28, "dark"),
+    (0.045, 0.19, 0.24, "walnut"), (0.045, 0.19, 0.28, "blue"), (0.045, 0.19, 0.28, "red"),
+]  # fmt: skip
+"""Thickness, depth and height in metres, and colour."""
 
 
 def along_the_walls(layout: Layout, floor: Placed, sides: list[Side]) -> None:
@@ -59,8 +64,8 @@ def _bookshelf(layout: Layout, floor: Placed, sides: list[Side], wood: str) -> N
     for board, top in shape.surfaces.items():
         x = -top.size[0] / 2 + rng.uniform(0.0, 0.04)
         for _ in range(int(rng.integers(1, 15))):
-            thick, height = pick(rng, [0.02, 0.03, 0.045]), pick(rng, [0.2, 0.24, 0.28])
-            book = living.standing_book(thick, pick(rng, [0.15, 0.19]), height, pick(rng, SPINES))
+            thick, depth, height, color = pick(rng, BOOKS)
+            book = living.standing_book(thick, depth, height, color)
             if height < top.headroom and x + thick < top.size[0] / 2:
                 y = top.center[1] - top.size[1] / 2 + book.size[1] / 2 + rng.uniform(0.0, 0.03)
                 pose = shelf.pose_at(x + thick / 2, y, top.center[2], 0.0)
