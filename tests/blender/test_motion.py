@@ -7,6 +7,8 @@ import json
 import sys
 from collections.abc import Iterator
 from pathlib import Path
+from types import SimpleNamespace
+from unittest.mock import MagicMock
 
 import bpy
 import numpy as np
@@ -209,6 +211,18 @@ def test_microscope_switches_on_and_off(extension):
 
 def microscope_of_extension():
     return sys.modules["unisg_extension.unisg_blender.blender.microscope"]
+
+
+def test_panels_draw_every_form(extension):
+    keyed()
+    layout = MagicMock()
+    layout.panel.side_effect = lambda *args, **options: (MagicMock(), layout)
+    panels = sys.modules["unisg_extension.panels"]
+    panels.forms.UNISG_PT_forms.draw(SimpleNamespace(layout=layout), bpy.context)
+    assert layout.panel.call_count == len(FORMS) + 1
+    cells = layout.grid_flow().row().label.call_args_list
+    assert len(cells) == sum(form.width for form in FORMS.values()) + 6
+    panels.motion.UNISG_PT_motion.draw(SimpleNamespace(layout=layout), bpy.context)
 
 
 def test_every_form_is_shown_as_the_library_has_it():

@@ -82,7 +82,7 @@ def random_poses(count: int, seed: int, linear: str = "rigid") -> np.ndarray:
 
 
 def difficult_poses(seed: int, linear: str) -> np.ndarray:
-    """Random poses among every hard angle, axis, translation and (``general``) scale: about 20,000."""
+    """Random poses among every hard angle, axis, translation and (``general``) scale: 1,160 rigid, 23,200 general."""
     rng = np.random.default_rng(seed)
     axes = np.array([[1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 0], [-1, 0, 1], [0, 1, -1], *rng.normal(size=(4, 3))])
     axes /= np.linalg.norm(axes, axis=1, keepdims=True)
@@ -96,7 +96,7 @@ def difficult_poses(seed: int, linear: str) -> np.ndarray:
     turns = np.concatenate([turns.reshape(-1, 3, 3), random_poses(200, seed)[:, :3, :3]])
     if linear == "general":
         scale = np.array([-2.0, -1.0, 0.0, 1e-6, 0.1, 1.0, 3.0, 1e3])
-        combinations = scale[rng.integers(0, len(scale), (60, 3))]
+        combinations = scale[rng.integers(0, len(scale), (20, 3))]
         turns = (turns[:, None] * combinations[:, None, :]).reshape(-1, 3, 3)
         turns = turns @ random_poses(len(turns), seed + 1)[:, :3, :3]
     matrices = np.tile(np.eye(4), (len(turns), 4, 1, 1))

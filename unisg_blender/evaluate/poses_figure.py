@@ -47,7 +47,7 @@ def _draw_times(axes, rows: Table) -> None:  # type: ignore[no-untyped-def]  # m
     axes.set_yticks(list(places), names)
     axes.invert_yaxis()
     axes.set_xlabel("nanoseconds per rigid pose, one thread")
-    axes.legend()
+    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=3, frameon=False)
 
 
 def _draw_errors(axes, rows: Table) -> None:  # type: ignore[no-untyped-def]
@@ -62,4 +62,4 @@ def _draw_errors(axes, rows: Table) -> None:  # type: ignore[no-untyped-def]
     axes.set_yticks(list(places), [row["form"] for row in chosen])
     axes.invert_yaxis()
     axes.set_xlabel("worst relative error of a round trip, any affine, with stretch")
-    axes.legend()
+    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=3, frameon=False)
