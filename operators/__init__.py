@@ -7,16 +7,21 @@ Each module has a tuple ``CLASSES`` and, where it keeps more than classes
 from __future__ import annotations
 
 from . import (
+    action_properties,
+    actions,
     categories,
     command_line,
+    copied,
     export,
     forms,
     generate,
     generation_settings,
     label,
+    lesson,
     mesh_settings,
     meshes,
     motion,
+    play,
 )
 from .registration import register_modules, unregister_modules
 
@@ -31,6 +36,11 @@ MODULES: tuple = (
     meshes,
     label,
     export,
+    action_properties,
+    actions,
+    lesson,
+    play,
+    copied,
 )
 
 

@@ -9,6 +9,8 @@ from unisg_blender.scene import LessonNode
 from unisg_blender.scene.behaviour.edit import change, find, insert, lift, move, nest, remove
 from unisg_blender.scene.lesson import MAY_HOLD, lesson_from_json, lesson_to_json
 
+UIDS = ("op", "l1", "l2", "s1", "s2", "s3", "a", "b", "c")
+
 
 def tree():
     first = LessonNode("stage", "s1", children=(LessonNode("action", "a"), LessonNode("action", "b")))
@@ -54,13 +56,7 @@ def test_only_what_fits_goes_in():
         insert(tree(), "l1", LessonNode("action", "x"))
 
 
-@given(
-    st.lists(
-        st.tuples(
-            st.sampled_from((move, nest, lift)), st.sampled_from(["op", "l1", "l2", "s1", "s2", "s3", "a", "b", "c"])
-        )
-    )
-)
+@given(st.lists(st.tuples(st.sampled_from((move, nest, lift)), st.sampled_from(UIDS))))
 @settings(max_examples=100, deadline=None)
 def test_any_edits_keep_every_node_once_in_a_tree_that_can_be_read(edits):
     root = tree()

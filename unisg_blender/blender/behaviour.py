@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from functools import lru_cache
 
 import bpy
 import numpy as np
@@ -21,6 +22,16 @@ FORCE = "unisg_force"
 """Numbers on a tool that may be animated: its trigger is pressed (not 0), and the force in newtons."""
 
 
+@lru_cache(maxsize=1024)
+def _decoded_actions(text: str) -> tuple[ActionData, ...]:
+    return actions_from_json(text)
+
+
+@lru_cache(maxsize=64)
+def _decoded_lesson(text: str) -> LessonNode:
+    return lesson_from_json(text)
+
+
 def actions_of(item: bpy.types.Object) -> tuple[ActionData, ...]:
     """The actions that belong to an object, as they are stored.
 
@@ -30,7 +41,7 @@ def actions_of(item: bpy.types.Object) -> tuple[ActionData, ...]:
         If its custom property cannot be read.
     """
     value = item.get(ACTIONS)
-    return actions_from_json(value) if isinstance(value, str) and value else ()
+    return _decoded_actions(value) if isinstance(value, str) and value else ()
 
 
 def store_actions(item: bpy.types.Object, actions: Sequence[ActionData]) -> None:
@@ -47,7 +58,7 @@ def lesson_of(item: bpy.types.Object) -> LessonNode | None:
         If its custom property cannot be read.
     """
     value = item.get(LSA)
-    return lesson_from_json(value) if isinstance(value, str) and value else None
+    return _decoded_lesson(value) if isinstance(value, str) and value else None
 
 
 def store_lesson(item: bpy.types.Object, operation: LessonNode | None) -> None:

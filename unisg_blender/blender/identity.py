@@ -45,12 +45,13 @@ def ensure_uid(item: bpy.types.Object) -> str:
     return uid
 
 
-def repair_identities(scene: bpy.types.Scene) -> int:
+def repair_identities(scene: bpy.types.Scene, *, only_copies: bool = False) -> int:
     """Write down a unique uid for every object of a scene that may be changed.
 
     A copy gets the uid under which reading already knows it, and its actions,
     lesson and relations point to what was copied with it; an object without a uid
-    gets a random one. Returns the number of objects that got another uid.
+    gets a random one, unless ``only_copies``. Returns the number of objects that got
+    another uid.
     """
     objects = list(scene.objects)
     names = [item.name for item in objects]
@@ -60,7 +61,7 @@ def repair_identities(scene: bpy.types.Scene) -> int:
     records = retarget_properties(stored, resolved, names, decoded, lambda: world_matrices_of(objects))
     repaired = 0
     for item, record, old, uid in zip(objects, records, stored, resolved, strict=True):
-        if item.library is not None or uid == old:
+        if item.library is not None or uid == old or (only_copies and not old):
             continue
         item[UID] = uid if old else new_uid()
         if old:
@@ -70,9 +71,9 @@ def repair_identities(scene: bpy.types.Scene) -> int:
 
 
 def repair_copies(scene: bpy.types.Scene) -> int:
-    """As :func:`repair_identities`, but only if objects share a uid; to be called right after something was copied."""
+    """Tell objects that share a uid apart; to be called right after something was copied."""
     stored = [uid for item in scene.objects if isinstance(uid := item.get(UID), str) and uid]
-    return repair_identities(scene) if len(set(stored)) < len(stored) else 0
+    return repair_identities(scene, only_copies=True) if len(set(stored)) < len(stored) else 0
 
 
 def world_matrices_of(objects: Sequence[bpy.types.Object]) -> NDArray[np.float64]:

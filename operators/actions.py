@@ -1,0 +1,283 @@
+"""Give objects actions and say what these need."""
+
+from __future__ import annotations
+
+import bpy
+
+from .action_properties import ANSWERS, TYPE_ITEMS, active_action, active_place, readable_actions
+
+SLOT_ITEMS = (
+    ("targets", "Targets", "What the action is about"),
+    ("tools", "Tools", "What is used in it"),
+    ("frame", "Frame", "The object that the reference pose belongs to"),
+)
+
+
+class ActionOperator:
+    """An operator on the active object's actions; says why it is grey."""
+
+    bl_options = {"REGISTER", "UNDO"}
+    needs_action = True
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        from ..unisg_blender.blender.behaviour import why_fixed
+
+        item = context.active_object
+        if item is None:
+            cls.poll_message_set("Select the object that the actions belong to")
+            return False
+        reason = why_fixed(item)
+        if not reason and cls.needs_action and not readable_actions(item):
+            reason = f"{item.name!r} has no actions: add one"
+        if reason:
+            cls.poll_message_set(reason)
+        return not reason
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        from ..unisg_blender.errors import UniSGError
+
+        try:
+            self.act(context, context.active_object, active_place(context, context.active_object))
+        except UniSGError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        _redraw(context)
+        return {"FINISHED"}
+
+
+def _redraw(context: bpy.types.Context) -> None:
+    for area in context.screen.areas if context.screen else ():
+        area.tag_redraw()
+
+
+class UNISG_OT_action_add(ActionOperator, bpy.types.Operator):
+    """Add an action to the active object"""
+
+    bl_idname = "unisg.action_add"
+    bl_label = "Add Action"
+    needs_action = False
+
+    type: bpy.props.EnumProperty(name="Type", items=TYPE_ITEMS)
+
+    def act(self, context, item, place):
+        from ..unisg_blender.blender.authoring import add_action, link_objects
+
+        place = add_action(context.scene, item, self.type)
+        context.window_manager.unisg_action = place
+        others = [other for other in context.selected_objects if other != item]
+        if others and self.type in ("Use", "Tool"):
+            link_objects(context.scene, item, place, "tools", others)
+
+
+class UNISG_OT_action_remove(ActionOperator, bpy.types.Operator):
+    """Remove the active action"""
+
+    bl_idname = "unisg.action_remove"
+    bl_label = "Remove Action"
+
+    def act(self, context, item, place):
+        from ..unisg_blender.blender.behaviour import actions_of, store_actions
+
+        actions = actions_of(item)
+        store_actions(item, actions[:place] + actions[place + 1 :])
+        context.window_manager.unisg_action = max(0, place - 1)
+
+
+class UNISG_OT_action_duplicate(ActionOperator, bpy.types.Operator):
+    """Copy the active action"""
+
+    bl_idname = "unisg.action_duplicate"
+    bl_label = "Duplicate Action"
+
+    def act(self, context, item, place):
+        from dataclasses import replace
+
+        from ..unisg_blender.blender.behaviour import actions_of, store_actions
+        from ..unisg_blender.scene.identity import new_uid
+
+        actions = actions_of(item)
+        copy = replace(actions[place], uid=new_uid())
+        store_actions(item, (*actions[: place + 1], copy, *actions[place + 1 :]))
+        context.window_manager.unisg_action = place + 1
+
+
+class UNISG_OT_action_select(bpy.types.Operator):
+    """Make this the active action"""
+
+    bl_idname = "unisg.action_select"
+    bl_label = "Select Action"
+    bl_options = {"INTERNAL"}
+
+    place: bpy.props.IntProperty()
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        context.window_manager.unisg_action = self.place
+        _redraw(context)
+        return {"FINISHED"}
+
+
+class UNISG_OT_action_move(ActionOperator, bpy.types.Operator):
+    """Move the active action in the object's list"""
+
+    bl_idname = "unisg.action_move"
+    bl_label = "Move Action"
+
+    step: bpy.props.IntProperty(default=1, min=-1, max=1)
+
+    def act(self, context, item, place):
+        from ..unisg_blender.blender.behaviour import actions_of, store_actions
+
+        actions = list(actions_of(item))
+        to = min(max(place + self.step, 0), len(actions) - 1)
+        actions.insert(to, actions.pop(place))
+        store_actions(item, actions)
+        context.window_manager.unisg_action = to
+
+
+class UNISG_OT_action_link(ActionOperator, bpy.types.Operator):
+    """Let the active action use the other selected objects, or the object of that name"""
+
+    bl_idname = "unisg.action_link"
+    bl_label = "Use Selected"
+
+    slot: bpy.props.EnumProperty(name="As", items=SLOT_ITEMS)
+    name: bpy.props.StringProperty(name="Object", description="An object; the other selected ones if empty")
+
+    def act(self, context, item, place):
+        from ..unisg_blender.blender.authoring import link_objects, set_frame
+        from ..unisg_blender.errors import UniSGError
+
+        others = [other for other in context.selected_objects if other != item]
+        if self.name:
+            others = [context.scene.objects[self.name]] if self.name in context.scene.objects else []
+        if not others:
+            raise UniSGError(f"{self.name!r} is not in the scene" if self.name else "select other objects as well")
+        if self.slot == "frame":
+            set_frame(context.scene, item, place, others[0])
+        else:
+            link_objects(context.scene, item, place, self.slot, others)
+
+
+class UNISG_OT_action_unlink(ActionOperator, bpy.types.Operator):
+    """Take this out of the action"""
+
+    bl_idname = "unisg.action_unlink"
+    bl_label = "Take Out"
+
+    slot: bpy.props.StringProperty()
+    uid: bpy.props.StringProperty()
+
+    def act(self, context, item, place):
+        from ..unisg_blender.blender.authoring import set_frame, unlink_object
+
+        if self.slot == "frame":
+            set_frame(context.scene, item, place, None)
+        else:
+            unlink_object(item, place, self.slot, self.uid)
+
+
+def _other_actions(self, context):
+    from ..unisg_blender.blender.authoring import scene_actions
+
+    active = active_action(context, context.active_object)
+    UNISG_OT_action_member.choices = [
+        (action.uid, action.name or action.type, f"{action.type} of {owner.name}")
+        for owner, action in scene_actions(context.scene)
+        if active is None or action.uid not in (active.uid, *active.members)
+    ]
+    return UNISG_OT_action_member.choices  # Blender needs the strings kept alive
+
+
+class UNISG_OT_action_member(ActionOperator, bpy.types.Operator):
+    """Add an action of the scene to the group"""
+
+    bl_idname = "unisg.action_member"
+    bl_label = "Add Member"
+    bl_property = "member"
+    choices = ()
+
+    member: bpy.props.EnumProperty(name="Action", items=_other_actions)
+
+    def invoke(self, context, event):
+        context.window_manager.invoke_search_popup(self)
+        return {"RUNNING_MODAL"}
+
+    def act(self, context, item, place):
+        from dataclasses import replace
+
+        from ..unisg_blender.blender.authoring import change_action
+
+        name = dict((uid, name) for uid, name, _ in self.choices).get(self.member, "")
+
+        def edit(action):
+            return replace(action, members=(*action.members, self.member), names={**action.names, self.member: name})
+
+        change_action(item, place, edit)
+
+
+class UNISG_OT_action_reference(ActionOperator, bpy.types.Operator):
+    """Make the present pose of the target the reference pose (of the tool in a Tool action)"""
+
+    bl_idname = "unisg.action_reference"
+    bl_label = "Reference From Current Pose"
+
+    def act(self, context, item, place):
+        from ..unisg_blender.blender.authoring import reference_from_pose
+
+        reference_from_pose(context.scene, item, place)
+
+
+class UNISG_OT_action_go_to_reference(ActionOperator, bpy.types.Operator):
+    """Put the target at its reference pose, to see what the action asks for"""
+
+    bl_idname = "unisg.action_go_to_reference"
+    bl_label = "Go To Reference"
+
+    def act(self, context, item, place):
+        import mathutils
+
+        from ..unisg_blender.blender.authoring import frame_matrix, posed_object
+        from ..unisg_blender.errors import UniSGError
+
+        action = active_action(context, item)
+        if action.reference_matrix is None:
+            raise UniSGError("the action has no reference pose yet")
+        target = posed_object(context.scene, action)
+        target.matrix_world = mathutils.Matrix(frame_matrix(context.scene, action) @ action.reference_matrix)
+
+
+class UNISG_OT_action_answers(ActionOperator, bpy.types.Operator):
+    """Add an answer, or remove the last one"""
+
+    bl_idname = "unisg.action_answers"
+    bl_label = "Answers"
+
+    add: bpy.props.BoolProperty(default=True)
+
+    def act(self, context, item, place):
+        from dataclasses import replace
+
+        from ..unisg_blender.blender.authoring import change_action
+
+        def edit(action):
+            answers = (*action.answers, f"Answer {len(action.answers) + 1}") if self.add else action.answers[:-1]
+            answers = answers[:ANSWERS]
+            return replace(action, answers=answers, correct=tuple(at for at in action.correct if at < len(answers)))
+
+        change_action(item, place, edit)
+
+
+CLASSES = (
+    UNISG_OT_action_add,
+    UNISG_OT_action_remove,
+    UNISG_OT_action_duplicate,
+    UNISG_OT_action_select,
+    UNISG_OT_action_move,
+    UNISG_OT_action_link,
+    UNISG_OT_action_unlink,
+    UNISG_OT_action_member,
+    UNISG_OT_action_reference,
+    UNISG_OT_action_go_to_reference,
+    UNISG_OT_action_answers,
+)

@@ -1,0 +1,185 @@
+"""The active object's actions: the list, and the fields of the active one."""
+
+from __future__ import annotations
+
+import bpy
+
+from ..operators.action_properties import ANSWERS, TYPES, active_place, readable_actions
+from .main import SidebarPanel
+
+ICONS = {
+    "Insert": "IMPORT", "Remove": "EXPORT", "Use": "HAND", "Tool": "TOOL_SETTINGS", "Question": "QUESTION",
+    "Parallel": "OUTLINER",
+}  # fmt: skip
+LIMITS = {
+    "Insert": ("distance", "angle", "hold"),
+    "Remove": ("distance", "angle", "hold"),
+    "Use": ("distance", "hold", "hits", "force"),
+    "Tool": ("distance", "angle", "hold", "hits", "force"),
+}
+
+
+class UNISG_PT_actions(SidebarPanel, bpy.types.Panel):
+    """What has to happen to the active object."""
+
+    bl_label = "Actions"
+    bl_parent_id = "UNISG_PT_main"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        from ..unisg_blender.blender.behaviour import actions_of, why_fixed
+        from ..unisg_blender.errors import UniSGError
+
+        layout, item = self.layout, context.active_object
+        if item is None:
+            layout.label(text="Select an object to give it actions", icon="INFO")
+            return
+        try:
+            actions_of(item)
+            reason = why_fixed(item)
+        except UniSGError as error:
+            reason = str(error)
+        if reason:
+            _wrapped(layout, reason, context.region.width)
+        body = layout.column()
+        body.enabled = not reason
+        _list(body, context, item)
+        actions, place = readable_actions(item), active_place(context, item)
+        if place >= 0:
+            _fields(body, context, item, actions[place])
+
+
+def _wrapped(layout: bpy.types.UILayout, text: str, width: int) -> None:
+    """A long text in lines that fit the sidebar."""
+    import textwrap
+
+    column = layout.column()
+    column.scale_y = 0.7
+    for number, line in enumerate(textwrap.wrap(text, max(20, width // 8))):
+        column.label(text=line, icon="INFO" if number == 0 else "BLANK1")
+
+
+def _list(layout: bpy.types.UILayout, context: bpy.types.Context, item: bpy.types.Object) -> None:
+    active = active_place(context, item)
+    row = layout.row()
+    names = row.column(align=True)
+    for place, action in enumerate(readable_actions(item)):
+        line = names.row(align=True)
+        line.alignment = "LEFT"
+        chosen = line.operator(
+            "unisg.action_select", text=action.name or action.type, icon=ICONS.get(action.type, "DOT"),
+            depress=place == active, emboss=place == active,
+        )  # fmt: skip
+        chosen.place = place
+    if not readable_actions(item):
+        names.label(text="No actions yet")
+    buttons = row.column(align=True)
+    buttons.operator_menu_enum("unisg.action_add", "type", text="", icon="ADD")
+    if active >= 0:
+        buttons.operator("unisg.action_remove", text="", icon="REMOVE")
+        buttons.operator("unisg.action_duplicate", text="", icon="DUPLICATE")
+        buttons.operator("unisg.action_move", text="", icon="TRIA_UP").step = -1
+        buttons.operator("unisg.action_move", text="", icon="TRIA_DOWN").step = 1
+
+
+def _fields(layout: bpy.types.UILayout, context: bpy.types.Context, item: bpy.types.Object, action: object) -> None:
+    column = layout.column()
+    column.use_property_split, column.use_property_decorate = True, False
+    column.prop(item, "unisg_action_name")
+    if action.type in TYPES:
+        column.prop(item, "unisg_action_type")
+    else:
+        column.label(text=f"Type {action.type!r} is one of your own", icon="SCRIPT")
+    if action.type in LIMITS:
+        _objects(layout, context, action, "targets", "Target")
+    if action.type in ("Use", "Tool"):
+        _objects(layout, context, action, "tools", "Tool")
+        if action.type == "Use":
+            layout.prop(item, "unisg_action_trigger")
+    if action.type in ("Insert", "Remove", "Tool"):
+        _reference(layout, context, action)
+    for name in LIMITS.get(action.type, ()):
+        _limit(layout, item, action, name)
+    if action.type == "Question":
+        _answers(layout, item, action)
+    if action.type == "Parallel":
+        _members(layout, context, item, action)
+
+
+def _objects(layout: bpy.types.UILayout, context: bpy.types.Context, action: object, slot: str, title: str) -> None:
+    from ..unisg_blender.blender.lookup import objects_by_uid
+
+    objects, uids = objects_by_uid(context.scene), getattr(action, slot)
+    box = layout.box().column(align=True)
+    box.label(text=f"{title}: any of these" if len(uids) > 1 else title)
+    for uid in uids:
+        row = box.row(align=True)
+        if uid in objects:
+            row.label(text=objects[uid].name, icon="OBJECT_DATA")
+        else:
+            row.label(text=f"{action.names.get(uid, uid)} (missing)", icon="ERROR")
+        out = row.operator("unisg.action_unlink", text="", icon="X", emboss=False)
+        out.slot, out.uid = slot, uid
+    row = box.row(align=True)
+    row.prop(context.window_manager, f"unisg_pick_{slot}", text="")
+    row.operator("unisg.action_link", text="", icon="RESTRICT_SELECT_OFF").slot = slot
+
+
+def _reference(layout: bpy.types.UILayout, context: bpy.types.Context, action: object) -> None:
+    from ..unisg_blender.blender.lookup import objects_by_uid
+
+    box = layout.box().column(align=True)
+    missing = {"Insert": "no reference pose yet", "Remove": "from where it stands now", "Tool": "none: contact"}
+    box.label(text="Reference pose" if action.reference else f"Reference pose: {missing[action.type]}")
+    row = box.row(align=True)
+    row.operator("unisg.action_reference", text="From Current Pose", icon="PINNED")
+    row.operator("unisg.action_go_to_reference", text="", icon="VIEWZOOM")
+    row = box.row(align=True)
+    if action.frame:
+        found = objects_by_uid(context.scene).get(action.frame)
+        name = found.name if found is not None else f"{action.names.get(action.frame, action.frame)} (missing)"
+        row.label(text=f"moves with {name}", icon="LINKED" if found is not None else "ERROR")
+        row.operator("unisg.action_unlink", text="", icon="X", emboss=False).slot = "frame"
+    else:
+        row.label(text="moves with", icon="UNLINKED")
+        row.prop(context.window_manager, "unisg_pick_frame", text="")
+
+
+def _limit(layout: bpy.types.UILayout, item: bpy.types.Object, action: object, name: str) -> None:
+    row = layout.row(align=True)
+    row.prop(item, f"unisg_action_ask_{name}", text="")
+    field = row.row()
+    field.enabled = getattr(action.thresholds, name) is not None
+    field.prop(item, f"unisg_action_{name}")
+
+
+def _answers(layout: bpy.types.UILayout, item: bpy.types.Object, action: object) -> None:
+    box = layout.box().column(align=True)
+    row = box.row()
+    row.label(text="Answers; tick the right ones")
+    row.operator("unisg.action_answers", text="", icon="ADD").add = True
+    row.operator("unisg.action_answers", text="", icon="REMOVE").add = False
+    for place in range(min(len(action.answers), ANSWERS)):
+        row = box.row(align=True)
+        row.prop(item, f"unisg_action_correct_{place}", text="")
+        row.prop(item, f"unisg_action_answer_{place}", text="")
+
+
+def _members(layout: bpy.types.UILayout, context: bpy.types.Context, item: bpy.types.Object, action: object) -> None:
+    from ..unisg_blender.blender.authoring import scene_actions
+
+    found = {each.uid: (each, owner) for owner, each in scene_actions(context.scene)} if action.members else {}
+    box = layout.box().column(align=True)
+    box.prop(item, "unisg_action_any")
+    for uid in action.members:
+        row = box.row(align=True)
+        if uid in found:
+            member, owner = found[uid]
+            row.label(text=f"{member.name or member.type} ({owner.name})", icon=ICONS.get(member.type, "DOT"))
+        else:
+            row.label(text=f"{action.names.get(uid, uid)} (missing)", icon="ERROR")
+        out = row.operator("unisg.action_unlink", text="", icon="X", emboss=False)
+        out.slot, out.uid = "members", uid
+    box.operator("unisg.action_member", icon="ADD")
+
+
+CLASSES = (UNISG_PT_actions,)

@@ -1,0 +1,140 @@
+"""The lesson: play it, see its tree, change the active node."""
+
+from __future__ import annotations
+
+import bpy
+
+from ..operators.lesson import active_node, lesson_object
+from ..operators.play import session
+from .actions import _wrapped
+from .main import SidebarPanel
+
+KIND_ICONS = {"operation": "SCENE_DATA", "lesson": "BOOKMARKS", "stage": "SEQUENCE", "action": "DOT"}
+STATUS_ICONS = {"waiting": "RADIOBUT_OFF", "open": "PLAY", "done": "CHECKMARK", "skipped": "REMOVE"}
+
+
+class UNISG_PT_play(SidebarPanel, bpy.types.Panel):
+    """Play the lesson and hear what happens."""
+
+    bl_label = "Play"
+    bl_parent_id = "UNISG_PT_main"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout, current = self.layout, session()
+        if current is None:
+            item = lesson_object(context)
+            play = layout.operator("unisg.play", icon="PLAY")
+            play.operation = "" if item is None else _operation_uid(item)
+            return
+        layout.operator("unisg.play_stop", icon="SNAP_FACE")
+        if current.state.finished:
+            layout.label(text="Played to the end", icon="CHECKMARK")
+        told = current.message()
+        if told is not None:
+            text = told.why if told.kind != "done" else f"Done: {told.name}"
+            column = layout.column()
+            column.alert = told.kind != "done"
+            _wrapped(column, text, context.region.width)
+        for action, holds in current.open_actions():
+            _open_action(layout, current, action, holds)
+
+
+def _operation_uid(item: bpy.types.Object) -> str:
+    from ..unisg_blender.blender.behaviour import lesson_of
+
+    return lesson_of(item).uid
+
+
+def _open_action(layout: bpy.types.UILayout, current: object, action: object, holds: bool) -> None:
+    box = layout.box().column(align=True)
+    box.label(text=action.name or action.type, icon="CHECKBOX_HLT" if holds else "CHECKBOX_DEHLT")
+    graph = current.lesson.graph
+    if action.type == "Question":
+        several = len(action.correct) > 1
+        for place, answer in enumerate(action.answers):
+            ticked = place in current.chosen.get(action.uid, ())
+            choose = box.operator("unisg.play_choose", text=answer, depress=ticked)
+            choose.uid, choose.place, choose.several = action.uid, place, several
+        if several:
+            box.operator("unisg.play_answer").uid = action.uid
+    elif action.trigger or action.type == "Tool":
+        for uid in action.tools:
+            name = graph.name[graph.row_of_uid[uid]]
+            pressed = uid in current.pressed
+            box.operator("unisg.play_trigger", text=f"Trigger of {name}", depress=pressed).uid = uid
+
+
+class UNISG_PT_lesson(SidebarPanel, bpy.types.Panel):
+    """The tree of the lesson."""
+
+    bl_label = "Lesson"
+    bl_parent_id = "UNISG_PT_main"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        from ..unisg_blender.blender.behaviour import lesson_of, why_fixed
+        from ..unisg_blender.scene.properties import LSA
+
+        layout, item = self.layout, lesson_object(context)
+        if item is None:
+            layout.label(text="No lesson yet", icon="INFO")
+            layout.operator("unisg.lesson_new", icon="ADD")
+            return
+        row = layout.row(align=True)
+        row.prop_search(context.window_manager, "unisg_lesson", context.scene, "objects", text="", icon="EMPTY_DATA")
+        row.operator("unisg.lesson_new", text="", icon="ADD")
+        row.operator("unisg.lesson_check", text="", icon="CHECKMARK")
+        reason = why_fixed(item, LSA)
+        if reason:
+            _wrapped(layout, reason, context.region.width)
+        row = layout.row()
+        tree = row.column(align=True)
+        tree.scale_y = 0.9
+        active = active_node(context)
+        _tree(tree, lesson_of(item), 0, active.uid)
+        buttons = row.column(align=True)
+        buttons.operator_menu_enum("unisg.lesson_add", "kind", text="", icon="ADD")
+        buttons.operator("unisg.lesson_remove", text="", icon="REMOVE")
+        for how, icon in (("UP", "TRIA_UP"), ("DOWN", "TRIA_DOWN"), ("IN", "TRIA_RIGHT"), ("OUT", "TRIA_LEFT")):
+            buttons.operator("unisg.lesson_move", text="", icon=icon).how = how
+        layout.operator("unisg.lesson_add_action", icon="ADD")
+        _node(layout, item, lesson_of(item), active)
+
+
+def _tree(layout: bpy.types.UILayout, node: object, depth: int, active: str) -> None:
+    current = session()
+    row = layout.row(align=True)
+    if depth:
+        indent = row.row()
+        indent.ui_units_x = 0.7 * depth
+        indent.label(text="")
+    line = row.row(align=True)
+    line.alignment = "LEFT"
+    icon = STATUS_ICONS[current.status(node.uid)] if current is not None else KIND_ICONS[node.kind]
+    text = (node.name or node.kind) + (" (optional)" if node.optional else "")
+    text += " (any order)" if node.children and not node.ordered else ""
+    chosen = line.operator(
+        "unisg.lesson_select", text=text, icon=icon, depress=node.uid == active, emboss=node.uid == active
+    )
+    chosen.uid = node.uid
+    for child in node.children:
+        _tree(layout, child, depth + 1, active)
+
+
+def _node(layout: bpy.types.UILayout, item: bpy.types.Object, root: object, node: object) -> None:
+    box = layout.box().column()
+    box.prop(item, "unisg_node_name", text=node.kind.capitalize())
+    row = box.row()
+    if node.uid != root.uid:
+        row.prop(item, "unisg_node_optional")
+    if node.kind != "action":
+        row.prop(item, "unisg_node_ordered")
+    names = {each.uid: each.name or each.kind for each in root.walk()}
+    for uid in node.requires:
+        row = box.row(align=True)
+        row.label(text=f"after {names.get(uid, uid)}", icon="LINKED")
+        row.operator("unisg.lesson_unrequire", text="", icon="X", emboss=False).uid = uid
+    if node.uid != root.uid:
+        box.operator("unisg.lesson_require", icon="ADD")
+
+
+CLASSES = (UNISG_PT_play, UNISG_PT_lesson)

@@ -1,0 +1,327 @@
+"""The operators and panels of actions and lessons, in real Blender, as a user's clicks would call them."""
+
+from __future__ import annotations
+
+import importlib
+import sys
+import types
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+bpy = pytest.importorskip("bpy")
+
+from unisg_blender.blender import read_scene  # noqa: E402
+from unisg_blender.blender.behaviour import actions_of, lesson_of, scene_moments  # noqa: E402
+from unisg_blender.scene.behaviour import check_scene, prepare, simulate  # noqa: E402
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+@pytest.fixture(scope="module", autouse=True)
+def extension():
+    """The extension's modules, registered as Blender would."""
+    package = types.ModuleType("unisg_extension")
+    package.__path__ = [str(ROOT)]
+    sys.modules["unisg_extension"] = package
+    parts = ("operators.action_properties", "operators.actions", "operators.lesson", "operators.play")
+    parts += ("operators.copied", "panels.main", "panels.lesson", "panels.actions", "panels.overlay")
+    modules = [importlib.import_module(f"unisg_extension.{name}") for name in parts]
+    registration = importlib.import_module("unisg_extension.operators.registration")
+    registration.register_modules(modules)
+    yield
+    registration.unregister_modules(modules)
+
+
+@pytest.fixture(autouse=True)
+def room():
+    """A knee and a scalpel."""
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    for name, x in (("Knee", 0.0), ("Scalpel", 2.0)):
+        bpy.ops.mesh.primitive_cube_add(size=0.2, location=(x, 0, 0))
+        bpy.context.object.name = name
+    activate("Knee")
+    bpy.context.window_manager.unisg_lesson_node = ""
+
+
+def activate(name, *others):
+    for item in bpy.context.scene.objects:
+        item.select_set(item.name in (name, *others))
+    bpy.context.view_layer.objects.active = bpy.data.objects[name]
+
+
+def knee_action(place=-1):
+    return actions_of(bpy.data.objects["Knee"])[place]
+
+
+def uid(name):
+    return bpy.data.objects[name]["unisg_uid"]
+
+
+def test_an_insert_is_made_with_a_few_clicks():
+    scalpel, knee = bpy.data.objects["Scalpel"], bpy.data.objects["Knee"]
+    activate("Scalpel")
+    assert bpy.ops.unisg.action_add(type="Insert") == {"FINISHED"}
+    scalpel.unisg_action_name = "Put the scalpel on the knee"
+    bpy.context.window_manager.unisg_pick_frame = knee
+    scalpel.location = (0, 0, 0.2)
+    bpy.context.view_layer.update()
+    bpy.ops.unisg.action_reference()
+    scalpel.unisg_action_ask_angle = False
+    scalpel.unisg_action_distance = 0.05
+    scalpel.unisg_action_ask_hold = True
+    scalpel.unisg_action_hold = 0.5
+    action = actions_of(scalpel)[0]
+    assert action.name == "Put the scalpel on the knee"
+    assert action.targets == (uid("Scalpel"),)
+    assert action.frame == uid("Knee")
+    assert action.names == {uid("Scalpel"): "Scalpel", uid("Knee"): "Knee"}
+    assert np.allclose(action.reference_matrix[:3, 3], [0, 0, 0.2])
+    limits = action.thresholds
+    assert (limits.distance, limits.angle, limits.hold) == (pytest.approx(0.05), None, 0.5)
+    knee.location = (0, 3, 0)
+    bpy.context.view_layer.update()
+    bpy.ops.unisg.action_go_to_reference()
+    assert np.allclose(scalpel.location, (0, 3, 0.2))
+
+
+def test_changing_the_frame_leaves_the_reference_where_it_is():
+    activate("Scalpel")
+    bpy.ops.unisg.action_add(type="Insert")
+    bpy.ops.unisg.action_reference()
+    activate("Scalpel", "Knee")
+    bpy.ops.unisg.action_link(slot="frame")
+    activate("Scalpel")
+    bpy.data.objects["Scalpel"].location = (9, 9, 9)
+    bpy.ops.unisg.action_go_to_reference()
+    assert np.allclose(bpy.data.objects["Scalpel"].location, (2, 0, 0))
+    bpy.ops.unisg.action_unlink(slot="frame")
+    assert actions_of(bpy.data.objects["Scalpel"])[0].frame == ""
+
+
+def test_use_question_parallel_and_the_list():
+    activate("Knee", "Scalpel")
+    bpy.ops.unisg.action_add(type="Use")
+    assert knee_action().tools == (uid("Scalpel"),)
+    bpy.data.objects["Knee"].unisg_action_trigger = True
+    bpy.ops.unisg.action_add(type="Question")
+    knee = bpy.data.objects["Knee"]
+    bpy.ops.unisg.action_answers(add=True)
+    knee.unisg_action_answer_2 = "Three"
+    knee.unisg_action_correct_2, knee.unisg_action_correct_0 = True, False
+    assert knee_action().answers == ("Yes", "No", "Three")
+    assert knee_action().correct == (2,)
+    bpy.ops.unisg.action_answers(add=False)
+    assert knee_action().correct == ()
+    bpy.ops.unisg.action_add(type="Parallel")
+    bpy.ops.unisg.action_member(member=knee_action(0).uid)
+    knee.unisg_action_any = True
+    assert knee_action().members == (knee_action(0).uid,)
+    assert knee_action().mode == "any"
+    bpy.ops.unisg.action_move(step=-1)
+    assert [action.type for action in actions_of(knee)] == ["Use", "Parallel", "Question"]
+    bpy.ops.unisg.action_duplicate()
+    assert len({action.uid for action in actions_of(knee)}) == 4
+    bpy.ops.unisg.action_remove()
+    bpy.ops.unisg.action_select(place=0)
+    bpy.ops.unisg.action_unlink(slot="tools", uid=uid("Scalpel"))
+    assert knee_action(0).tools == ()
+    knee.unisg_action_type = "Remove"
+    assert knee_action(0).type == "Remove"
+
+
+def test_grey_buttons_say_why():
+    bpy.context.view_layer.objects.active = None
+    assert not bpy.ops.unisg.action_add.poll()
+    activate("Knee")
+    assert bpy.ops.unisg.action_add.poll()
+    assert not bpy.ops.unisg.action_remove.poll()
+    assert not bpy.ops.unisg.play.poll()
+    assert not bpy.ops.unisg.lesson_add.poll()
+    bpy.ops.unisg.action_add(type="Insert")
+    with pytest.raises(RuntimeError, match="no reference pose yet"):
+        bpy.ops.unisg.action_go_to_reference()
+    with pytest.raises(RuntimeError, match="select other objects"):
+        bpy.ops.unisg.action_link(slot="tools")
+
+
+def build_lesson():
+    """A lesson: move the scalpel to the knee, then take it away."""
+    activate("Scalpel")
+    bpy.ops.unisg.action_add(type="Insert")
+    scalpel = bpy.data.objects["Scalpel"]
+    scalpel.unisg_action_name = "Place"
+    bpy.data.objects["Scalpel"].location = (0, 0, 0.2)
+    bpy.context.view_layer.update()
+    bpy.ops.unisg.action_reference()
+    bpy.ops.unisg.lesson_new(name="Surgery")
+    activate("Scalpel")
+    bpy.ops.unisg.lesson_add_action()
+    bpy.ops.unisg.action_add(type="Remove")
+    scalpel.unisg_action_name = "Take away"
+    bpy.ops.unisg.lesson_add_action()
+    scalpel.location = (2, 0, 0)
+    bpy.context.view_layer.update()
+    return bpy.data.objects["Surgery"]
+
+
+def shape(item):
+    def walk(node):
+        return (node.name, *map(walk, node.children)) if node.children else node.name
+
+    return walk(lesson_of(item))
+
+
+def test_a_lesson_is_built_moved_and_checked():
+    item = build_lesson()
+    assert shape(item) == ("Surgery", ("Lesson", ("Stage", "Place", "Take away")))
+    bpy.ops.unisg.lesson_move(how="UP")
+    assert shape(item) == ("Surgery", ("Lesson", ("Stage", "Take away", "Place")))
+    bpy.ops.unisg.lesson_move(how="DOWN")
+    bpy.ops.unisg.lesson_add(kind="stage")
+    item.unisg_node_name = "End"
+    item.unisg_node_ordered = False
+    item.unisg_node_optional = True
+    assert shape(item) == ("Surgery", ("Lesson", ("Stage", "Place", "Take away"), "End"))
+    stages = lesson_of(item).children[0].children
+    assert (stages[1].optional, stages[1].ordered) == (True, False)
+    bpy.ops.unisg.lesson_require(node=stages[0].uid)
+    assert lesson_of(item).children[0].children[1].requires == (stages[0].uid,)
+    bpy.ops.unisg.lesson_unrequire(uid=stages[0].uid)
+    bpy.ops.unisg.lesson_add(kind="lesson")
+    bpy.ops.unisg.lesson_move(how="OUT")
+    assert shape(item)[2] == "Lesson"
+    bpy.ops.unisg.lesson_move(how="IN")
+    bpy.ops.unisg.lesson_remove()
+    bpy.ops.unisg.lesson_select(uid=stages[1].uid)
+    bpy.ops.unisg.lesson_remove()
+    assert shape(item) == ("Surgery", ("Lesson", ("Stage", "Place", "Take away")))
+    assert check_scene(read_scene()) == []
+    assert bpy.ops.unisg.lesson_check() == {"FINISHED"}
+    bpy.ops.unisg.lesson_select(uid=stages[0].children[0].uid)
+    assert bpy.context.window_manager.unisg_action == 0
+
+
+def animate():
+    scalpel = bpy.data.objects["Scalpel"]
+    for frame, place in ((1, (2, 0, 0)), (25, (0, 0, 0.2)), (49, (0, 0, 1))):
+        scalpel.location = place
+        scalpel.keyframe_insert("location", frame=frame)
+    bpy.context.scene.frame_end = 60
+
+
+def test_an_animation_plays_the_lesson():
+    build_lesson()
+    animate()
+    bpy.context.scene.frame_set(7)
+    graph = read_scene()
+    timeline = simulate(prepare(graph), scene_moments(bpy.context.scene, graph))
+    assert [event.name for event in timeline.performed()] == ["Place", "Take away"]
+    assert timeline.performed()[0].time == pytest.approx(1.0, abs=0.1)
+    assert timeline.finished
+    assert bpy.context.scene.frame_current == 7
+    assert bpy.ops.unisg.play() == {"FINISHED"}
+
+
+def test_markers_answer_and_animated_numbers_are_trigger_and_force():
+    activate("Knee", "Scalpel")
+    bpy.ops.unisg.action_add(type="Use")
+    knee, scalpel = bpy.data.objects["Knee"], bpy.data.objects["Scalpel"]
+    knee.unisg_action_trigger, knee.unisg_action_ask_hold, knee.unisg_action_ask_force = True, False, True
+    bpy.ops.unisg.lesson_new(name="Surgery")
+    activate("Knee")
+    bpy.ops.unisg.lesson_add_action()
+    bpy.ops.unisg.action_add(type="Question")
+    knee.unisg_action_name = "Ready?"
+    bpy.ops.unisg.lesson_add_action()
+    scalpel.location = (0, 0, 0.1)
+    for frame, pressed, force in ((1, 0, 0.0), (10, 1, 0.0), (20, 1, 6.0)):
+        scalpel["unisg_trigger"], scalpel["unisg_force"] = pressed, force
+        scalpel.keyframe_insert('["unisg_trigger"]', frame=frame)
+        scalpel.keyframe_insert('["unisg_force"]', frame=frame)
+    scene = bpy.context.scene
+    scene.timeline_markers.new("Ready? = No", frame=30)
+    scene.timeline_markers.new("Ready? = Yes", frame=40)
+    scene.frame_end = 50
+    graph = read_scene()
+    timeline = simulate(prepare(graph), scene_moments(scene, graph))
+    told = [(event.name, event.kind) for event in timeline.events if event.kind in ("done", "wrong_answer")]
+    assert told[:3] == [("Use Knee", "done"), ("Ready?", "wrong_answer"), ("Ready?", "done")]
+    used, _ = timeline.performed()
+    assert used.time > 9 / 24
+    assert used.time < 20 / 24
+
+
+def test_play_steps_through_the_open_scene():
+    from unisg_extension.unisg_blender.blender.play import open_session
+
+    build_lesson()
+    played = open_session(bpy.context.scene)
+    scalpel = bpy.data.objects["Scalpel"]
+    played.step(0.0)
+    assert [(action.name, holds) for action, holds in played.open_actions()] == [("Place", False)]
+    scalpel.location = (0, 0, 0.2)
+    bpy.context.view_layer.update()
+    played.step(0.1)
+    assert played.message().name == "Place"
+    bpy.data.objects["Scalpel"].name = "Bistoury"  # renamed while playing
+    scalpel.location = (0, 0, 3)
+    bpy.context.view_layer.update()
+    played.step(0.2)
+    assert played.state.finished
+    assert played.status(played.lesson.outline.nodes[-1].uid) == "done"
+
+
+def test_every_edit_is_one_undo_step():
+    bpy.ops.ed.undo_push(message="before")
+    bpy.ops.unisg.action_add("EXEC_DEFAULT", True, type="Insert")
+    assert len(actions_of(bpy.data.objects["Knee"])) == 1
+    bpy.ops.unisg.action_reference("EXEC_DEFAULT", True)
+    assert knee_action().reference is not None
+    bpy.ops.ed.undo()
+    assert knee_action().reference is None
+    bpy.ops.ed.undo()
+    assert not actions_of(bpy.data.objects["Knee"])
+    bpy.ops.ed.redo()
+    assert len(actions_of(bpy.data.objects["Knee"])) == 1
+
+
+def test_nothing_is_stored_beside_the_documented_properties():
+    build_lesson()
+    for item in bpy.context.scene.objects:
+        assert {key for key in dict(item) if not key.startswith("cycles")} <= {
+            "unisg_actions",
+            "unisg_uid",
+            "unisg_lsa",
+        }
+
+
+def test_lines_of_the_overlay():
+    from unisg_extension.unisg_blender.blender.overlay import action_lines
+
+    build_lesson()
+    place, away = actions_of(bpy.data.objects["Scalpel"])
+    lines = list(action_lines(bpy.context.scene, place))
+    assert len(lines) == 4  # hologram, distance, angle, link
+    hologram = lines[0][0]
+    assert np.allclose(hologram.mean(axis=0), (0, 0, 0.2), atol=1e-6)
+    assert np.ptp(hologram[:, 0]) == pytest.approx(0.2)
+    assert all(points.shape[1] == 3 and len(points) % 2 == 0 for points, _ in lines)
+    assert len(list(action_lines(bpy.context.scene, away))) == 1
+
+
+def test_copies_are_told_apart_at_once():
+    from unisg_extension.operators import copied
+
+    build_lesson()
+    scene = bpy.context.scene
+    copied._after_update(scene, None)
+    activate("Scalpel")
+    bpy.ops.object.duplicate()
+    bpy.context.view_layer.update()
+    assert bpy.app.timers.is_registered(copied._repair)
+    copied._repair()
+    assert len({item.get("unisg_uid") for item in scene.objects if "unisg_uid" in item}) == 2 + 1
+    copy = bpy.data.objects["Scalpel.001"]
+    assert actions_of(copy)[0].targets == (copy["unisg_uid"],)
