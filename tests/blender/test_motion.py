@@ -121,6 +121,18 @@ def test_reduction_keeps_the_motion(mode):
     assert report.keys_after == key_count(item) < 0.35 * dense
 
 
+def test_channels_that_do_not_change_keep_one_key():
+    item = keyed(poses=[(1, (1, 0, 0), (0, 0, 1), 0), (31, (1, 0, 0), (0, 0, 1), 60), (61, (1, 0, 0), (0, 0, 1), 120)])
+    frames = np.arange(1.0, 62.0)
+    wanted = read_motors(item, frames)
+    keyframes.write_motors(item, frames, wanted)
+    reduce_item_keyframes(item, Tolerance(1.0, 0.2))
+    counts = {(c.data_path, c.array_index): len(c.keyframe_points) for c in keyframes.curves_of(item)}
+    still = [("location", i) for i in range(3)] + [("rotation_quaternion", i) for i in (1, 2)]
+    assert [counts[channel] for channel in still] == [1] * 5
+    assert np.degrees(pose_errors(played(item, frames), wanted)[1].max()) < 0.2 + 1e-3
+
+
 def test_a_motion_without_spare_keys_stays_as_it_is():
     item = keyed(poses=[(1, (0, 0, 0), (0, 0, 1), 0), (11, (3, 0, 0), (0, 0, 1), 0)])
     for curve in keyframes.curves_of(item):

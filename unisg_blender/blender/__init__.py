@@ -13,6 +13,7 @@ try:
 except ImportError:
     raise MissingPackageError("bpy", "blender") from None
 
+from .animation import sample_animation
 from .files import SUFFIXES, new_file, open_file, read_file, save_blend
 from .lookup import objects_by_uid
 from .picture import render_picture
@@ -22,5 +23,5 @@ from .write import write_rows, write_scene
 
 __all__ = [
     "SUFFIXES", "ReadReport", "new_file", "objects_by_uid", "open_file", "read_file", "read_scene", "read_scenes",
-    "render_picture", "save_blend", "write_rows", "write_scene",
+    "render_picture", "sample_animation", "save_blend", "write_rows", "write_scene",
 ]  # fmt: skip

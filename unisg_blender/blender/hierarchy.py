@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import bpy
@@ -34,11 +34,19 @@ class Hierarchy:
     world: NDArray[np.float64]
 
 
+def updated_depsgraph(scene: bpy.types.Scene) -> tuple[bpy.types.ViewLayer, bpy.types.Depsgraph]:
+    """The view layer that is read, the current or the first one, and its depsgraph, evaluated."""
+    if scene == bpy.context.scene:
+        return bpy.context.view_layer, bpy.context.evaluated_depsgraph_get()
+    layer = scene.view_layers[0]
+    layer.update()
+    return layer, layer.depsgraph
+
+
 def read_hierarchy(
     objects: bpy.types.bpy_prop_collection,
     items: Sequence[bpy.types.Object],
     depsgraph: bpy.types.Depsgraph,
-    active: bool,
 ) -> Hierarchy:
     """Hierarchy of all objects of a collection property.
 
@@ -47,10 +55,8 @@ def read_hierarchy(
     objects, items
         The same objects as Blender's collection and as a list.
     depsgraph
-        Where evaluated matrices come from.
-    active
-        True if Blender keeps the objects' own ``matrix_world`` up to date with it,
-        which saves asking for each evaluated object.
+        Where evaluated matrices come from; the objects' own ``matrix_world`` is not
+        kept up to date in every scene.
     """
     rows: dict[bpy.types.Object | None, int] = {item: row for row, item in enumerate(items)}
     rows[None] = -1
@@ -65,15 +71,14 @@ def read_hierarchy(
     kind = np.empty(len(items), np.int32)
     objects.foreach_get("parent_type", kind)
     special = np.flatnonzero((kind != 0) & hangs)
-    world = _worlds(objects, items, depsgraph, active)
+    world, evaluated = _worlds(items, rows, depsgraph)
     frames = {int(row): frame_of_parent(items[row], depsgraph) for row in special}
     for row, frame in frames.items():
         local[row], terms[row] = frame @ local[row], np.abs(frame) @ terms[row]
     for row in np.flatnonzero((parent < 0) & hangs):  # the parent is not among the objects: stand where it stands
         frame = chain_matrix(above[row], depsgraph)
         local[row], terms[row] = frame @ local[row], np.abs(frame) @ terms[row]
-    moved = _moved(parent, local, world, terms)
-    moved = np.array([row for row in moved if is_evaluated(items[row], depsgraph)], np.int64)
+    moved = np.flatnonzero(_moved(parent, local, world, terms) & evaluated)
     return Hierarchy(parent, local, special, frames, moved, world[moved])
 
 
@@ -81,7 +86,8 @@ def frame_of_parent(item: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> N
     """What stands between the parent's matrix and the parent inverse: float64 (4, 4); the identity for most."""
     kind = item.parent_type
     if kind == "BONE":
-        bone = item.parent.pose.bones.get(item.parent_bone) if item.parent.pose else None
+        pose = item.parent.evaluated_get(depsgraph).pose
+        bone = pose.bones.get(item.parent_bone) if pose else None
         if bone is None:
             return np.eye(4)
         if bone.bone.use_relative_parent:
@@ -122,27 +128,31 @@ def read_matrices(objects: bpy.types.bpy_prop_collection, name: str, count: int)
 
 
 def _worlds(
-    objects: bpy.types.bpy_prop_collection,
-    items: Sequence[bpy.types.Object],
-    depsgraph: bpy.types.Depsgraph,
-    active: bool,
-) -> NDArray[np.float64]:
-    if active:
-        return read_matrices(objects, "matrix_world", len(items))
-    return np.array([item.evaluated_get(depsgraph).matrix_world for item in items], np.float64).reshape(-1, 4, 4)
+    items: Sequence[bpy.types.Object], rows: Mapping[bpy.types.Object | None, int], depsgraph: bpy.types.Depsgraph
+) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+    """Evaluated world matrices float64 (N, 4, 4), and bool (N,): False where Blender evaluates none."""
+    world, evaluated = np.zeros((len(items), 4, 4)), np.zeros(len(items), bool)
+    seen = np.array([rows.get(found.original, -1) for found in depsgraph.objects], np.int64)
+    matrices = read_matrices(depsgraph.objects, "matrix_world", len(seen))
+    world[seen[seen >= 0]], evaluated[seen[seen >= 0]] = matrices[seen >= 0], True
+    for row in np.flatnonzero(~evaluated):  # hidden, or only in an instanced collection
+        found = items[row].evaluated_get(depsgraph)
+        if found.is_evaluated:
+            world[row], evaluated[row] = np.array(found.matrix_world), True
+    return world, evaluated
 
 
 def _moved(
     parent: NDArray[np.int32], local: NDArray[np.float64], world: NDArray[np.float64], terms: NDArray[np.float64]
-) -> NDArray[np.int64]:
-    """Rows that do not stand where their parent and ``local`` put them, and rows where small roundings add up."""
+) -> NDArray[np.bool_]:
+    """bool (N,): rows that do not stand where parent and ``local`` put them, and rows where small roundings add up."""
     if not len(parent):
-        return np.zeros(0, np.int64)
+        return np.zeros(0, bool)
     above = np.where((parent >= 0)[:, None, None], world[parent], np.eye(4))
     terms = np.abs(above) @ terms
     moved = differ(above @ local, world, STEP, terms)
     fixed, root = np.where(moved[:, None, None], world, local), np.where(moved, -1, parent)
-    return np.flatnonzero(moved | differ(compose_world(fixed, root), world, CHAIN, terms))
+    return moved | differ(compose_world(fixed, root), world, CHAIN, terms)
 
 
 def differ(

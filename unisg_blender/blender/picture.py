@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from ..errors import UniSGError
 from ..scene.properties import CATEGORY
+from .hierarchy import updated_depsgraph
 from .quiet import captured_output
 
 View = Literal["perspective", "top"]
@@ -72,7 +73,9 @@ def render_picture(
         for item in scene.objects
         if item.type in SHOWN and not item.hide_render and category_of(item) not in leave_out
     ]
-    points = corner_points(items) if points is None else points
+    if points is None:
+        _, depsgraph = updated_depsgraph(scene)
+        points = corner_points([item.evaluated_get(depsgraph) for item in items])
     if not len(points):
         raise UniSGError(f"scene {scene.name!r} has nothing to show: add objects with a mesh")
     with _stage(items, engine) as stage:
@@ -94,7 +97,7 @@ def category_of(item: bpy.types.Object) -> str:
 
 
 def corner_points(items: Sequence[bpy.types.Object]) -> NDArray[np.float64]:
-    """Corners (K, 3) in the world of the boxes around all objects that have geometry."""
+    """Corners (K, 3) in the world of the boxes around all evaluated objects that have geometry."""
     found = [np.zeros((0, 3))]
     for item in items:
         if item.type != "EMPTY":

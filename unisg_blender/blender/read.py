@@ -18,7 +18,7 @@ from ..scene.mesh import Material
 from ..scene.properties import ObjectProperties, decode_properties
 from .custom_properties import custom_properties
 from .folding import HELPER, TYPE, fold
-from .hierarchy import read_hierarchy
+from .hierarchy import read_hierarchy, updated_depsgraph
 from .losses import report_losses
 from .materials import read_material
 from .read_components import component_tables
@@ -39,7 +39,6 @@ class Reader:
 
     depsgraph: bpy.types.Depsgraph
     view_layer: bpy.types.ViewLayer
-    active: bool  # Blender keeps matrix_world up to date with this depsgraph
     geometry: Geometry
     details: bool
     shelf: MeshShelf
@@ -86,11 +85,9 @@ def read_scene(
     """
     scene = scene or bpy.context.scene
     report = ReadReport() if report is None else report
-    active = scene == bpy.context.scene
-    view_layer = bpy.context.view_layer if active else scene.view_layers[0]
-    depsgraph = _updated_depsgraph(view_layer, active)
+    view_layer, depsgraph = updated_depsgraph(scene)
     shelf = MeshShelf(depsgraph, geometry == "evaluated", report)
-    reader = Reader(depsgraph, view_layer, active, geometry, details, shelf, report)
+    reader = Reader(depsgraph, view_layer, geometry, details, shelf, report)
     graph = read_objects(scene.objects, scene.name, scene.collection, reader)
     return realize(graph) if instances == "realized" else graph
 
@@ -104,19 +101,12 @@ def read_scenes(
     }
 
 
-def _updated_depsgraph(view_layer: bpy.types.ViewLayer, active: bool) -> bpy.types.Depsgraph:
-    if active:
-        return bpy.context.evaluated_depsgraph_get()
-    view_layer.update()
-    return view_layer.depsgraph
-
-
 def read_objects(
     objects: bpy.types.bpy_prop_collection, title: str, top: bpy.types.Collection, reader: Reader
 ) -> SceneGraph:
     """The scenegraph of the objects of a scene or of a collection, whose outermost collection is ``top``."""
     items = list(objects)
-    hierarchy = read_hierarchy(objects, items, reader.depsgraph, reader.active)
+    hierarchy = read_hierarchy(objects, items, reader.depsgraph)
     found = [_properties(item, reader.report) for item in items]
     mesh = np.full(len(items), -1, np.int32) if reader.geometry == "none" else reader.shelf.column(items)
     components = {
@@ -124,7 +114,7 @@ def read_objects(
         HELPER: table([row for row, (_, marks) in enumerate(found) if HELPER in marks]),
     }
     if reader.details:
-        components |= component_tables(objects, items, hierarchy, top, reader.view_layer)
+        components |= component_tables(objects, items, hierarchy, top, reader.view_layer, reader.depsgraph)
         components |= instance_table(items, reader.shelf, reader.read_collection, reader.report)
         report_losses(items, reader.depsgraph, reader.geometry == "evaluated", reader.report)
     graph = assemble(

@@ -33,6 +33,7 @@ def component_tables(
     hierarchy: Hierarchy,
     top: bpy.types.Collection,
     view_layer: bpy.types.ViewLayer,
+    depsgraph: bpy.types.Depsgraph,
 ) -> dict[str, Table]:
     """All tables of :mod:`~unisg_blender.scene.components` that the objects fill without evaluation."""
     tables = {
@@ -44,7 +45,7 @@ def component_tables(
         LIBRARY: library_table(items),
         CAMERA: camera_table(items, view_layer),
         LIGHT: light_table(items),
-        BONES: bone_table(items),
+        BONES: bone_table(items, depsgraph),
         EMPTY: empty_table(items),
     }
     return {name: found for name, found in tables.items() if len(found.rows)}

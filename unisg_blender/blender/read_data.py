@@ -50,10 +50,11 @@ def light_table(items: Items) -> Table:
     )
 
 
-def bone_table(items: Items) -> Table:
-    """The bones of all armatures; Blender lists parents first."""
+def bone_table(items: Items, depsgraph: bpy.types.Depsgraph) -> Table:
+    """The bones of all armatures, posed as evaluated; Blender lists parents first."""
     found = [(row, bone) for row, item in enumerate(items) if item.type == "ARMATURE" for bone in item.data.bones]
-    posed = [items[row].pose.bones.get(bone.name) if items[row].pose else None for row, bone in found]
+    poses = {row: items[row].evaluated_get(depsgraph).pose for row, _ in found}
+    posed = [poses[row].bones.get(bone.name) if poses[row] else None for row, bone in found]
     return table(
         [row for row, _ in found],
         name=[bone.name for _, bone in found],

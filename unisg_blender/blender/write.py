@@ -10,6 +10,7 @@ import bpy
 from ..errors import UniSGError
 from ..scene.components import INSTANCES, MATERIALS
 from ..scene.graph import SceneGraph
+from .animation import write_animation
 from .lookup import objects_by_uid
 from .materials import write_materials
 from .report import ReadReport
@@ -147,6 +148,7 @@ def write_objects(
     set_visibility(graph, objects, place.scene)
     if place.scene is not None:
         set_active_camera(graph, objects, place.scene)
+        write_animation(graph, objects, place.scene, writer.report)
     return list(objects.values())
 
 
