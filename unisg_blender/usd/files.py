@@ -44,12 +44,12 @@ def write_usd(graph: SceneGraph, path: str | os.PathLike[str], progress: Progres
     require_pxr()
     from pxr import Sdf
 
-    from .write import write_layer
+    from .write import nested_graphs, write_layer
 
     with replacing(path) as temporary:
         packed = temporary.suffix == ".usdz"
         layer = Sdf.Layer.CreateNew(str(temporary.with_suffix(".usdc") if packed else temporary))
-        write_layer(graph, layer, _ticks(len(graph), progress))
+        write_layer(graph, layer, _ticks(sum(map(len, nested_graphs(graph))), progress))
         if not layer.Save():
             raise UniSGError(f"{path}: USD could not write this file")
         del layer

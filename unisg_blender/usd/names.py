@@ -14,6 +14,8 @@ _OUTSIDE = re.compile(r"\W")
 
 def legal(name: str) -> str:
     """A USD identifier that looks like ``name``: letters of any script stay, at most 60 characters."""
+    if len(name) <= LONGEST and name.isascii() and name.isidentifier():
+        return name
     text = _OUTSIDE.sub("_", name[:LONGEST])
     if not text or text[0].isdigit():
         text = "_" + text
@@ -23,7 +25,7 @@ def legal(name: str) -> str:
 def clean(text: str) -> str:
     """The text as USD can store it: no zero characters, no lone surrogates."""
     if text.isascii():
-        return text.replace("\0", "")
+        return text.replace("\0", "") if "\0" in text else text
     return text.replace("\0", "").encode("utf-8", "replace").decode("utf-8")
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from pxr import Sdf
+from pxr import Sdf, Vt
 
 from ..scene import components
 from ..scene.graph import TYPE_INDEX, TYPES, SceneGraph, Table
@@ -24,6 +24,8 @@ from .write_instances import write_instances
 from .write_meshes import write_materials, write_mesh
 from .write_motion import set_frame_rate, write_motion
 
+PLAIN = Vt.TokenArray([schema.TRANSFORM])
+RESETTING = Vt.TokenArray([schema.RESET, schema.TRANSFORM])
 FLAT = 1e9
 """Condition number from which on a matrix counts as not invertible."""
 
@@ -162,7 +164,7 @@ def _write_transform(prim: Any, local: Any, moved: Moved | None) -> None:
         custom(prim, schema.WORLD, Types.Matrix4d, moved.world)
     value = local if moved is None else moved.relative
     attribute(prim, schema.TRANSFORM, Types.Matrix4d, value, uniform=False)
-    order = [schema.RESET, schema.TRANSFORM] if moved is not None and moved.resets else [schema.TRANSFORM]
+    order = RESETTING if moved is not None and moved.resets else PLAIN
     attribute(prim, "xformOpOrder", Types.TokenArray, order)
 
 

@@ -1,0 +1,162 @@
+"""How long scenes of 1,000 to 100,000 objects take through USD, and how that compares with Blender's own exporter.
+
+    python benchmarks/usd.py [--sizes 1000 10000 100000] [--blender] [--runs 3]
+
+Every size runs in a process of its own, so that its peak memory is its own.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import resource
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+
+PARTS_PER_MESH = 10
+
+
+def grid_scene(count: int) -> object:
+    """``count`` objects, a tenth as many distinct meshes of 162 points, hierarchies of ten, categories, relations."""
+    from unisg_blender.scene import Columns, Mesh, Relation, assemble
+    from unisg_blender.scene.properties import ObjectProperties
+
+    rng = np.random.default_rng(0)
+    side = 9
+    corner = np.arange(side * (side - 1)).reshape(side - 1, side)[:, :-1].reshape(-1)
+    corners = np.stack([corner, corner + 1, corner + side + 1, corner + side], axis=1).astype(np.int32)
+    points = rng.normal(size=(count // PARTS_PER_MESH, 2 * side * side, 3)).astype(np.float32)
+    offsets = np.arange(0, corners.size + 1, 4, dtype=np.int32)
+    meshes = [Mesh(f"Mesh.{index}", part, corners.reshape(-1), offsets) for index, part in enumerate(points)]
+    local = np.tile(np.eye(4), (count, 1, 1))
+    local[:, :3, :3] = np.linalg.qr(rng.normal(size=(count, 3, 3)))[0]
+    local[:, :3, 3] = rng.normal(size=(count, 3))
+    rows = np.arange(count)
+    return assemble(
+        Columns(
+            name=[f"Object.{row}" for row in rows],
+            type=["MESH"] * count,
+            parent=np.where(rows % 10 == 0, -1, rows - rows % 10),
+            local=local,
+            mesh=rows % len(meshes),
+            meshes=meshes,
+            properties=[
+                ObjectProperties(f"Kind {row % 50}", f"{row:032x}", relations=(Relation("beside", f"{row - row % 10:032x}"),))
+                for row in rows
+            ],
+        )
+    )
+
+
+def timed(work: Callable[[], object]) -> tuple[float, object]:
+    """Seconds and result."""
+    start = time.perf_counter()
+    result = work()
+    return time.perf_counter() - start, result
+
+
+def measure_usd(count: int) -> dict[str, float]:
+    """Write, read, write again and read back a scene of ``count`` objects; check that it is the same."""
+    from unisg_blender.usd import read_usd, write_usd
+
+    graph = grid_scene(count)
+    with tempfile.TemporaryDirectory() as folder:
+        path, again = Path(folder, "scene.usdc"), Path(folder, "again.usdc")
+        write, _ = timed(lambda: write_usd(graph, path))
+        read, found = timed(lambda: read_usd(path))
+        rewrite, _ = timed(lambda: write_usd(found, again))
+        reread, back = timed(lambda: read_usd(again))
+        size = path.stat().st_size
+    assert back.uid == graph.uid and len(back.meshes) == len(graph.meshes)
+    assert np.array_equal(back.local, graph.local) and np.array_equal(back.parent, graph.parent)
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20
+    return {
+        "objects": count, "meshes": len(graph.meshes), "write_s": write, "read_s": read, "rewrite_s": rewrite,
+        "read_back_s": reread, "file_MB": size / 1e6, "peak_GiB": peak,
+    }  # fmt: skip
+
+
+def measure_blender(count: int, shared: bool) -> dict[str, float]:
+    """Our reader and writer against ``bpy.ops.wm.usd_export``, on the same Blender scene in the same process."""
+    import bpy
+
+    from unisg_blender.blender import read_scene
+    from unisg_blender.usd import write_usd
+
+    _fill_blender(count, shared)
+    with tempfile.TemporaryDirectory() as folder:
+        write_usd(read_scene(), Path(folder, "warm.usdc"))
+        bpy.ops.wm.usd_export(filepath=str(Path(folder, "warm_blender.usdc")))
+        theirs, _ = timed(lambda: bpy.ops.wm.usd_export(filepath=str(Path(folder, "blender.usdc"))))
+        read, graph = timed(read_scene)
+        write, _ = timed(lambda: write_usd(graph, Path(folder, "ours.usdc")))
+    return {
+        "objects": count, "meshes": len(graph.meshes), "read_s": read, "write_s": write, "ours_s": read + write,
+        "blender_s": theirs, "ratio": (read + write) / theirs,
+    }  # fmt: skip
+
+
+def _fill_blender(count: int, shared: bool) -> None:
+    import bpy
+
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    rng = np.random.default_rng(0)
+    corners = [(x, y, z) for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)]
+    faces = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+    mesh = None
+    for row, place in enumerate(rng.normal(size=(count, 3)) * 50):
+        if mesh is None or not shared:
+            mesh = bpy.data.meshes.new(f"Box.{row}")
+            mesh.from_pydata(corners, [], faces)
+        item = bpy.data.objects.new(f"Object.{row}", mesh)
+        item.location = place
+        bpy.context.scene.collection.objects.link(item)
+    bpy.context.view_layer.update()
+
+
+def _in_own_process(case: list[str], runs: int) -> dict[str, float]:
+    """Medians over several processes."""
+    found = []
+    for _ in range(runs):
+        answer = subprocess.run(
+            [sys.executable, __file__, "--case", *case], stdout=subprocess.PIPE, check=True, timeout=1800, text=True
+        )
+        found.append(json.loads(answer.stdout.splitlines()[-1]))
+    return {name: statistics.median(record[name] for record in found) for name in found[0]}
+
+
+def _print_table(rows: list[dict[str, float]]) -> None:
+    names = list(rows[0])
+    print("| " + " | ".join(names) + " |\n|" + "---|" * len(names))
+    for row in rows:
+        print("| " + " | ".join(f"{row[name]:,.0f}" if row[name] == int(row[name]) else f"{row[name]:.2f}" for name in names) + " |")
+    print(flush=True)
+
+
+def main() -> None:
+    """Print the tables."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--sizes", type=int, nargs="+", default=[1_000, 10_000, 100_000])
+    parser.add_argument("--blender", action="store_true", help="compare with Blender's USD exporter, too")
+    parser.add_argument("--runs", type=int, default=3, help="the tables show medians over so many processes")
+    parser.add_argument("--case", nargs="+", help=argparse.SUPPRESS)
+    args = parser.parse_args()
+    if args.case:
+        kind, count = args.case[0], int(args.case[1])
+        record = measure_usd(count) if kind == "usd" else measure_blender(count, kind == "shared")
+        print(json.dumps(record), flush=True)
+        return
+    _print_table([_in_own_process(["usd", str(size)], args.runs) for size in args.sizes])
+    if args.blender:
+        _print_table([_in_own_process([kind, "10000"], args.runs) for kind in ("shared", "distinct")])
+
+
+if __name__ == "__main__":
+    main()
