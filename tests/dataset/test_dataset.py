@@ -117,7 +117,7 @@ def test_shards_do_not_depend_on_how_scenes_arrive(
     write_dataset(iter(scenes), tmp_path / "b")
     files = [sorted((path.name, path.read_bytes()) for path in (tmp_path / name).iterdir()) for name in "ab"]
     assert files[0] == files[1]
-    dataset = open_dataset(tmp_path / "a", open_shards=1)
+    dataset = open_dataset(tmp_path / "a", memory=1)
     assert len(dataset.manifest["shards"]) == 3
     assert [dataset[index].title for index in (29, 0, 10, 9)] == ["Scene 29", "Scene 0", "Scene 10", "Scene 9"]
     middle = dataset.columns(8, 23)

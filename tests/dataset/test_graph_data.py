@@ -157,11 +157,15 @@ def test_datasets_travel_to_other_processes(folder: Path) -> None:
     assert_same(pickle.loads(data)[3], dataset[3])
 
 
-def test_few_shards_stay_open(folder: Path) -> None:
-    dataset = open_dataset(folder, open_shards=2)
-    for number in (0, 9, 19, 1):
-        dataset[number]
-    assert len(dataset._maps) == 2
+@pytest.mark.parametrize("mapped", [1, 2, 500])
+def test_few_shards_stay_in_memory(folder: Path, monkeypatch: pytest.MonkeyPatch, mapped: int) -> None:
+    monkeypatch.setattr("unisg_blender.dataset.reader.MOST_MAPPED", mapped)
+    dataset = open_dataset(folder, memory=1)
+    expected = [scene.features.copy() for scene in open_dataset(folder)]
+    for number in (0, 9, 19, 1, 9):
+        assert_array_equal(dataset[number].features, expected[number])
+        assert len(dataset._touched) == 1
+        assert len(dataset._shards) <= mapped
 
 
 def test_numbers_outside_are_refused(folder: Path) -> None:

@@ -258,8 +258,8 @@ def _merge(folder: Path, parts: Path, form: str, records: list[Record], before: 
                 record = before.records[record["source"]]
                 _add_earlier(writer, record, before)
             elif record["status"] == "ok" and record["part"]:
-                columns, notes = read_part(parts / record["part"])
-                writer.add(columns, notes["vocabulary"])
+                part = read_part(parts / record["part"])
+                writer.add(part.columns, part.notes["vocabulary"])
             final.append({key: value for key, value in record.items() if key != "part"})
         writer.finish(final)
     except DiskFullError as error:

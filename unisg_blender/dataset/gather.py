@@ -35,8 +35,9 @@ def gather(dataset: Dataset, indices: Sequence[int] | NDArray[np.integer]) -> Co
     pieces: dict[str, list[NDArray]] = {key: [] for keys in KEYS.values() for key in keys}
     counts: dict[str, list[int]] = {table: [] for table in TABLES}
     labels = []
+    opened: dict[int, Columns] = {}
     for shard, row in zip(shards.tolist(), rows, strict=True):
-        columns = dataset.shard(shard)
+        columns = opened[shard] = dataset.shard(shard, 1)
         labels.append(columns["scene.label"][row])
         for table, ptr, keys in PLAN:
             start, stop = columns[ptr][row : row + 2].tolist()
@@ -47,7 +48,7 @@ def gather(dataset: Dataset, indices: Sequence[int] | NDArray[np.integer]) -> Co
     whole = {key: np.concatenate(found) if found else _none(dataset, key) for key, found in pieces.items()}
     whole |= {f"{table}.ptr": np.cumsum([0, *sizes], dtype=np.int64) for table, sizes in counts.items()}
     whole["scene.label"] = np.array(labels, np.int32)
-    return whole | _meshes(dataset, whole, shards)
+    return whole | _meshes(dataset, whole, shards, opened)
 
 
 def _none(dataset: Dataset, key: str) -> NDArray:
@@ -57,7 +58,7 @@ def _none(dataset: Dataset, key: str) -> NDArray:
     )
 
 
-def _meshes(dataset: Dataset, whole: Columns, shards: NDArray[np.int64]) -> Columns:
+def _meshes(dataset: Dataset, whole: Columns, shards: NDArray[np.int64], opened: dict[int, Columns]) -> Columns:
     """The mesh rows that the gathered entities use, and ``entity.mesh`` pointing to them."""
     mesh = whole["entity.mesh"].astype(np.int64)
     shard = np.repeat(shards, np.diff(whole["entity.ptr"]))
@@ -68,6 +69,6 @@ def _meshes(dataset: Dataset, whole: Columns, shards: NDArray[np.int64]) -> Colu
     numbers, first = np.unique(used >> 32, return_index=True)
     runs = np.split(used & 0xFFFFFFFF, first[1:])
     for key in MESH_KEYS:
-        found = [dataset.shard(number)[key][rows] for number, rows in zip(numbers.tolist(), runs, strict=False)]
+        found = [opened[number][key][rows] for number, rows in zip(numbers.tolist(), runs, strict=False)]
         result[key] = np.concatenate(found) if found else _none(dataset, key)
     return result

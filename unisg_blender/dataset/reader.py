@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-from collections import OrderedDict
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
 from itertools import pairwise
@@ -19,8 +18,12 @@ from ..poses import FORMS
 from .columns import Columns, cut, join, unpack_strings
 from .encode import widths
 from .schema import SCHEMA, VERSION
-from .shards import DamagedError, checksum, map_shard
+from .shards import DamagedError, Shard, checksum, map_shard
 from .writer import read_manifest
+
+MEMORY = 2**30
+SCENE_PAGES = 512 * 2**10  # what the system maps around one scene of every column
+MOST_MAPPED = 500  # each takes one of the process's file handles
 
 
 class Scene:
@@ -85,17 +88,19 @@ class Scene:
 class Dataset:
     """A dataset on disk; use :func:`open_dataset`. Can be sent to other processes, which map it anew."""
 
-    def __init__(self, path: Path, manifest: dict[str, Any], verify: bool, open_shards: int) -> None:
+    def __init__(self, path: Path, manifest: dict[str, Any], verify: bool, memory: int) -> None:
         self.path = path
         self.manifest = manifest
         self.verify = verify
-        self.open_shards = open_shards
+        self.memory = memory
         self.starts = np.cumsum([0, *(shard["scenes"] for shard in manifest["shards"])], dtype=np.int64)
-        self._maps: OrderedDict[int, Columns] = OrderedDict()
         self._verified: set[int] = set()
+        self._shards: dict[int, Shard] = {}
+        self._touched: dict[int, int] = {}
+        self._resident = 0
 
     def __getstate__(self) -> dict[str, Any]:
-        return self.__dict__ | {"_maps": OrderedDict(), "_verified": set()}
+        return self.__dict__ | {"_verified": set(), "_shards": {}, "_touched": {}, "_resident": 0}
 
     @property
     def form(self) -> str:
@@ -122,7 +127,7 @@ class Dataset:
 
     def __getitem__(self, index: int) -> Scene:
         shard, row = self.locate(range(len(self))[index])
-        return Scene(cut(self.shard(shard), row, row + 1), self.form, self.vocabulary)
+        return Scene(cut(self.shard(shard, 1), row, row + 1), self.form, self.vocabulary)
 
     def __iter__(self) -> Iterator[Scene]:
         return (self[index] for index in range(len(self)))
@@ -132,19 +137,40 @@ class Dataset:
         shard = int(np.searchsorted(self.starts, index, side="right")) - 1
         return shard, int(index - self.starts[shard])
 
-    def shard(self, number: int) -> Columns:
-        """The columns of a shard, mapped; the least recently used one is given back beyond ``open_shards``."""
-        if number in self._maps:
-            self._maps.move_to_end(number)
-            return self._maps[number]
+    def shard(self, number: int, scenes: int = 0) -> Columns:
+        """The columns of a shard, mapped.
+
+        ``scenes`` says how many scenes of it will be looked at, 0 for all: when
+        more than ``memory`` bytes may be resident, everything else leaves memory.
+        """
+        shard = self._shards.get(number) or self._map(number)
+        before, size = self._touched.get(number, 0), len(shard.data)
+        now = min(size, before + scenes * SCENE_PAGES) if scenes else size
+        if now > before:
+            self._touched[number] = now
+            self._resident += now - before
+            if self._resident > self.memory:
+                self._release_others(number)
+        return shard.columns
+
+    def _release_others(self, number: int) -> None:
+        for other in self._touched:
+            if other != number:
+                self._shards[other].release()
+        self._touched = {number: self._touched[number]}
+        self._resident = self._touched[number]
+
+    def _map(self, number: int) -> Shard:
+        if len(self._shards) >= MOST_MAPPED:
+            first = next(iter(self._shards))
+            del self._shards[first]
+            self._resident -= self._touched.pop(first, 0)
         entry = self.manifest["shards"][number]
-        expected = entry["sha256"] if self.verify and number not in self._verified else None
-        columns, _ = map_shard(self.path / entry["file"], expected)
+        fresh = self.verify and number not in self._verified
+        shard = map_shard(self.path / entry["file"], entry["sha256"] if fresh else None)
         self._verified.add(number)
-        self._maps[number] = columns
-        if len(self._maps) > self.open_shards:
-            self._maps.popitem(last=False)
-        return columns
+        self._shards[number] = shard
+        return shard
 
     def columns(self, start: int, stop: int) -> Columns:
         """The scenes ``start:stop`` in one set of columns."""
@@ -191,7 +217,7 @@ def split_rows(count: int, fractions: Sequence[float], seed: int) -> list[NDArra
     return [np.sort(order[a:b]) for a, b in pairwise(ends)]
 
 
-def open_dataset(path: str | os.PathLike[str], verify: bool = True, open_shards: int = 256) -> Dataset:
+def open_dataset(path: str | os.PathLike[str], verify: bool = True, memory: int = MEMORY) -> Dataset:
     """Open a dataset; needs numpy only.
 
     Parameters
@@ -200,8 +226,8 @@ def open_dataset(path: str | os.PathLike[str], verify: bool = True, open_shards:
         Its folder.
     verify
         Compare the checksum of each shard when it is first used.
-    open_shards
-        How many shards stay mapped at a time.
+    memory
+        Bytes of shards that may be resident at a time, about.
 
     Raises
     ------
@@ -217,4 +243,4 @@ def open_dataset(path: str | os.PathLike[str], verify: bool = True, open_shards:
     known = manifest.get("form")
     if known not in FORMS:
         raise UniSGError(f"{folder} is in the form {known!r}, which this software does not know: update it")
-    return Dataset(folder, manifest, verify, open_shards)
+    return Dataset(folder, manifest, verify, memory)

@@ -8,6 +8,7 @@ import json
 import mmap
 import os
 from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -78,8 +79,26 @@ def pack_shard(columns: Columns, notes: Mapping[str, Any] | None = None) -> byte
     return save(tensors, {"unisg": json.dumps(record, sort_keys=True)})  # one entry: safetensors shuffles several
 
 
-def map_shard(path: Path, expected: str | None = None) -> tuple[Columns, dict[str, Any]]:
-    """Columns and metadata of a shard, as read-only views on its memory map.
+@dataclass(frozen=True, eq=False)
+class Shard:
+    """A shard in memory: ``columns`` are read-only views on the map ``data``; ``notes`` is its metadata."""
+
+    columns: Columns
+    notes: dict[str, Any]
+    data: mmap.mmap
+
+    def release(self) -> None:
+        """Give the memory back that reading has made resident; the columns stay valid and are read again on use."""
+        _release(self.data)
+
+
+def _release(data: mmap.mmap) -> None:
+    if hasattr(mmap, "MADV_DONTNEED"):  # Windows trims by itself
+        data.madvise(mmap.MADV_DONTNEED)
+
+
+def map_shard(path: Path, expected: str | None = None) -> Shard:
+    """Map a shard into memory.
 
     Parameters
     ----------
@@ -98,8 +117,11 @@ def map_shard(path: Path, expected: str | None = None) -> tuple[Columns, dict[st
             data = mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ)
     except (OSError, ValueError) as error:
         raise DamagedError(f"{path} cannot be read ({error}): the dataset is damaged, export it again") from None
-    if expected is not None and checksum(memoryview(data)) != expected:
-        raise DamagedError(f"{path} is damaged: its checksum is not the one in the manifest; export it again")
+    if expected is not None:
+        total = checksum(memoryview(data))
+        _release(data)
+        if total != expected:
+            raise DamagedError(f"{path} is damaged: its checksum is not the one in the manifest; export it again")
     try:
         size = int.from_bytes(data[:8], "little")
         header = json.loads(data[8 : 8 + size])
@@ -109,7 +131,7 @@ def map_shard(path: Path, expected: str | None = None) -> tuple[Columns, dict[st
         raise DamagedError(f"{path} is no shard of a dataset: {error}") from None
     if notes.get("schema") != SCHEMA or notes.get("version", 0) > VERSION:
         raise DamagedError(f"{path} has a schema that this software does not know: update it")
-    return columns, notes
+    return Shard(columns, notes, data)
 
 
 def _view(data: mmap.mmap, base: int, entry: Mapping[str, Any]) -> NDArray[Any]:

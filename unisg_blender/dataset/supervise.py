@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from .serve import MARK
-from .shards import DamagedError, checksum, map_shard
+from .shards import DamagedError, Shard, checksum, map_shard
 
 START_LIMIT = 180.0
 FILES_PER_CHILD = 200
@@ -149,14 +149,14 @@ def _earlier_answer(parts: Path, key: str) -> dict[str, Any] | None:
     """The answer of an interrupted export, if its part is there and whole."""
     for path in parts.glob(f"{key}-*.safetensors"):
         try:
-            return read_part(path)[1]["answer"] | {"part": path.name}
+            return read_part(path).notes["answer"] | {"part": path.name}
         except DamagedError:
             path.unlink(missing_ok=True)
     return None
 
 
-def read_part(path: Path) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Columns and notes of a part; DamagedError if it is not what its name says."""
+def read_part(path: Path) -> Shard:
+    """A part; DamagedError if it is not what its name says."""
     if not path.stem.endswith(checksum(path.read_bytes())[:16]):
         raise DamagedError(f"{path} is damaged: run the export again with --resume")
     return map_shard(path)
