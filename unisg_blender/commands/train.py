@@ -6,7 +6,6 @@ import argparse
 import importlib
 import json
 import shlex
-import sys
 import time
 from pathlib import Path
 from typing import Any
@@ -64,7 +63,7 @@ def run(args: argparse.Namespace) -> int:
     start = time.perf_counter()
     settings = Settings(
         form=args.form, epochs=args.epochs, seed=args.seed, paper=args.paper, devices=args.devices, nodes=args.nodes,
-        logs=args.logs, quiet=args.quiet, command=shlex.join(["unisg", *sys.argv[1:]]),
+        logs=args.logs, quiet=args.quiet, command=_command(args),
     )  # fmt: skip
     report = {"model": str(args.out), **job.train(dataset, args.out, settings)}
     report["seconds"] = round(time.perf_counter() - start, 1)
@@ -73,6 +72,15 @@ def run(args: argparse.Namespace) -> int:
     elif not args.quiet:
         print("\n".join(_lines(report)))
     return DONE
+
+
+def _command(args: argparse.Namespace) -> str:
+    """The command that makes this model again, wherever the dataset lies."""
+    words = ["unisg", "train", args.job, "--data", args.data[0].name, "--out", args.out.name]
+    for name in ("form", "epochs", "seed"):
+        if getattr(args, name) is not None:
+            words += [f"--{name}", str(getattr(args, name))]
+    return shlex.join([*words, *(["--paper"] if args.paper else [])])
 
 
 def _check(args: argparse.Namespace) -> None:

@@ -15,7 +15,7 @@ from ..dataset.asset_file import AssetFile, save_assets
 from ..dataset.assets import FILE
 from ..dataset.reader import Dataset
 from ..generate.model import assets_path
-from .scenes import dataset_checksum
+from .scenes import FEW_SCENES, dataset_checksum
 from .settings import Settings
 
 
@@ -23,7 +23,13 @@ def provenance(
     dataset: Dataset, settings: Settings, train: int, val: int, losses: dict[str, float], network: nn.Module
 ) -> dict[str, Any]:
     """Dataset, counts, software, settings, losses and date of a training."""
+    notes = []
+    if len(dataset) < FEW_SCENES:
+        notes.append(f"{len(dataset)} scenes are few: expect little variety; {FEW_SCENES} or more make a useful model")
+    if not (dataset.path / FILE).is_file():
+        notes.append("the dataset has no assets.safetensors: new objects copy those of the scene, or are plain boxes")
     return {
+        "notes": notes,
         "dataset": {"sha256": dataset_checksum(dataset), "scenes": len(dataset), **dataset.manifest["counts"]},
         "scenes_trained": train,
         "scenes_held_out": val,

@@ -63,6 +63,7 @@ def train_paper(dataset: Dataset, out: Path, settings: Settings) -> dict[str, An
     schedule = Schedule(settings.epochs or EPOCHS, devices=settings.devices, nodes=settings.nodes)
     losses = fit(network, _terms, loaders[0], loaders[1], schedule, settings)
     source = provenance(dataset, settings, len(train_scenes), len(val_scenes), losses, network)
+    source["predict_mean"] = predict_mean(val_scenes, contract)
     write_cgvae(network, replace(contract, provenance=source), out)
     save_model_assets(dataset, out)
     return source
@@ -92,6 +93,16 @@ def normalisation(
     mean, spread = raw.mean(axis=0), raw.std(axis=0)
     kept = np.flatnonzero(spread > CONSTANT)
     return mean, np.where(spread > CONSTANT, spread, 1.0), kept
+
+
+def predict_mean(scenes: Sequence[TrainingScene], contract: Contract) -> dict[str, float]:
+    """The losses of always predicting the training mean, and the same chance for every edge, on some scenes."""
+    features = np.concatenate([node_features(scene.local, contract) for scene in scenes])
+    pairs = sum(len(scene.local) * (len(scene.local) - 1) for scene in scenes)
+    rate = sum(int((scene.things.support >= 0).sum()) for scene in scenes) / max(pairs, 1)
+    chance = float(np.clip(rate, 1e-9, 1 - 1e-9))
+    entropy = -(chance * np.log(chance) + (1 - chance) * np.log(1 - chance))
+    return {"mse": round(float((features.astype(np.float64) ** 2).mean()), 6), "bce": round(float(entropy), 6)}
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,0 +1,156 @@
+"""The anchor mixture: a density, invariant to motions of the room, blind to padding, and the same in ONNX."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+torch = pytest.importorskip("torch")
+
+from tests.generate.models import trained  # noqa: E402
+from tests.generate.rooms import room  # noqa: E402
+from unisg_blender.generate.contract import Contract  # noqa: E402
+from unisg_blender.generate.habits import Habits  # noqa: E402
+from unisg_blender.generate.model import load_model  # noqa: E402
+from unisg_blender.generate.proposals import Scene  # noqa: E402
+from unisg_blender.generate.things import things_of  # noqa: E402
+from unisg_blender.learn.anchor_batches import collate, example  # noqa: E402
+from unisg_blender.learn.anchors import AnchorModel, AnchorSizes, base_places, height_nll, mixture_nll  # noqa: E402
+from unisg_blender.learn.train_anchors import OUTPUTS, example_inputs, write_anchors  # noqa: E402
+from unisg_blender.scene import world_matrices  # noqa: E402
+
+VOCABULARY = ("Cup", "Floor", "Lamp", "Table", "Wall")
+RANK = np.array([5, 1, 3, 4, 2, 0])
+PLACES = (
+    "target_category", "target_half", "target_bottom", "plan", "coming", "category", "box", "flags", "mask",
+)  # fmt: skip
+
+
+@pytest.fixture
+def network() -> AnchorModel:
+    torch.manual_seed(0)
+    return AnchorModel(AnchorSizes(len(VOCABULARY))).eval()
+
+
+def batch_of(seeds: list[int]) -> dict[str, torch.Tensor]:
+    examples = []
+    for seed in seeds:
+        graph = room(seed, cups=1 + seed % 3)
+        things = things_of(graph, VOCABULARY)
+        scene = Scene.of(things, world_matrices(graph)[things.row])
+        target = int(np.flatnonzero(things.category == 0)[0])
+        examples.append(example(scene, target, RANK, np.random.default_rng(seed)))
+    return collate(examples)
+
+
+def places_of(network: AnchorModel, batch: dict[str, torch.Tensor]) -> tuple[torch.Tensor, ...]:
+    with torch.no_grad():
+        return network.places(*(batch[name] for name in PLACES))
+
+
+def test_the_mixture_integrates_to_one(network: AnchorModel) -> None:
+    batch = batch_of([1])
+    mixture = places_of(network, batch)
+    x, y, turn = torch.meshgrid(
+        torch.linspace(-15, 15, 301),
+        torch.linspace(-15, 15, 301),
+        torch.linspace(-np.pi, np.pi, 17)[:-1],
+        indexing="ij",
+    )
+    total = 0.0
+    for some in torch.split(torch.stack([x, y, turn], dim=-1).reshape(-1, 3), 20_000):
+        count = len(some)
+        spread = tuple(part.expand(count, *part.shape[1:]) for part in mixture)
+        box = batch["box"].expand(count, *batch["box"].shape[1:])
+        total += float((-mixture_nll(spread, box, some[:, :2], some[:, 2])).exp().double().sum())
+    assert total * 0.1 * 0.1 * (2 * np.pi / 16) == pytest.approx(1.0, abs=0.02)
+
+
+def test_turning_and_moving_the_room_turns_and_moves_the_places(network: AnchorModel) -> None:
+    batch = batch_of([1, 2])
+    before = places_of(network, batch)
+    angle, shift = 0.7, torch.tensor([3.0, -2.0])
+    turn = torch.tensor([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]], dtype=torch.float32)
+    box = batch["box"].clone()
+    box[..., :2] = box[..., :2] @ turn.T + shift
+    box[..., 6:] = box[..., 6:] @ turn.T
+    after = places_of(network, batch | {"box": box})
+    real = (batch["mask"] > 0).repeat_interleave(48, dim=1)
+    torch.testing.assert_close(after[0][real], before[0][real], atol=2e-4, rtol=1e-4)
+    torch.testing.assert_close(after[1][real], (before[1] @ turn.T + shift)[real], atol=1e-3, rtol=1e-4)
+    torch.testing.assert_close(after[2][real], before[2][real], atol=1e-4, rtol=1e-3)
+    turned = torch.remainder(after[3] - before[3] - angle + np.pi, 2 * np.pi) - np.pi
+    assert float(turned[real].abs().max()) < 1e-3
+
+
+def test_the_order_of_the_things_does_not_matter(network: AnchorModel) -> None:
+    batch = batch_of([4])
+    count = batch["box"].shape[1]
+    order = torch.from_numpy(np.random.default_rng(1).permutation(count))
+    moved = batch | {name: batch[name][:, order] for name in ("category", "box", "flags", "mask")}
+    one, two = places_of(network, batch), places_of(network, moved)
+    torch.testing.assert_close(
+        two[0].unflatten(1, (count, 48)), one[0].unflatten(1, (count, 48))[:, order], atol=1e-4, rtol=1e-4
+    )
+
+
+def test_padding_is_not_seen(network: AnchorModel) -> None:
+    batch = batch_of([4])
+    wide = dict(batch)
+    for name in ("category", "box", "flags", "mask"):
+        extra = torch.zeros_like(batch[name][:, :3]) if name != "category" else torch.full((1, 3), 2)
+        wide[name] = torch.cat([batch[name], extra], dim=1)
+    one, two = places_of(network, batch), places_of(network, wide)
+    torch.testing.assert_close(two[0][:, : one[0].shape[1]], one[0], atol=1e-4, rtol=1e-4)
+    assert float(two[0][:, one[0].shape[1] :].max()) < -1000
+    for start, stop in zip(one[1:], two[1:], strict=True):
+        torch.testing.assert_close(stop[:, : start.shape[1]], start, atol=1e-4, rtol=1e-4)
+
+
+def test_base_places_touch_the_sides(network: AnchorModel) -> None:
+    box = torch.tensor([[[0, 0, 0, 1.0, 0.5, 0.4, 1, 0]]])
+    flags = torch.zeros(1, 1, 6)
+    x, y, turn = base_places(box, flags, torch.tensor([[0.3, 0.1, 0.2]]))
+    quarter = (turn / (np.pi / 2)).round().long() % 2
+    reach_x = torch.where(quarter == 0, 0.3, 0.1)
+    reach_y = torch.where(quarter == 0, 0.1, 0.3)
+    gap = torch.maximum(x.abs()[0, 0] - 1.0 - reach_x, y.abs()[0, 0] - 0.5 - reach_y)
+    torch.testing.assert_close(gap, torch.zeros(48), atol=1e-6, rtol=0)
+    on_x, on_y, _ = base_places(box, flags + torch.tensor([1.0, 0, 0, 0, 0, 0]), torch.tensor([[0.3, 0.1, 0.2]]))
+    assert ((on_x.abs()[0, 0] + reach_x <= 1.0 + 1e-6) & (on_y.abs()[0, 0] + reach_y <= 0.5 + 1e-6)).all()
+
+
+def test_heights_are_a_density(network: AnchorModel) -> None:
+    batch = batch_of([1])
+    with torch.no_grad():
+        _, *heights = network.choose(
+            *(batch[name] for name in ("target_category", "target_half", "coming")),
+            *(batch[name] for name in ("support_category", "support_half", "support_load")),
+        )
+    z = torch.linspace(-20, 20, 400_001)
+    weight, mean, sigma = (part[:, 0].expand(len(z), -1) for part in heights)
+    total = float((-height_nll(weight, mean, sigma, z)).exp().double().sum()) * 1e-4
+    assert total == pytest.approx(1.0, abs=1e-3)
+
+
+@pytest.mark.parametrize(("targets", "tokens", "supports"), [(1, 1, 1), (3, 7, 20)])
+def test_onnxruntime_agrees_with_torch(
+    network: AnchorModel, tmp_path: Path, targets: int, tokens: int, supports: int
+) -> None:
+    path = tmp_path / "model.onnx"
+    write_anchors(network, Contract("anchors", VOCABULARY, Habits({}, {}, {}, [])), path)
+    model = load_model(path)
+    inputs = example_inputs(len(VOCABULARY), targets, tokens, supports)
+    found = model.run(list(OUTPUTS), **{name: value.numpy() for name, value in inputs.items()})
+    with torch.no_grad():
+        for ours, theirs in zip(found, network(**inputs), strict=True):
+            np.testing.assert_allclose(ours, theirs.numpy(), atol=1e-5, rtol=1e-5)
+
+
+def test_same_seed_same_model(dataset_folder: Path, tmp_path: Path) -> None:
+    one, two = (load_model(trained(dataset_folder, tmp_path / f"{n}.onnx", False, 3, 1)) for n in ("one", "two"))
+    inputs = {name: value.numpy() for name, value in example_inputs(len(VOCABULARY)).items()}
+    for first, second in zip(one.run(list(OUTPUTS), **inputs), two.run(list(OUTPUTS), **inputs), strict=True):
+        np.testing.assert_array_equal(first, second)

@@ -1,0 +1,171 @@
+"""The paper's CGVAE: permutation invariance, masks, seeds, and ONNX against torch."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+torch = pytest.importorskip("torch")
+pytest.importorskip("torch_geometric")
+
+from tests.generate.models import trained  # noqa: E402
+from unisg_blender.dataset import open_dataset  # noqa: E402
+from unisg_blender.generate.cgvae import edges_of, node_features, poses_of  # noqa: E402
+from unisg_blender.generate.contract import Contract  # noqa: E402
+from unisg_blender.generate.habits import Habits  # noqa: E402
+from unisg_blender.generate.model import load_model  # noqa: E402
+from unisg_blender.learn.cgvae import Cgvae, CgvaeSizes, cgvae_losses  # noqa: E402
+from unisg_blender.learn.scenes import load_scenes, vocabulary_of  # noqa: E402
+from unisg_blender.learn.train_cgvae import normalisation, write_cgvae  # noqa: E402
+from unisg_blender.poses import FORMS  # noqa: E402
+
+SIZES = CgvaeSizes(features=5, categories=4)
+NOTHING = Habits({}, {}, {}, [])
+
+
+def scene_tensors(seed: int, nodes: int) -> dict[str, torch.Tensor]:
+    rng = np.random.default_rng(seed)
+    support = np.array([-1] + [int(rng.integers(row)) for row in range(1, nodes)])
+    return {
+        "features": torch.from_numpy(rng.standard_normal((nodes, SIZES.features)).astype(np.float32)),
+        "category": torch.from_numpy(rng.integers(0, 5, nodes)),
+        "edges": torch.from_numpy(edges_of(support)),
+        "noise": torch.from_numpy(rng.standard_normal((nodes, SIZES.latent)).astype(np.float32)),
+        "known": torch.from_numpy(rng.integers(0, 2, nodes).astype(np.float32)),
+    }
+
+
+@pytest.fixture
+def network() -> Cgvae:
+    torch.manual_seed(0)
+    return Cgvae(SIZES).eval()
+
+
+def test_the_order_of_the_nodes_does_not_matter(network: Cgvae) -> None:
+    inputs = scene_tensors(1, 9)
+    order = torch.from_numpy(np.random.default_rng(2).permutation(9))
+    place = torch.argsort(order)
+    moved = {name: value[order] for name, value in inputs.items() if name != "edges"} | {
+        "edges": place[inputs["edges"]]
+    }
+    with torch.no_grad():
+        decoded, adjacency, latent = network(**inputs)
+        decoded2, adjacency2, latent2 = network(**moved)
+    torch.testing.assert_close(latent2, latent[order])
+    torch.testing.assert_close(decoded2, decoded[order])
+    torch.testing.assert_close(adjacency2, adjacency[order][:, order])
+
+
+def test_new_nodes_see_noise_and_known_ones_do_not(network: Cgvae) -> None:
+    inputs = scene_tensors(3, 6)
+    other = inputs | {"noise": inputs["noise"] + 1}
+    with torch.no_grad():
+        one, two = network(**inputs)[0], network(**other)[0]
+    same = (one == two).all(dim=1)
+    assert (same == (inputs["known"] > 0)).all()
+
+
+def test_the_loss_of_a_batch_does_not_mix_scenes(network: Cgvae) -> None:
+    def losses(parts: list[dict[str, torch.Tensor]]) -> tuple[float, ...]:
+        start, batch = 0, {name: [] for name in ("features", "category", "edges", "parent", "scene", "noise")}
+        for number, part in enumerate(parts):
+            count = len(part["category"])
+            support = torch.full((count,), -1)
+            for below, above in part["edges"].T[part["edges"].shape[1] // 2 :].tolist():
+                support[below] = above
+            batch["parent"].append(torch.where(support >= 0, support + start, -1))
+            batch["edges"].append(part["edges"] + start)
+            batch["scene"].append(torch.full((count,), number))
+            for name in ("features", "category", "noise"):
+                batch[name].append(part[name])
+            start += count
+        joined = {name: torch.cat(value, dim=1 if name == "edges" else 0) for name, value in batch.items()}
+        with torch.no_grad():
+            found = cgvae_losses(network, **joined)
+        return float(found.mse), float(found.bce), float(found.kl)
+
+    one, two = scene_tensors(4, 7), scene_tensors(5, 3)
+    alone, both = np.array(losses([one])), np.array(losses([one, two]))
+    rest = np.array(losses([two]))
+    nodes, pairs = np.array([7, 3]) / 10, np.array([42, 6]) / 48
+    np.testing.assert_allclose(both[[0, 2]], nodes[0] * alone[[0, 2]] + nodes[1] * rest[[0, 2]], rtol=1e-5)
+    np.testing.assert_allclose(both[1], pairs[0] * alone[1] + pairs[1] * rest[1], rtol=1e-5)
+
+
+@pytest.mark.parametrize("nodes", [2, 5, 40])
+def test_onnxruntime_agrees_with_torch(network: Cgvae, tmp_path: Path, nodes: int) -> None:
+    contract = Contract("cgvae", ("a", "b", "c", "d"), NOTHING, latent=SIZES.latent)
+    path = tmp_path / "model.onnx"
+    write_cgvae(network, contract, path)
+    model = load_model(path)
+    assert model.contract == contract
+    inputs = scene_tensors(nodes, nodes)
+    found = model.run(["decoded", "adjacency", "latent"], **{name: value.numpy() for name, value in inputs.items()})
+    with torch.no_grad():
+        for ours, theirs in zip(found, network(**inputs), strict=True):
+            np.testing.assert_allclose(ours, theirs.numpy(), atol=1e-5)
+
+
+def test_the_file_keeps_to_opset_and_ir_of_blenders_onnxruntime(network: Cgvae, tmp_path: Path) -> None:
+    import onnx
+
+    write_cgvae(network, Contract("cgvae", ("a",), NOTHING), tmp_path / "model.onnx")
+    model = onnx.load(tmp_path / "model.onnx")
+    assert model.ir_version <= 10
+    assert all(item.version <= 20 for item in model.opset_import if not item.domain)
+    assert not any("Random" in node.op_type for node in model.graph.node)
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_features_go_out_and_come_back_in_every_form(form: str) -> None:
+    from tests.generate.rooms import room
+    from unisg_blender.generate.proposals import relative
+    from unisg_blender.generate.things import things_of
+    from unisg_blender.scene import world_matrices
+
+    graphs = [room(seed) for seed in range(4)]
+    things = [things_of(graph, graph.vocabulary) for graph in graphs]
+    poses = [
+        relative(world_matrices(graph)[part.row], part.support) for graph, part in zip(graphs, things, strict=True)
+    ]
+    mean, scale, kept = normalisation(poses, form)
+    contract = replace(
+        Contract("cgvae", graphs[0].vocabulary, NOTHING, form=form),
+        mean=tuple(mean),
+        scale=tuple(scale),
+        kept=tuple(kept),
+    )
+    assert len(kept) < FORMS[form].width + 6
+    np.testing.assert_allclose(poses_of(node_features(poses[0], contract), contract), poses[0], atol=1e-5)
+
+
+def test_same_seed_same_model_and_another_seed_another(dataset_folder: Path, tmp_path: Path) -> None:
+    one, two, other = (
+        load_model(trained(dataset_folder, tmp_path / f"{name}.onnx", paper=True, seed=seed, epochs=1))
+        for name, seed in (("one", 3), ("two", 3), ("other", 4))
+    )
+    inputs = {name: value.numpy() for name, value in _inputs_of(one.contract, 6).items()}
+    first, second, third = (model.run(["decoded"], **inputs)[0] for model in (one, two, other))
+    np.testing.assert_array_equal(first, second)
+    assert not np.allclose(first, third)
+
+
+def _inputs_of(contract: Contract, nodes: int) -> dict[str, torch.Tensor]:
+    inputs = scene_tensors(0, nodes)
+    features = torch.ones(nodes, len(contract.kept))
+    return inputs | {"features": features, "noise": torch.ones(nodes, contract.latent)}
+
+
+def test_scenes_of_a_dataset_have_the_things_that_went_in(dataset_folder: Path) -> None:
+    from tests.generate.rooms import room
+    from unisg_blender.scene import world_matrices
+
+    dataset = open_dataset(dataset_folder)
+    vocabulary = vocabulary_of(dataset)
+    assert vocabulary == ("Cup", "Floor", "Lamp", "Table", "Wall")
+    scene, graph = load_scenes(dataset, vocabulary, quiet=True)[0], room(0)
+    np.testing.assert_allclose(scene.world, world_matrices(graph), atol=1e-5)
+    np.testing.assert_array_equal(scene.things.support, graph.parent)
