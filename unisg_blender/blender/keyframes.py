@@ -33,6 +33,7 @@ STATE = (
     "type",
 )
 FREE, BEZIER = 0, 2  # of Blender's enums, as foreach_set wants them
+SINGLE = 6e-8  # rounding of the single precision in which Blender keeps curves
 SAME = 1e-9  # a channel without a curve gets none while its values differ less
 
 
@@ -103,7 +104,9 @@ def read_motors(item: Item, frames: Floats) -> Floats:
     return _to_motors(values, item.rotation_mode)
 
 
-def write_motors(item: Item, frames: Floats, motors: Floats, thirds: Floats | None = None) -> None:
+def write_motors(
+    item: Item, frames: Floats, motors: Floats, thirds: Floats | None = None, still_once: bool = False
+) -> None:
     """Replace the location and rotation keys by these.
 
     Each span of each channel is the cubic through the values at its thirds, which a Bezier
@@ -120,6 +123,8 @@ def write_motors(item: Item, frames: Floats, motors: Floats, thirds: Floats | No
     thirds
         Shape (2, K - 1, 8): where the motion is at one and at two thirds of each span; on the
         screws between the keys when omitted.
+    still_once
+        Whether a channel that does not change gets one key only.
     """
     start = read_channel_values(item, frames[:1])[0]
     if thirds is None:
@@ -133,7 +138,9 @@ def write_motors(item: Item, frames: Floats, motors: Floats, thirds: Floats | No
             if np.abs(values[:, column] - channel.value).max() <= SAME:
                 continue
             curve = curves.new(channel.path, index=channel.index)
-        _write_curve(curve, frames, values[:, column])
+        still = still_once and np.ptp(values[:, column]) <= SINGLE * (1.0 + np.abs(values[0, column]))
+        count = 1 if still else len(frames)
+        _write_curve(curve, frames[:count], values[: 3 * count - 2, column])
 
 
 def read_channel_values(item: Item, frames: Floats) -> Floats:

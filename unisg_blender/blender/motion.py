@@ -78,7 +78,7 @@ def reduce_item_keyframes(item: Item, tolerance: Tolerance) -> MotionReport:
 
     The motion is what the curves give at every whole frame and at every key. Keys are chosen so
     that ``cubic_sclerp`` rebuilds it, handles so that the curves do. An item whose keys cannot be
-    made fewer stays as it is (``changed`` False).
+    made fewer stays as it is (``changed`` False). A channel that never changes keeps one key.
 
     Parameters
     ----------
@@ -101,7 +101,7 @@ def reduce_item_keyframes(item: Item, tolerance: Tolerance) -> MotionReport:
     wanted, count, saved = read_motors(item, frames), key_count(item), save_keys(item)
     millimetres = tolerance.millimetres / tolerance.metres
     keys = reduce_keyframes(frames, wanted, millimetres, tolerance.degrees, interpolate=cubic_sclerp)[0]
-    errors = _fit(item, frames, wanted, keys, tolerance)
+    errors = _fit(item, frames, wanted, keys, tolerance, still_once=True)
     if key_count(item) < count:
         return MotionReport(item.name, count, key_count(item), *errors)
     restore_keys(item, saved)
@@ -125,11 +125,11 @@ def _frames(times: Floats) -> Floats:
 
 
 def _fit(
-    item: Item, frames: Floats, wanted: Floats, keys: NDArray[np.int64], tolerance: Tolerance
+    item: Item, frames: Floats, wanted: Floats, keys: NDArray[np.int64], tolerance: Tolerance, still_once: bool = False
 ) -> tuple[float, float]:
     """Write keys, measure, and add the worst frame of every span that is off, until none is."""
     while True:
-        write(item, frames[keys], wanted[keys], third_poses(frames, wanted, keys))
+        write(item, frames[keys], wanted[keys], third_poses(frames, wanted, keys), still_once)
         distance, angle = pose_errors(read_motors(item, frames), wanted)
         errors = distance * tolerance.metres * 1e3, np.degrees(angle)
         excess = np.maximum(errors[0] / tolerance.millimetres, errors[1] / tolerance.degrees)
