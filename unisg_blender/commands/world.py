@@ -5,9 +5,14 @@ from __future__ import annotations
 import argparse
 import json
 import os
+import sys
 import tempfile
 import time
-from collections.abc import Iterator
+from collections import deque
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from itertools import islice
+from multiprocessing import get_context
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -18,6 +23,7 @@ if TYPE_CHECKING:
     from ..scene.graph import SceneGraph
 
 HELP = "Make procedural scenes."
+BATCH = 10
 FORMATS = ("blend", "usda", "dataset", "json")
 
 
@@ -32,6 +38,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--seed", metavar="S", type=int, default=0, help="the scenes have the seeds S, S+1, ... (0)")
     parser.add_argument("--format", choices=FORMATS, default="blend", help="what to write (blend)")
     parser.add_argument("--form", choices=FORMS, default="quaternion", help="form of a dataset's poses (quaternion)")
+    parser.add_argument("--jobs", metavar="N", type=int, help="scenes made at a time (one per processor)")
     parser.add_argument("--overwrite", action="store_true", help="replace files or a dataset in that folder")
 
 
@@ -39,8 +46,8 @@ def run(args: argparse.Namespace) -> int:
     """Make the scenes and write them."""
     from ..dataset.progress import Progress
 
-    if args.count < 1 or args.seed < 0:
-        raise UniSGError("--count must be at least 1, and --seed must not be negative")
+    if args.count < 1 or args.seed < 0 or (args.jobs or 1) < 1:
+        raise UniSGError("--count and --jobs must be at least 1, and --seed must not be negative")
     started = time.perf_counter()
     bar = Progress(args.count, "scenes", args.quiet)
     try:
@@ -56,12 +63,45 @@ def run(args: argparse.Namespace) -> int:
     return DONE
 
 
-def _scenes(args: argparse.Namespace, bar: Progress) -> Iterator[SceneGraph]:
+def make_scenes(name: str, seeds: Sequence[int]) -> list[SceneGraph]:
+    """Scenes of a world, for a process of its own."""
     from ..worlds import WORLDS
 
-    for done in range(args.count):
-        yield WORLDS[args.name](args.seed + done)
-        bar.update(done + 1)
+    return [WORLDS[name](seed) for seed in seeds]
+
+
+def _scenes(args: argparse.Namespace, bar: Progress) -> Iterator[SceneGraph]:
+    seeds = range(args.seed, args.seed + args.count)
+    batches = [seeds[start : start + BATCH] for start in range(0, args.count, BATCH)]
+    jobs = min(_jobs(args.jobs), len(batches))
+    done = 0
+    for scenes in _in_processes(args.name, batches, jobs) if jobs > 1 else _here(args.name, seeds):
+        for graph in scenes:
+            yield graph
+            done += 1
+            bar.update(done)
+
+
+def _here(name: str, seeds: Sequence[int]) -> Iterator[list[SceneGraph]]:
+    for seed in seeds:
+        yield make_scenes(name, [seed])
+
+
+def _in_processes(name: str, batches: Sequence[Sequence[int]], jobs: int) -> Iterator[list[SceneGraph]]:
+    """The batches in order; no more than a few are made ahead, so that memory stays small."""
+    waiting = iter(batches)
+    with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool:
+        ahead = deque(pool.submit(make_scenes, name, batch) for batch in islice(waiting, 2 * jobs))
+        while ahead:
+            scenes = ahead.popleft().result()
+            ahead.extend(pool.submit(make_scenes, name, batch) for batch in islice(waiting, 1))
+            yield scenes
+
+
+def _jobs(asked: int | None) -> int:
+    """Processes to use; inside Blender one, whose program starts no other Python."""
+    application = getattr(getattr(sys.modules.get("bpy"), "app", None), "binary_path", "")
+    return 1 if application else asked or os.cpu_count() or 1
 
 
 def _write_dataset(args: argparse.Namespace, bar: Progress) -> list[str]:

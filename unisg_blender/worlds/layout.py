@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
@@ -42,18 +43,20 @@ class Placed:
 
     def point(self, x: float, y: float, z: float = 0.0) -> NDArray[np.float64]:
         """A point of the asset's frame in the world."""
-        cos, sin = np.cos(self.pose[3]), np.sin(self.pose[3])
-        return self.pose[:3] + np.array([cos * x - sin * y, sin * x + cos * y, z])
+        return self.pose_at(x, y, z, 0.0)[:3]
 
     def pose_at(self, x: float, y: float, z: float, yaw: float) -> Pose:
         """A pose in the asset's frame as one in the world."""
-        return np.append(self.point(x, y, z), self.pose[3] + yaw)
+        own_x, own_y, own_z, own_yaw = self.pose.tolist()
+        cos, sin = math.cos(own_yaw), math.sin(own_yaw)
+        return np.array([own_x + cos * x - sin * y, own_y + sin * x + cos * y, own_z + z, own_yaw + yaw])
 
     def seen(self, pose: Pose) -> Pose:
         """A pose in the world as one in the asset's frame."""
-        cos, sin = np.cos(self.pose[3]), np.sin(self.pose[3])
-        x, y, z = pose[:3] - self.pose[:3]
-        return np.array([cos * x + sin * y, cos * y - sin * x, z, pose[3] - self.pose[3]])
+        own_x, own_y, own_z, own_yaw = self.pose.tolist()
+        x, y, z, yaw = pose.tolist()
+        cos, sin, x, y = math.cos(own_yaw), math.sin(own_yaw), x - own_x, y - own_y
+        return np.array([cos * x + sin * y, cos * y - sin * x, z - own_z, yaw - own_yaw])
 
 
 @dataclass
@@ -184,7 +187,7 @@ def pick(rng: np.random.Generator, values: Sequence[Value]) -> Value:
 
 def matrix_of(pose: Sequence[float] | Pose) -> NDArray[np.float64]:
     """The 4x4 matrix of a pose (x, y, z, yaw)."""
-    cos, sin = np.cos(pose[3]), np.sin(pose[3])
+    cos, sin = math.cos(pose[3]), math.sin(pose[3])
     return np.array([[cos, -sin, 0, pose[0]], [sin, cos, 0, pose[1]], [0, 0, 1, pose[2]], [0, 0, 0, 1.0]])
 
 

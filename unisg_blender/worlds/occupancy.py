@@ -25,21 +25,22 @@ class Occupancy:
         self._count = 0
         self._center = np.empty((512, 3))
         self._half = np.empty((512, 3))
-        self._reach = np.empty((512, 3))  # half sizes along the world's axes
         self._turn = np.empty((512, 2))  # cosine and sine of the yaw
         self._owner = np.empty(512, np.int64)
+        self._extent = np.empty((6, 512))  # along the world's axes: lowest x, y, z, highest x, y, z
 
     def add(self, shapes: Shapes, pose: NDArray[np.float64], owner: int) -> None:
         """Enter the parts of an asset that stands at ``pose`` (x, y, z, yaw)."""
         center, reach, turn = _in_world(shapes, pose[None])
         stop = self._count + len(shapes.half)
         while stop > len(self._owner):
-            for name in ("_center", "_half", "_reach", "_turn", "_owner"):
+            for name in ("_center", "_half", "_turn", "_owner"):
                 column = getattr(self, name)
                 setattr(self, name, np.concatenate([column, np.empty_like(column)]))
+            self._extent = np.concatenate([self._extent, np.empty_like(self._extent)], axis=1)
         rows = slice(self._count, stop)
-        self._center[rows], self._half[rows], self._reach[rows] = center[0], shapes.half, reach[0]
-        self._turn[rows], self._owner[rows] = turn, owner
+        self._center[rows], self._half[rows], self._turn[rows], self._owner[rows] = center[0], shapes.half, turn, owner
+        self._extent[:3, rows], self._extent[3:, rows] = (center[0] - reach[0]).T, (center[0] + reach[0]).T
         self._count = stop
 
     def free(
@@ -55,11 +56,15 @@ class Occupancy:
         center, reach, turn = _in_world(shapes, poses)
         reach = reach + np.array([clearance, clearance, -TOUCH])
         low, high = (center - reach).min(axis=0), (center + reach).max(axis=0)
-        place, span = self._center[: self._count], self._reach[: self._count]
-        bottom, top = place - span, place + span
-        rows = np.flatnonzero(((bottom < high.max(axis=0)) & (top > low.min(axis=0))).all(axis=1))
-        rows = rows[self._owner[rows] != ignore]
-        part, other = np.nonzero(((bottom[rows] < high[:, None]) & (top[rows] > low[:, None])).all(axis=2))
+        first, last, taken = low.min(axis=0), high.max(axis=0), self._extent[:, : self._count]
+        near = self._owner[: self._count] != ignore
+        for axis in range(3):
+            near &= (taken[axis] < last[axis]) & (taken[3 + axis] > first[axis])
+        rows = np.flatnonzero(near)
+        if not len(rows):
+            return np.ones(len(poses), bool)
+        bottom, top = taken[:3, rows].T, taken[3:, rows].T
+        part, other = np.nonzero(((bottom < high[:, None]) & (top > low[:, None])).all(axis=2))
         if not len(part):
             return np.ones(len(poses), bool)
         hit = _meet(

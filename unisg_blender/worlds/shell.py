@@ -84,9 +84,9 @@ def against(
 
     Where none is found in a few tries the pose lies outside the room.
     """
-    weights = np.array([side.length for side in sides])
+    ends = np.cumsum([side.length for side in sides])
     for _ in range(6):
-        side = sides[layout.rng.choice(len(sides), p=weights / weights.sum())]
+        side = sides[int(np.searchsorted(ends, layout.rng.uniform(0, ends[-1])))]
         half = asset.size[0] / 2
         room = side.length / 2 - half - 0.05
         if room <= 0:
