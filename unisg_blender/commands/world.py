@@ -46,7 +46,7 @@ def run(args: argparse.Namespace) -> int:
     """Make the scenes and write them."""
     from ..dataset.progress import Progress
 
-    if args.count < 1 or args.seed < 0 or (args.jobs or 1) < 1:
+    if args.count < 1 or args.seed < 0 or (args.jobs is not None and args.jobs < 1):
         raise UniSGError("--count and --jobs must be at least 1, and --seed must not be negative")
     started = time.perf_counter()
     bar = Progress(args.count, "scenes", args.quiet)

@@ -1,0 +1,102 @@
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+from unisg_blender.cli import main
+from unisg_blender.dataset import open_dataset
+from unisg_blender.scene import world_matrices
+from unisg_blender.worlds import living_room, operating_room
+
+from .digest import digest
+
+
+def test_json_files(tmp_path, capsys):
+    assert (
+        main(["world", "cubes", "--count", "2", "--seed", "3", "--out", str(tmp_path), "--format", "json", "--json"])
+        == 0
+    )
+    report = json.loads(capsys.readouterr().out)
+    assert (report["scenes"], report["seed"], len(report["files"])) == (2, 3, 2)
+    record = json.loads((tmp_path / "cubes-00003.json").read_text())
+    assert record["title"] == "Cubes 3"
+    assert record["categories"]["Cube"] == 40
+    assert len(list(tmp_path.iterdir())) == 2
+
+
+def test_a_dataset_is_the_same_with_one_process_and_with_two(tmp_path, capsys):
+    for jobs in ("1", "2"):
+        words = [
+            "world",
+            "living-room",
+            "--count",
+            "12",
+            "--format",
+            "dataset",
+            "--form",
+            "pga_even",
+            "--jobs",
+            jobs,
+            "-q",
+        ]
+        assert main([*words, "--out", str(tmp_path / jobs)]) == 0
+    assert capsys.readouterr().out == ""
+    first, second = (open_dataset(tmp_path / jobs) for jobs in ("1", "2"))
+    assert len(first) == len(second) == 12
+    shards = [json.loads((tmp_path / jobs / "manifest.json").read_text())["shards"] for jobs in ("1", "2")]
+    assert shards[0] == shards[1]
+
+
+def test_usd_holds_the_whole_room(tmp_path):
+    pytest.importorskip("pxr")
+    from unisg_blender.usd import read_usd
+
+    assert main(["world", "operating-room", "--out", str(tmp_path), "--format", "usda", "--seed", "2", "-q"]) == 0
+    graph, room = read_usd(tmp_path / "operating-room-00002.usda"), operating_room(2)
+    assert sorted(graph.uid) == sorted(room.uid)
+    rows = [graph.row_of_uid[uid] for uid in room.uid]
+    np.testing.assert_allclose(world_matrices(graph)[rows], world_matrices(room), atol=1e-6)
+    assert graph.components["lsa"].columns["data"][0] == room.components["lsa"].columns["data"][0]
+
+
+def test_blend_holds_the_whole_room(tmp_path):
+    pytest.importorskip("bpy")
+    from unisg_blender.blender import read_file
+
+    assert main(["world", "living-room", "--out", str(tmp_path), "--seed", "1", "-q"]) == 0
+    graph, _ = read_file(tmp_path / "living-room-00001.blend")
+    room = living_room(1)
+    rows = [graph.row_of_uid[uid] for uid in room.uid]
+    np.testing.assert_allclose(world_matrices(graph)[rows], world_matrices(room), atol=1e-5)
+    assert [graph.category_name(row) for row in rows] == [room.category_name(row) for row in range(len(room))]
+
+
+@pytest.mark.parametrize("words", [["--count", "0"], ["--seed", "-1"], ["--jobs", "0"]])
+def test_bad_numbers_write_nothing(tmp_path, capsys, words):
+    out = tmp_path / "out"
+    assert main(["world", "cubes", "--out", str(out), "--format", "json", *words]) == 1
+    assert len(capsys.readouterr().err.strip().splitlines()) == 1
+    assert not out.exists()
+
+
+def test_files_are_not_replaced_unasked(tmp_path, capsys):
+    words = ["world", "cubes", "--out", str(tmp_path), "--format", "json", "-q"]
+    assert main(words) == 0
+    before = (tmp_path / "cubes-00000.json").stat().st_mtime_ns
+    assert main(words) == 1
+    assert "--overwrite" in capsys.readouterr().err
+    assert (tmp_path / "cubes-00000.json").stat().st_mtime_ns == before
+    assert main([*words, "--overwrite"]) == 0
+
+
+def test_an_unknown_world_is_misuse(capsys):
+    assert main(["world", "moon", "--out", "nowhere"]) == 2
+    assert "operating-room" in capsys.readouterr().err
+
+
+def test_scenes_made_in_another_process_are_the_same():
+    from unisg_blender.commands.world import make_scenes
+
+    assert digest(make_scenes("cubes", [4])[0]) == digest(make_scenes("cubes", [3, 4])[1])
