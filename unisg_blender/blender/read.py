@@ -120,7 +120,7 @@ def read_objects(
     graph = assemble(
         Columns(
             name=[item.name for item in items],
-            type=[_type(item, marks) for item, (_, marks) in zip(items, found, strict=True)],
+            type=_types(items, [marks for _, marks in found]),
             parent=hierarchy.parent,
             local=hierarchy.local,
             mesh=mesh,
@@ -146,10 +146,13 @@ def _properties(item: bpy.types.Object, report: ReadReport) -> tuple[ObjectPrope
     return found, marks
 
 
-def _type(item: bpy.types.Object, marks: Marks) -> str:
-    """Today's name of the type; objects that writing turned into meshes say what they were."""
-    kind = item.type
-    return str(marks.get(TYPE, kind)) if marks and kind == "MESH" else NEW_NAMES.get(kind, kind)
+def _types(items: Sequence[bpy.types.Object], marks: Sequence[Marks]) -> list[str]:
+    """Types by today's names; objects that writing turned into meshes say what they were."""
+    types = [item.type for item in items]
+    for row, mark in enumerate(marks):
+        if mark and types[row] == "MESH":
+            types[row] = str(mark.get(TYPE, "MESH"))
+    return [NEW_NAMES.get(kind, kind) for kind in types] if "GPENCIL" in types else types
 
 
 def _with_used_meshes(graph: SceneGraph) -> SceneGraph:

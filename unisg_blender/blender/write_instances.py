@@ -43,12 +43,12 @@ def write_instances(
         if item is None:
             continue
         alone = len(entries["matrix"]) == 1 and item.type == "EMPTY"
-        for prototype, matrix in zip(entries["prototype"], entries["matrix"], strict=True):
+        for number, (prototype, matrix) in enumerate(zip(entries["prototype"], entries["matrix"], strict=True)):
             collection = make_collection(prototype)
             if alone and _takes_offset(collection, matrix):
                 _instance(item, collection)
                 continue
-            helper = new_helper(f"{item.name} {prototype.title}", item)
+            helper = new_helper(f"{item.name} instance {number}", item)  # the number keeps their order
             offset = np.eye(4)
             offset[:3, 3] = collection.instance_offset
             helper.matrix_parent_inverse = mathutils.Matrix(matrix @ offset)

@@ -1,0 +1,123 @@
+"""Collection instances and what geometry nodes draw: kept, realized, written back."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+import pytest
+
+from tests.blender.helpers import add, assert_same_scene, box, relative_gap
+from unisg_blender.blender import read_scene, write_scene
+from unisg_blender.scene import world_matrices
+from unisg_blender.scene.instances import realize
+
+
+def drawn_boxes() -> np.ndarray:
+    """World matrices of everything Blender draws from mesh objects, instances included, sorted."""
+    bpy.context.view_layer.update()
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    found = [
+        np.array(drawn.matrix_world).ravel()
+        for drawn in depsgraph.object_instances
+        if drawn.object.type == "MESH" and len(drawn.object.data.polygons)
+    ]
+    return np.array(sorted(map(tuple, found)))
+
+
+def meshes_of(graph) -> np.ndarray:
+    rows = np.flatnonzero(graph.mesh >= 0)
+    rows = [row for row in rows if len(graph.meshes[graph.mesh[row]].offsets) > 1]
+    return np.array(sorted(tuple(world.ravel()) for world in world_matrices(graph)[rows]))
+
+
+def nested_collections() -> None:
+    """A collection with a hierarchy, inside another one, twice in the scene: turned, scaled and mirrored."""
+    inner, outer = bpy.data.collections.new("Inner"), bpy.data.collections.new("Outer")
+    parent, child = bpy.data.objects.new("Parent", box()), bpy.data.objects.new("Child", box("Small", 0.3))
+    child.parent = parent
+    parent.location, parent.rotation_euler, child.location = (1, 0, 0.5), (0.3, 0.2, 0.1), (0, 0, 1)
+    parent["unisg_category"] = "Box"
+    for item in (parent, child):
+        inner.objects.link(item)
+    inner.instance_offset = (0.5, 0.25, 0)
+    holder = bpy.data.objects.new("Holder", None)
+    holder.instance_type, holder.instance_collection, holder.location = "COLLECTION", inner, (0, 3, 0)
+    outer.objects.link(holder)
+    for number, scale in enumerate([(1, 1, 1), (-2, 1, 0.5)]):
+        item = add(f"Instance {number}")
+        item.instance_type, item.instance_collection = "COLLECTION", outer
+        item.location, item.rotation_euler, item.scale = (number * 5, 0, 0), (0.1, number, 0), scale
+
+
+def test_collections_are_kept_once_and_come_back() -> None:
+    nested_collections()
+    graph = read_scene()
+    assert len(graph) == 2
+    entries = graph.components["instances"]
+    assert entries.columns["prototype"][0] is entries.columns["prototype"][1]
+    prototype = entries.columns["prototype"][0]
+    assert prototype.name == ("Holder",)
+    assert prototype.components["instances"].columns["prototype"][0]["Parent"].category == "Box"
+    expected = drawn_boxes()
+    again = write_scene(graph)
+    assert_same_scene(graph, read_scene(again))
+    bpy.context.window.scene = again
+    assert relative_gap(drawn_boxes(), expected) < 1e-5
+
+
+def test_realized_instances_stand_where_blender_draws_them() -> None:
+    nested_collections()
+    graph = read_scene(instances="realized")
+    assert "instances" not in graph.components
+    assert len(graph) == 2 + 2 * 3
+    assert len(set(graph.uid)) == len(graph)
+    assert len(graph.meshes) == 2
+    assert relative_gap(meshes_of(graph), drawn_boxes()) < 1e-5
+    assert graph.uid == realize(read_scene()).uid
+
+
+def instance_on_points(item: bpy.types.Object, source: bpy.types.Object) -> None:
+    """A modifier that puts a cube of its own, and another object, on every point."""
+    tree = bpy.data.node_groups.new("Instances", "GeometryNodeTree")
+    tree.interface.new_socket("Geometry", in_out="INPUT", socket_type="NodeSocketGeometry")
+    tree.interface.new_socket("Geometry", in_out="OUTPUT", socket_type="NodeSocketGeometry")
+    nodes, link = tree.nodes, tree.links.new
+    start, end, join = nodes.new("NodeGroupInput"), nodes.new("NodeGroupOutput"), nodes.new("GeometryNodeJoinGeometry")
+    cube, info = nodes.new("GeometryNodeMeshCube"), nodes.new("GeometryNodeObjectInfo")
+    info.inputs["Object"].default_value, info.inputs["As Instance"].default_value = source, True
+    for geometry in (cube.outputs["Mesh"], info.outputs["Geometry"]):
+        place = nodes.new("GeometryNodeInstanceOnPoints")
+        place.inputs["Scale"].default_value = (0.1, 0.2, 0.3)
+        link(start.outputs[0], place.inputs["Points"])
+        link(geometry, place.inputs["Instance"])
+        link(place.outputs[0], join.inputs[0])
+    link(join.outputs[0], end.inputs[0])
+    item.modifiers.new("Instances", "NODES").node_group = tree
+
+
+def test_geometry_nodes() -> None:
+    source = add("Source", box("Source"))
+    grid = add("Grid", box("Grid", 4))
+    grid.location, grid.rotation_euler, grid.scale = (1, 2, 3), (0.3, 0.2, 0.1), (1, -1, 2)
+    instance_on_points(grid, source)
+    bpy.context.view_layer.update()
+    graph = read_scene()
+    entries = graph["Grid"].component("instances")
+    assert len(entries["matrix"]) == 16
+    assert len({id(prototype) for prototype in entries["prototype"]}) == 2
+    expected = drawn_boxes()
+    assert relative_gap(meshes_of(realize(graph)), expected) < 1e-5
+    assert "instances" not in read_scene(geometry="original").components
+    again = write_scene(graph)
+    assert_same_scene(graph, read_scene(again))
+    bpy.context.window.scene = again
+    assert relative_gap(drawn_boxes(), expected) < 1e-5
+
+
+@pytest.mark.parametrize("kind", ["VERTS", "FACES"])
+def test_duplication_on_vertices_and_faces(kind: str) -> None:
+    above = add("Above", box("Above", 3))
+    add("Below", box("Small", 0.2), above)
+    above.instance_type, above.location = kind, (1, 2, 3)
+    graph = read_scene()
+    assert len(graph["Above"].component("instances")["matrix"]) == {"VERTS": 8, "FACES": 6}[kind]
