@@ -19,26 +19,35 @@ def link_objects(graph: SceneGraph, objects: Objects, default: bpy.types.Collect
     Paths of collections begin under ``top``.
     """
     found = graph.components.get(COLLECTIONS)
-    listed = set()
-    made: dict[tuple[str, ...], bpy.types.Collection] = {(): top}
+    members: dict[tuple[str, ...], dict[int, None]] = {}
     for row, path in () if found is None else zip(found.rows.tolist(), found.columns["path"], strict=True):
         if row in objects:
-            collection = _collection(made, tuple(path))
-            if objects[row].name not in collection.objects:
-                collection.objects.link(objects[row])
-            listed.add(row)
+            members.setdefault(tuple(path), {})[row] = None
+    made: dict[tuple[str, ...], bpy.types.Collection] = {(): top}
+    new: list[tuple[bpy.types.Collection, bpy.types.Collection]] = []
+    for path, rows in members.items():
+        collection = _collection(path, made, new)
+        for row in rows:
+            collection.objects.link(objects[row])
+    for above, collection in reversed(new):  # deepest first, each when it is full
+        above.children.link(collection)
+    listed = {row for rows in members.values() for row in rows}
     for row, item in objects.items():
         if row not in listed:
             default.objects.link(item)
 
 
-def _collection(made: dict[tuple[str, ...], bpy.types.Collection], path: tuple[str, ...]) -> bpy.types.Collection:
-    """The collection of a path, found by name or made; Blender may give it another name than asked for."""
+def _collection(
+    path: tuple[str, ...],
+    made: dict[tuple[str, ...], bpy.types.Collection],
+    new: list[tuple[bpy.types.Collection, bpy.types.Collection]],
+) -> bpy.types.Collection:
+    """The collection of a path, found by name or made; ``new`` collects (above, made) for linking."""
     if path not in made:
-        above = _collection(made, path[:-1])
+        above = _collection(path[:-1], made, new)
         made[path] = above.children.get(path[-1]) or bpy.data.collections.new(path[-1])
-        if made[path].name not in above.children:
-            above.children.link(made[path])
+        if made[path].users == 0:
+            new.append((above, made[path]))
     return made[path]
 
 
