@@ -85,7 +85,7 @@ def _pairs(table: Table) -> set[tuple[int, str, str]]:
 def _assert_same_value(name: str, first: Any, second: Any) -> None:
     if isinstance(first, SceneGraph):
         assert_same_graph(first, second)
-    elif isinstance(first, np.ndarray) or isinstance(first, float):
+    elif isinstance(first, np.ndarray | float):
         np.testing.assert_allclose(second, first, rtol=1e-9, atol=1e-12, err_msg=name)
     elif name == "properties.json":
         assert json.loads(second) == json.loads(first)

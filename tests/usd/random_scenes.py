@@ -66,7 +66,8 @@ def properties(draw: st.DrawFn, uid: str, uids: list[str]) -> ObjectProperties:
     some = st.lists(st.sampled_from([*uids, "elsewhere"]), max_size=2, unique=True).map(tuple)
     action = ActionData(
         f"{uid}.action", draw(st.sampled_from(["Insert", "Remove", "Question"])), draw(NAMES), draw(some), draw(some),
-        reference=draw(st.none() | st.just((*map(float, range(12)), 0.0, 0.0, 0.0, 1.0))), thresholds=Thresholds(distance=0.25),
+        reference=draw(st.none() | st.just((*map(float, range(12)), 0.0, 0.0, 0.0, 1.0))),
+        thresholds=Thresholds(distance=0.25),
     )  # fmt: skip
     kinds = st.sampled_from(["on_top_of", "inside", "next to", "手"])
     relations = draw(st.lists(st.tuples(kinds, st.sampled_from([*uids, "elsewhere"])), max_size=3, unique=True))

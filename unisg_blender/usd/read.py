@@ -35,6 +35,7 @@ class Reader:
     rate: float  # time codes per second
     shelf: MeshShelf
     prototypes: dict[Any, SceneGraph]
+    reading: set[Any]  # prototypes that are being read
     progress: Callable[[int, int], None] | None
 
 
@@ -55,7 +56,7 @@ def read_stage(stage: Any, title: str, progress: Callable[[int, int], None] | No
 
 def _read_scene(stage: Any, title: str, progress: Callable[[int, int], None] | None) -> SceneGraph:
     frame = stage_frame(stage)
-    reader = Reader(frame, float(stage.GetTimeCodesPerSecond()), MeshShelf(frame), {}, progress)
+    reader = Reader(frame, float(stage.GetTimeCodesPerSecond()), MeshShelf(frame), {}, set(), progress)
     tops = stage.GetPseudoRoot().GetChildren()
     scene = next((prim for prim in tops if prim.HasAttribute(schema.SCENE_VERSION)), None)
     if scene is None:

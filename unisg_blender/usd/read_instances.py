@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pxr import Usd, UsdGeom
 
+from ..errors import UniSGError
 from ..scene import components
 from ..scene.graph import SceneGraph, Table, table
 from . import schema
@@ -58,13 +59,17 @@ def _prototype(prim: Any, reader: Reader, *, children: bool) -> SceneGraph:
 
     stack = prim.GetPrimStack()
     key = (stack[-1].layer.identifier, stack[-1].path) if children else prim.GetPath()
+    if key in reader.reading:
+        raise UniSGError(f"{prim.GetPath()}: is a prototype of itself")
     if key not in reader.prototypes:
+        reader.reading.add(key)
         name = true_name(prim, stack[-1].name if children else "")
         if children:
             tops = prim.GetFilteredChildren(Usd.TraverseInstanceProxies(Usd.PrimIsActive & Usd.PrimIsDefined))
             reader.prototypes[key] = read_graph(tops, reader, name, prim, nested=True)
         else:
             reader.prototypes[key] = read_graph([prim], reader, name, nested=True)
+        reader.reading.discard(key)
     return reader.prototypes[key]
 
 
