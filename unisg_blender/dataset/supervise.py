@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import hashlib
 import json
+import os
 import queue
 import signal
 import subprocess
@@ -30,12 +31,14 @@ class Child:
     def __init__(self, memory: int) -> None:
         self.files = 0
         self._late = False
-        self._errors = tempfile.TemporaryFile()  # noqa: SIM115 (closed by end)
+        self._folder = tempfile.TemporaryDirectory(prefix="unisg-", ignore_cleanup_errors=True)
+        self._errors = open(Path(self._folder.name, "errors"), "w+b")  # noqa: SIM115 (closed by end)
         self._process = subprocess.Popen(
             child_command(memory),
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=self._errors,
+            env=os.environ | dict.fromkeys(("TMPDIR", "TMP", "TEMP"), self._folder.name),  # Blender leaves things there
             encoding="utf-8",
             errors="replace",
         )
@@ -97,6 +100,7 @@ class Child:
         for stream in (self._process.stdin, self._process.stdout):
             with contextlib.suppress(OSError):
                 stream.close()  # type: ignore[union-attr]
+        self._folder.cleanup()
 
 
 _idle: defaultdict[int, queue.LifoQueue[Child]] = defaultdict(queue.LifoQueue)
