@@ -60,7 +60,7 @@ def _wrapped(layout: bpy.types.UILayout, text: str, width: int) -> None:
 
 def _list(layout: bpy.types.UILayout, context: bpy.types.Context, item: bpy.types.Object) -> None:
     active = active_place(context, item)
-    row = layout.row()
+    row = layout.split(factor=0.88)
     names = row.column(align=True)
     for place, action in enumerate(readable_actions(item)):
         line = names.row(align=True)

@@ -10,6 +10,7 @@ from .actions import _wrapped
 from .main import SidebarPanel
 
 KIND_ICONS = {"operation": "SCENE_DATA", "lesson": "BOOKMARKS", "stage": "SEQUENCE", "action": "DOT"}
+GREEN, ORANGE = "COLORSET_03_VEC", "COLORSET_02_VEC"
 STATUS_ICONS = {"waiting": "RADIOBUT_OFF", "open": "PLAY", "done": "CHECKMARK", "skipped": "REMOVE"}
 
 
@@ -47,7 +48,7 @@ def _operation_uid(item: bpy.types.Object) -> str:
 
 def _open_action(layout: bpy.types.UILayout, current: object, action: object, holds: bool) -> None:
     box = layout.box().column(align=True)
-    box.label(text=action.name or action.type, icon="CHECKBOX_HLT" if holds else "CHECKBOX_DEHLT")
+    box.label(text=action.name or action.type, icon=GREEN if holds else ORANGE)
     graph = current.lesson.graph
     if action.type == "Question":
         several = len(action.correct) > 1
@@ -86,7 +87,7 @@ class UNISG_PT_lesson(SidebarPanel, bpy.types.Panel):
         reason = why_fixed(item, LSA)
         if reason:
             _wrapped(layout, reason, context.region.width)
-        row = layout.row()
+        row = layout.split(factor=0.88)
         tree = row.column(align=True)
         tree.scale_y = 0.9
         active = active_node(context)
@@ -102,13 +103,10 @@ class UNISG_PT_lesson(SidebarPanel, bpy.types.Panel):
 
 def _tree(layout: bpy.types.UILayout, node: object, depth: int, active: str) -> None:
     current = session()
-    row = layout.row(align=True)
-    if depth:
-        indent = row.row()
-        indent.ui_units_x = 0.7 * depth
-        indent.label(text="")
-    line = row.row(align=True)
+    line = layout.row(align=True)
     line.alignment = "LEFT"
+    for _ in range(depth):
+        line.label(text="", icon="BLANK1")
     icon = STATUS_ICONS[current.status(node.uid)] if current is not None else KIND_ICONS[node.kind]
     text = (node.name or node.kind) + (" (optional)" if node.optional else "")
     text += " (any order)" if node.children and not node.ordered else ""

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from ..bounds import Boxes, local_bounds, orthonormal_axes
 from ..graph import SceneGraph
 from ..hierarchy import subtree, world_matrices
-from ..overlap import penetration
 from .components import Array, dot, length, rotation_and_size, transform
 from .separation import separation
 
@@ -122,6 +121,8 @@ def _touching_near(first: Bodies, second: Bodies, distance: Array) -> NDArray[np
             open_rows, one, other, point = open_rows[left], one.take(left), other.take(left), point[:, left]
         if not len(open_rows):
             return result
+    from ..overlap import penetration  # loads scipy, which panels can do without
+
     depth = penetration(first.boxes(open_rows), second.boxes(open_rows))
     result[open_rows] = depth >= -EPSILON
     rows = open_rows[(depth < -EPSILON) & (depth >= -distance[open_rows])]  # at corners it may be more than -depth
