@@ -19,8 +19,11 @@ def write_rooms(folder: Path, count: int) -> Path:
 
 def trained(folder: Path, out: Path, paper: bool, seed: int = 0, epochs: int = 2) -> Path:
     """A model trained for a moment."""
+    import torch
+
     from unisg_blender.learn.settings import Settings
     from unisg_blender.learn.train_cgvae import train
 
+    torch.set_num_threads(1)  # two test runs at a time share the cores
     train(open_dataset(folder), out, Settings(paper=paper, epochs=epochs, seed=seed, quiet=True))
     return out

@@ -11,7 +11,6 @@ import pytest
 torch = pytest.importorskip("torch")
 pytest.importorskip("torch_geometric")
 
-from tests.generate.models import trained  # noqa: E402
 from unisg_blender.dataset import open_dataset  # noqa: E402
 from unisg_blender.generate.cgvae import edges_of, node_features, poses_of  # noqa: E402
 from unisg_blender.generate.contract import Contract  # noqa: E402
@@ -140,23 +139,6 @@ def test_features_go_out_and_come_back_in_every_form(form: str) -> None:
     )
     assert len(kept) < FORMS[form].width + 6
     np.testing.assert_allclose(poses_of(node_features(poses[0], contract), contract), poses[0], atol=1e-5)
-
-
-def test_same_seed_same_model_and_another_seed_another(dataset_folder: Path, tmp_path: Path) -> None:
-    one, two, other = (
-        load_model(trained(dataset_folder, tmp_path / f"{name}.onnx", paper=True, seed=seed, epochs=1))
-        for name, seed in (("one", 3), ("two", 3), ("other", 4))
-    )
-    inputs = {name: value.numpy() for name, value in _inputs_of(one.contract, 6).items()}
-    first, second, third = (model.run(["decoded"], **inputs)[0] for model in (one, two, other))
-    np.testing.assert_array_equal(first, second)
-    assert not np.allclose(first, third)
-
-
-def _inputs_of(contract: Contract, nodes: int) -> dict[str, torch.Tensor]:
-    inputs = scene_tensors(0, nodes)
-    features = torch.ones(nodes, len(contract.kept))
-    return inputs | {"features": features, "noise": torch.ones(nodes, contract.latent)}
 
 
 def test_scenes_of_a_dataset_have_the_things_that_went_in(dataset_folder: Path) -> None:

@@ -10,7 +10,7 @@ import pytest
 pytest.importorskip("torch")
 pytest.importorskip("pytorch_lightning")
 
-from tests.generate.models import write_rooms
+from tests.generate.models import trained, write_rooms
 from unisg_blender.cli import main
 from unisg_blender.dataset import write_dataset
 from unisg_blender.generate.model import assets_path, load_model
@@ -36,6 +36,15 @@ def test_a_model_says_where_it_comes_from(
     assert assets_path(out).is_file()
     assert (logs / "metrics.csv").read_text().count("\n") >= 3
     assert sorted(path.suffix for path in tmp_path.iterdir() if path.is_file()) == [".onnx", ".safetensors"]
+
+
+def test_same_seed_same_model(model_file: Path, dataset_folder: Path, tmp_path: Path) -> None:
+    import onnx
+
+    paper = load_model(model_file).contract.kind == "cgvae"
+    again = trained(dataset_folder, tmp_path / "again.onnx", paper)
+    one, two = (onnx.load(path).graph.initializer for path in (model_file, again))
+    assert [weight.raw_data for weight in one] == [weight.raw_data for weight in two]
 
 
 def test_training_goes_on_where_it_stopped(dataset_folder: Path, tmp_path: Path) -> None:
