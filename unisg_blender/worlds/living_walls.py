@@ -63,7 +63,7 @@ def _bookshelf(layout: Layout, floor: Placed, sides: list[Side], wood: str) -> N
         return
     for board, top in shape.surfaces.items():
         x = -top.size[0] / 2 + rng.uniform(0.0, 0.04)
-        for _ in range(int(rng.integers(1, 15))):
+        for _ in range(int(rng.integers(0, 9))):
             thick, depth, height, color = pick(rng, BOOKS)
             book = living.standing_book(thick, depth, height, color)
             if height < top.headroom and x + thick < top.size[0] / 2:

@@ -129,10 +129,14 @@ def _bins(layout: Layout, floor: Placed, sides: list[Side]) -> None:
     first = _to_wall(layout, floor, sides, storage.waste_bin(str(colors[0]), height))
     if first is None:
         return
-    way = pick(rng, [-1, 1])
-    for step, color in enumerate(colors[1:], start=1):
-        x, y = way * step * rng.uniform(0.43, 0.5), rng.normal(0, 0.02)
-        pose = first.pose_at(x, y, 0.0, rng.normal(0, 0.04))
+    ways = [-1, 1] if rng.random() < 0.5 else [1, -1]
+    reach = {way: 0 for way in ways}
+    for color in colors[1:]:
         shape = storage.waste_bin(str(color), height)
-        if layout.fits(shape, pose[None], floor)[0]:
-            layout.add(shape, pose, floor)
+        for way in ways:
+            x, y = way * (reach[way] + 1) * rng.uniform(0.43, 0.5), rng.normal(0, 0.02)
+            pose = first.pose_at(x, y, 0.0, rng.normal(0, 0.04))
+            if layout.fits(shape, pose[None], floor)[0]:
+                layout.add(shape, pose, floor)
+                reach[way] += 1
+                break
