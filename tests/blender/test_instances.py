@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from tests.blender.helpers import add, assert_same_scene, box, relative_gap
-from unisg_blender.blender import read_scene, write_scene
+from unisg_blender.blender import ReadReport, read_scene, write_scene
 from unisg_blender.scene import world_matrices
 from unisg_blender.scene.instances import realize
 
@@ -121,3 +121,15 @@ def test_duplication_on_vertices_and_faces(kind: str) -> None:
     above.instance_type, above.location = kind, (1, 2, 3)
     graph = read_scene()
     assert len(graph["Above"].component("instances")["matrix"]) == {"VERTS": 8, "FACES": 6}[kind]
+
+
+def test_what_an_instanced_collection_draws_itself_is_reported() -> None:
+    collection = bpy.data.collections.new("Inner")
+    grid = bpy.data.objects.new("Grid", box("Grid", 4))
+    collection.objects.link(grid)
+    instance_on_points(grid, add("Source", box("Source")))
+    item = add("Instance")
+    item.instance_type, item.instance_collection = "COLLECTION", collection
+    report = ReadReport()
+    read_scene(report=report)
+    assert "Grid: instances that it may draw inside an instanced collection are not read" in list(report)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import re
-import tempfile
+import uuid
 from collections.abc import Callable
 from pathlib import Path
 
@@ -100,14 +100,15 @@ def save_blend(path: str | os.PathLike[str]) -> None:
         raise UniSGError(f"cannot write {path}: the folder {path.parent} does not exist")
     if path.is_dir():
         raise UniSGError(f"cannot write {path}: it is a folder")
-    with tempfile.TemporaryDirectory(prefix=".unisg-", dir=path.parent) as folder:
-        name = os.path.join(folder, "scene.blend")
-        try:
-            with captured_output():
-                bpy.ops.wm.save_as_mainfile(filepath=name, copy=True, check_existing=False)
-            os.replace(name, path)
-        except (RuntimeError, OSError) as error:
-            raise UniSGError(f"cannot write {path}: {_last_line(str(error))}") from None
+    unfinished = path.parent / f".unisg-{uuid.uuid4().hex}.blend"  # beside it: paths in the file are relative to it
+    try:
+        with captured_output():
+            bpy.ops.wm.save_as_mainfile(filepath=str(unfinished), copy=True, check_existing=False)
+        os.replace(unfinished, path)
+    except (RuntimeError, OSError) as error:
+        raise UniSGError(f"cannot write {path}: {_last_line(str(error))}") from None
+    finally:
+        unfinished.unlink(missing_ok=True)
 
 
 def _check_path(path: Path) -> None:

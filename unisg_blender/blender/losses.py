@@ -22,13 +22,19 @@ NO_DATA = {
 
 
 def report_losses(
-    items: Sequence[bpy.types.Object], depsgraph: bpy.types.Depsgraph, evaluated: bool, report: ReadReport
+    items: Sequence[bpy.types.Object],
+    depsgraph: bpy.types.Depsgraph,
+    evaluated: bool,
+    instanced: bool,
+    report: ReadReport,
 ) -> None:
-    """Note for every object what its entity cannot hold."""
+    """Note for every object what its entity cannot hold; ``instanced``: the objects are those of a prototype."""
     materials: dict[bpy.types.ID, bool] = {}
     for item in items:
         for text in _losses(item, depsgraph, evaluated):
             report.add(item.name, text)
+        if instanced and (item.instance_type in ("VERTS", "FACES") or _makes_instances(item)):
+            report.add(item.name, "instances that it may draw inside an instanced collection are not read")
         for slot in item.material_slots:
             if slot.material is not None:
                 if slot.material not in materials:
@@ -37,12 +43,18 @@ def report_losses(
                     report.add(item.name, "materials keep one colour: textures and shader nodes are not read")
 
 
+def _makes_instances(item: bpy.types.Object) -> bool:
+    return len(item.particle_systems) > 0 or any(modifier.type == "NODES" for modifier in item.modifiers)
+
+
 def _losses(item: bpy.types.Object, depsgraph: bpy.types.Depsgraph, evaluated: bool) -> Iterator[str]:
     kind = item.type
     if kind in NO_DATA:
         yield NO_DATA[kind]
     if kind in ("CURVE", "SURFACE", "FONT", "META"):
         yield "read as a mesh, not as a curve, surface, text or metaball" if evaluated else "its shape is not read"
+    if item.library is not None:
+        yield f"linked from {item.library.filepath}: kept as the object it is now"
     if len(item.constraints):
         yield "constraints: only their result is kept"
         if not is_evaluated(item, depsgraph):

@@ -116,7 +116,8 @@ def read_objects(
     if reader.details:
         components |= component_tables(objects, items, hierarchy, top, reader.view_layer, reader.depsgraph)
         components |= instance_table(items, reader.shelf, reader.read_collection, reader.report)
-        report_losses(items, reader.depsgraph, reader.geometry == "evaluated", reader.report)
+        instanced = not top.is_embedded_data  # a scene's own collection is part of it
+        report_losses(items, reader.depsgraph, reader.geometry == "evaluated", instanced, reader.report)
     graph = assemble(
         Columns(
             name=[item.name for item in items],
