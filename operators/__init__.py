@@ -11,6 +11,7 @@ from . import (
     actions,
     categories,
     command_line,
+    convert,
     copied,
     export,
     forms,
@@ -22,6 +23,8 @@ from . import (
     meshes,
     motion,
     play,
+    recording,
+    relations,
 )
 from .registration import register_modules, unregister_modules
 
@@ -41,6 +44,9 @@ MODULES: tuple = (
     lesson,
     play,
     copied,
+    convert,
+    relations,
+    recording,
 )
 
 

@@ -7,9 +7,9 @@ own ``register`` and ``unregister``. Sub-panels name ``UNISG_PT_main`` as parent
 from __future__ import annotations
 
 from ..operators.registration import register_modules, unregister_modules
-from . import actions, export, forms, generate, lesson, main, meshes, motion, overlay
+from . import actions, export, forms, generate, lesson, main, meshes, motion, overlay, recording, relations
 
-MODULES: tuple = (main, generate, forms, motion, meshes, export, lesson, actions, overlay)
+MODULES: tuple = (main, generate, forms, motion, meshes, export, lesson, actions, overlay, relations, recording)
 
 
 def register() -> None:

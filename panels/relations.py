@@ -1,0 +1,45 @@
+"""Sub-panel "Relations and Files": relations of the scene, master file, recordings."""
+
+from __future__ import annotations
+
+import json
+
+import bpy
+
+from ..operators.relations import NAME_OF
+from .main import SidebarPanel
+
+SHOWN = 12
+
+
+class UNISG_PT_relations(SidebarPanel, bpy.types.Panel):
+    """What the active object stands on, in or beside"""
+
+    bl_idname = "UNISG_PT_relations"
+    bl_label = "Relations"
+    bl_parent_id = "UNISG_PT_main"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context: bpy.types.Context) -> None:
+        self.layout.operator("unisg.relations", icon="LINKED")
+        lines = _lines(context)
+        column = self.layout.column(align=True)
+        for line in lines[:SHOWN]:
+            column.label(text=line)
+        if len(lines) > SHOWN:
+            column.label(text=f"... and {len(lines) - SHOWN} more")
+
+
+def _lines(context: bpy.types.Context) -> list[str]:
+    """The active object's relations in words."""
+    item = context.active_object
+    try:
+        found = (
+            json.loads(item["unisg_relations"])["relations"] if item is not None and "unisg_relations" in item else []
+        )
+        return [f"{pair['kind'].replace('_', ' ')} {NAME_OF.get(pair['target'], '...')}" for pair in found]
+    except (ValueError, KeyError, TypeError, AttributeError):
+        return ["its relations cannot be read"]
+
+
+CLASSES = (UNISG_PT_relations,)
