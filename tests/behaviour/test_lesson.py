@@ -359,6 +359,14 @@ def test_no_feedback_for_what_has_been_so_from_the_start_or_comes_with_the_actio
     assert state.finished
 
 
+def test_taking_something_to_its_place_is_no_early_removal():
+    away = ActionData("away", "Remove", "away", ("a",), thresholds=Thresholds(0.1))
+    root = operation(stage("s", leaf("first"), leaf("away")))
+    graph = scene(root, insert("first", "a", shifted(1)), away, a=np.eye(4), b=np.eye(4))
+    _, events = run_lesson(graph, [places(graph, t, a, 0) for t, a in enumerate([0, 0.5, 1])])
+    assert not [event for event in events if event.kind == "out_of_order"]
+
+
 def test_an_action_that_two_leaves_perform_is_performed_twice():
     twice = LessonNode("action", "later", "Later", action="first")
     root = operation(stage("s", leaf("first"), leaf("second"), twice))

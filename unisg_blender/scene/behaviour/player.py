@@ -170,16 +170,17 @@ def _event(lesson: Lesson, change: Change, moment: Moment) -> Event:
 def _feedback(lesson: Lesson, state: PlayState, new: ActionState, moment: Moment, began: float) -> Iterator[Event]:
     """What the learner should hear: wrong answers, and actions that were performed before their turn."""
     actions, old = lesson.checks.actions, state.actions
-    busy = {
-        uid for place in np.flatnonzero(new.active & (new.met | new.done & ~old.done)) for uid in _about(actions[place])
-    }
+    succeeding = new.active & (new.met | new.done & ~old.done)
+    busy = {uid for place in np.flatnonzero(succeeding) for uid in _about(actions[place])}
+    in_hand = {uid for place in np.flatnonzero(new.active) for uid in _about(actions[place])}
     early = (new.hits > old.hits) & (new.hits >= lesson.checks.hits) & ~new.active & ~old.active & (new.since > began)
     for leaf in np.flatnonzero(lesson.task >= 0):
         node, tasks = lesson.outline.nodes[leaf], _with_members(lesson.checks, int(lesson.task[leaf]))
         for place in tasks:
             action = actions[place]
             name = action.name or node.name or action.type
-            if state.status[leaf] == WAITING and early[place] and not busy & set(_about(action)):
+            excused = in_hand if action.type == "Remove" else busy  # what is being placed has to leave where it was
+            if state.status[leaf] == WAITING and early[place] and not excused & set(_about(action)):
                 why = f"{name!r} has to wait: {_waits_for(lesson, state, int(leaf))}"
                 yield Event(moment.time, "out_of_order", node.uid, node.kind, name, action.uid, why)
             given = moment.answers.get(action.uid) if action.type == "Question" else None
