@@ -48,18 +48,21 @@ def grid_scene(count: int) -> object:
             mesh=rows % len(meshes),
             meshes=meshes,
             properties=[
-                ObjectProperties(f"Kind {row % 50}", f"{row:032x}", relations=(Relation("beside", f"{row - row % 10:032x}"),))
+                ObjectProperties(
+                    f"Kind {row % 50}", f"{row:032x}", relations=(Relation("beside", f"{row - row % 10:032x}"),)
+                )
                 for row in rows
             ],
         )
     )
 
 
-def timed(work: Callable[[], object]) -> tuple[float, object]:
-    """Seconds and result."""
-    start = time.perf_counter()
+def timed(record: dict[str, float], name: str, work: Callable[[], object]) -> object:
+    """The result; puts seconds on the clock, and of processor time, into ``record``."""
+    start, busy = time.perf_counter(), time.process_time()
     result = work()
-    return time.perf_counter() - start, result
+    record[f"{name}_s"], record[f"{name}_cpu_s"] = time.perf_counter() - start, time.process_time() - busy
+    return result
 
 
 def measure_usd(count: int) -> dict[str, float]:
@@ -67,20 +70,20 @@ def measure_usd(count: int) -> dict[str, float]:
     from unisg_blender.usd import read_usd, write_usd
 
     graph = grid_scene(count)
+    record: dict[str, float] = {"objects": count, "meshes": len(graph.meshes)}
     with tempfile.TemporaryDirectory() as folder:
         path, again = Path(folder, "scene.usdc"), Path(folder, "again.usdc")
-        write, _ = timed(lambda: write_usd(graph, path))
-        read, found = timed(lambda: read_usd(path))
-        rewrite, _ = timed(lambda: write_usd(found, again))
-        reread, back = timed(lambda: read_usd(again))
-        size = path.stat().st_size
-    assert back.uid == graph.uid and len(back.meshes) == len(graph.meshes)
-    assert np.array_equal(back.local, graph.local) and np.array_equal(back.parent, graph.parent)
-    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20
-    return {
-        "objects": count, "meshes": len(graph.meshes), "write_s": write, "read_s": read, "rewrite_s": rewrite,
-        "read_back_s": reread, "file_MB": size / 1e6, "peak_GiB": peak,
-    }  # fmt: skip
+        timed(record, "write", lambda: write_usd(graph, path))
+        found = timed(record, "read", lambda: read_usd(path))
+        timed(record, "rewrite", lambda: write_usd(found, again))
+        back = timed(record, "read_back", lambda: read_usd(again))
+        record["file_MB"] = path.stat().st_size / 1e6
+    assert back.uid == graph.uid
+    assert len(back.meshes) == len(graph.meshes)
+    assert np.array_equal(back.local, graph.local)
+    assert np.array_equal(back.parent, graph.parent)
+    record["peak_GiB"] = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20
+    return record
 
 
 def measure_blender(count: int, shared: bool) -> dict[str, float]:
@@ -94,13 +97,13 @@ def measure_blender(count: int, shared: bool) -> dict[str, float]:
     with tempfile.TemporaryDirectory() as folder:
         write_usd(read_scene(), Path(folder, "warm.usdc"))
         bpy.ops.wm.usd_export(filepath=str(Path(folder, "warm_blender.usdc")))
-        theirs, _ = timed(lambda: bpy.ops.wm.usd_export(filepath=str(Path(folder, "blender.usdc"))))
-        read, graph = timed(read_scene)
-        write, _ = timed(lambda: write_usd(graph, Path(folder, "ours.usdc")))
-    return {
-        "objects": count, "meshes": len(graph.meshes), "read_s": read, "write_s": write, "ours_s": read + write,
-        "blender_s": theirs, "ratio": (read + write) / theirs,
-    }  # fmt: skip
+        record: dict[str, float] = {"objects": count}
+        timed(record, "blender", lambda: bpy.ops.wm.usd_export(filepath=str(Path(folder, "blender.usdc"))))
+        graph = timed(record, "read", read_scene)
+        timed(record, "write", lambda: write_usd(graph, Path(folder, "ours.usdc")))
+    for kind in ("s", "cpu_s"):
+        record[f"ratio_{kind}"] = (record[f"read_{kind}"] + record[f"write_{kind}"]) / record[f"blender_{kind}"]
+    return record
 
 
 def _fill_blender(count: int, shared: bool) -> None:
@@ -136,7 +139,11 @@ def _print_table(rows: list[dict[str, float]]) -> None:
     names = list(rows[0])
     print("| " + " | ".join(names) + " |\n|" + "---|" * len(names))
     for row in rows:
-        print("| " + " | ".join(f"{row[name]:,.0f}" if row[name] == int(row[name]) else f"{row[name]:.2f}" for name in names) + " |")
+        print(
+            "| "
+            + " | ".join(f"{row[name]:,.0f}" if row[name] == int(row[name]) else f"{row[name]:.2f}" for name in names)
+            + " |"
+        )
     print(flush=True)
 
 

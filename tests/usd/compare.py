@@ -64,10 +64,12 @@ def assert_same_mesh(first: Mesh, second: Mesh) -> None:
 
 
 def assert_same_table(name: str, first: Table, second: Table) -> None:
-    """Rows and columns of a component agree; relations and custom properties in any order."""
+    """Rows and columns of a component agree; an entity's relations and instances in any order."""
     if name == "relations":
         assert _pairs(first) == _pairs(second)
         return
+    if name == "instances":
+        first, second = _by_place(first), _by_place(second)
     np.testing.assert_array_equal(second.rows, first.rows, err_msg=name)
     assert set(first.columns) == set(second.columns), name
     for key, expected in first.columns.items():
@@ -76,6 +78,13 @@ def assert_same_table(name: str, first: Table, second: Table) -> None:
         assert len(found) == len(expected)
         for one, other in zip(expected, found, strict=True):
             _assert_same_value(f"{name}.{key}", one, other)
+
+
+def _by_place(table: Table) -> Table:
+    titles = [prototype.title for prototype in table.columns["prototype"]]
+    places = [matrix.tolist() for matrix in table.columns["matrix"]]
+    order = sorted(range(len(titles)), key=lambda item: (table.rows[item], titles[item], places[item]))
+    return Table(table.rows[order], {name: column[order] for name, column in table.columns.items()})
 
 
 def _pairs(table: Table) -> set[tuple[int, str, str]]:

@@ -158,7 +158,7 @@ def test_usd_checker_passes(tmp_path: Path) -> None:
             [sys.executable, str(script), build, str(path), str(path.with_suffix(".usdz"))],
             capture_output=True, text=True, timeout=120, env=os.environ | {"PYTHONPATH": str(DATA.parents[1])},
         )  # fmt: skip
-        if "ModuleNotFoundError" in answer.stderr:
+        if "ModuleNotFoundError" in answer.stderr or "MissingPackageError" in answer.stderr:
             continue
         assert answer.returncode == 0, answer.stdout + answer.stderr
         assert "checked" in answer.stdout
