@@ -15,6 +15,9 @@ if TYPE_CHECKING:
     from ..scene import SceneGraph
 
 HELP = "Furnish the rooms of a dataset anew with a model, measure the result, and print baselines beside it."
+TRAINING_SCENES = 300
+"""Rooms that the baselines learn from, at most."""
+
 COLUMNS = {
     "colliding": "collide %", "off_support": "float %", "outside": "outside %", "refused": "refused %",
     "same_support": "supports %",
@@ -44,7 +47,7 @@ def run(args: argparse.Namespace) -> int:
         raise UniSGError(f"there is no folder {args.out.parent} to write {args.out.name} to")
     generator = Generator.load(args.model)
     tests = _scenes(args.data, args.scenes)
-    training = [] if args.training is None else _scenes(args.training, None)
+    training = [] if args.training is None else _scenes(args.training, TRAINING_SCENES)
     known = {name for graph in tests for name in graph.vocabulary} & set(generator.categories)
     if not known:
         raise UniSGError(

@@ -14,8 +14,8 @@ from .pieces import Piece
 from .proposals import Proposals, Scene
 
 COMPONENTS = 48
-MOST_SUPPORTS = 3
-"""Supports that one call of the network proposes places on."""
+FIRST, MOST_SUPPORTS = 4, 3
+"""Up to how many proposals are made for one support only, and on how many different ones at most."""
 
 
 class AnchorProposer:
@@ -59,7 +59,7 @@ class AnchorProposer:
         inputs = _batch(support_arrays(scene, things, category, self.unknown)) | target | self._nothing(tokens=1)
         score, weight, mean, sigma = self._run(inputs, "support_score", "height_weight", "height_mean", "height_sigma")
         chance = np.exp(score - score[allowed].max()) * allowed
-        drawn = rng.choice(len(chance), size=min(count, MOST_SUPPORTS), p=chance / chance.sum())
+        drawn = rng.choice(len(chance), size=1 if count <= FIRST else MOST_SUPPORTS, p=chance / chance.sum())
         supports = np.resize(drawn, count)
         part = _pick(np.exp(weight[supports]), rng)
         each = np.arange(count)

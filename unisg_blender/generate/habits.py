@@ -52,7 +52,8 @@ class Habits:
     sizes
         By category: median width, depth and height in metres.
     overlaps
-        By "A|B" (sorted): metres that boxes of these categories may reach into each other.
+        By "A|B" (sorted): metres that boxes of these categories may reach into each other; by "A>B" the same for
+        an A that is held by that B.
     rooms
         Counts of the categories (in vocabulary order) in some of the scenes.
     """
@@ -142,7 +143,7 @@ def _supports(contacts: dict[tuple[str, str], list[Seen]]) -> dict[str, list[Hab
 
 
 def _overlaps(things: Things, names: Sequence[str]) -> list[tuple[str, float]]:
-    """Depth to which any two things whose boxes come near each other overlap, by pair of categories."""
+    """Depth to which any two things whose boxes come near each other overlap, by key of the pair."""
     pairs = nearby_pairs(things.parts)
     pairs = pairs[things.owner[pairs[:, 0]] != things.owner[pairs[:, 1]]]
     depth = penetration(things.parts.take(pairs[:, 0]), things.parts.take(pairs[:, 1]))
@@ -150,12 +151,16 @@ def _overlaps(things: Things, names: Sequence[str]) -> list[tuple[str, float]]:
     for first, second, value in zip(*things.owner[pairs.T], depth, strict=True):
         key = (min(first, second), max(first, second))
         deepest[key] = max(deepest.get(key, 0.0), float(value))
-    return [(pair_key(names[things.category[a]], names[things.category[b]]), d) for (a, b), d in deepest.items()]
-
-
-def pair_key(first: str, second: str) -> str:
-    """The key of a pair of categories in either order."""
-    return "|".join(sorted((first, second)))
+    found: list[tuple[str, float]] = []
+    for (a, b), deep in deepest.items():
+        first, second = names[things.category[a]], names[things.category[b]]
+        if things.support[a] == b:
+            found.append((f"{first}>{second}", deep))
+        elif things.support[b] == a:
+            found.append((f"{second}>{first}", deep))
+        else:
+            found.append(("|".join(sorted((first, second))), deep))
+    return found
 
 
 def _tolerance(depths: list[float]) -> float:

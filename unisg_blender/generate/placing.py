@@ -27,6 +27,9 @@ from .things import things_of
 BATCHES = (4, 12, 48)
 """Proposals asked for at a time, until one fits: at most 64 draws for an object."""
 
+OTHER_SHAPES = 2
+"""Further shapes to try when the first one finds no place."""
+
 SEARCHED = 4
 """Supports whose whole surface is searched when no proposal fits."""
 
@@ -69,14 +72,20 @@ class Placing:
         self.space = Space(things.parts, things.owner, things.category, outline, self.habits, self.vocabulary)
         self.additions: list[Addition] = []
         self.coming = Counter(wanted)
+        self.given: set[int] = set()
         self.pieces = self._pieces(wanted, assets or {})
 
     def _pieces(self, wanted: Sequence[str], assets: Mapping[str, Sequence[Asset]]) -> list[Piece]:
         """A shape for each object, in order."""
-        given = {name: [Piece(asset) for asset in shapes] for name, shapes in assets.items()}
-        return [
-            given[name].pop(0) if given.get(name) else self.library.piece(name, self.graph, self.rng) for name in wanted
-        ]
+        left = {name: [Piece(asset) for asset in shapes] for name, shapes in assets.items()}
+        pieces = []
+        for number, name in enumerate(wanted):
+            if left.get(name):
+                self.given.add(number)
+                pieces.append(left[name].pop(0))
+            else:
+                pieces.append(self.library.piece(name, self.graph, self.rng))
+        return pieces
 
     def propose_all(self, wanted: Sequence[str]) -> list[Proposals | None]:
         """First proposals for all objects, none of them seeing another."""
@@ -115,6 +124,11 @@ class Placing:
             spot = self._first(name, piece, allowed, early)
         else:
             spot = self._drawn(name, piece, allowed, early)
+            for _ in range(0 if number in self.given or spot.fits else OTHER_SHAPES):
+                piece = self.library.piece(name, self.graph, self.rng)
+                if (other := self._drawn(name, piece, allowed, None)).fits:
+                    spot = other
+                    break
             note = missing if spot.fits else "no room was found"
         spent = 1e3 * (time.perf_counter() - start)
         if spot is None or (self.settle and not spot.fits):
@@ -162,7 +176,7 @@ class Placing:
         self, piece: Piece, name: str, spot: _Spot, names: Names, make_uid: UidMaker, note: str, spent: float
     ) -> Placement:
         category, world = self.vocabulary.index(name), piece.world(spot.place)
-        depth = float(self.space.depth(piece, spot.place[None], category)[0])
+        depth = float(self.space.depth(piece, spot.place[None], category, spot.thing)[0])
         self.scene.add(category, spot.thing, world, piece, spot.place)
         self.space.add(piece.boxes_at(spot.place[None]), category)
         own, uid = names.new(name), make_uid(name)

@@ -190,7 +190,7 @@ def fitting(
     piece: Piece, places: NDArray[np.float64], category: int, support: Support, space: Space
 ) -> NDArray[np.bool_]:
     """At which places (T,) the piece meets nothing and is in the room, if its support is."""
-    good = space.depth(piece, places, category) <= 0
+    good = space.depth(piece, places, category, support.thing) <= 0
     if good.any() and support.indoors(space):
         good[good] = space.outside(piece, places[good]) <= OUTSIDE
     return good

@@ -38,7 +38,7 @@ class Space:
         self.owner = owner
         self.category = category
         self.outline = outline
-        self.limits = _limits(habits, vocabulary)
+        self.limits, self.held_limits = _limits(habits, vocabulary)
         self.low, self.high = world_bounds(parts)
 
     def add(self, parts: Boxes, category: int) -> int:
@@ -60,8 +60,11 @@ class Space:
         """The parts of a thing."""
         return self.boxes.take(np.flatnonzero(self.owner == thing))
 
-    def depth(self, piece: Piece, places: NDArray[np.float64], category: int) -> NDArray[np.float64]:
-        """Metres (T,) by which a piece at places (T, 4) reaches too deep into anything; 0 where it fits."""
+    def depth(self, piece: Piece, places: NDArray[np.float64], category: int, support: int = -1) -> NDArray[np.float64]:
+        """Metres (T,) by which a piece at places (T, 4) reaches too deep into anything; 0 where it fits.
+
+        ``support`` is the thing that holds it: some reach into what they lie in.
+        """
         found = np.zeros(len(places))
         boxes = piece.boxes_at(places)
         count = len(boxes.center) // max(len(places), 1)
@@ -73,8 +76,10 @@ class Space:
         mine, other = np.nonzero(hit)
         if len(mine):
             other = near[other]
-            limit = self.limits[category, self.category[self.owner[other]]] + TOUCH
-            excess = penetration(boxes.take(mine), self.boxes.take(other)) - limit
+            owner = self.owner[other]
+            kind = self.category[owner]
+            limit = np.where(owner == support, self.held_limits[category, kind], self.limits[category, kind])
+            excess = penetration(boxes.take(mine), self.boxes.take(other)) - limit - TOUCH
             np.maximum.at(found, mine // count, np.maximum(excess, 0))
         return found
 
@@ -99,11 +104,17 @@ def world_bounds(boxes: Boxes) -> tuple[NDArray[np.float64], NDArray[np.float64]
     return boxes.center - reach, boxes.center + reach
 
 
-def _limits(habits: Habits, vocabulary: Sequence[str]) -> NDArray[np.float64]:
-    """Allowed overlap by two categories, (C + 1, C + 1); the last row and column are for other categories."""
+def _limits(habits: Habits, vocabulary: Sequence[str]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Allowed overlaps by two categories (C + 1, C + 1), of things apart, and of a thing with what holds it.
+
+    The last row and column are for other categories.
+    """
     place = {name: number for number, name in enumerate((*vocabulary, ""))}
-    limits = np.zeros((len(place), len(place)))
+    apart, held = np.zeros((len(place), len(place))), np.zeros((len(place), len(place)))
     for pair, depth in habits.overlaps.items():
-        first, second = (place.get(name, -1) for name in pair.split("|"))
-        limits[first, second] = limits[second, first] = depth
-    return limits
+        first, second = (place.get(name, -1) for name in pair.replace(">", "|").split("|"))
+        if ">" in pair:
+            held[first, second] = depth
+        else:
+            apart[first, second] = apart[second, first] = depth
+    return apart, held
