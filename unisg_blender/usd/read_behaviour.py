@@ -25,7 +25,19 @@ _OWN = {
     schema.RELATIONS: properties.RELATIONS,
 }
 _BLENDER_NAME = "userProperties:blender:object_name"
-_STANDARD = ("xformOp", "primvars:", "inputs:", "outputs:", "unisg:")
+_STANDARD = ("xformOp", "primvars:", "inputs:", "outputs:", "unisg:", "subsetFamily:", "material:binding")
+_OF_MESHES = frozenset(
+    (
+        "points",
+        "faceVertexCounts",
+        "faceVertexIndices",
+        "normals",
+        "extent",
+        "subdivisionScheme",
+        "visibility",
+        "purpose",
+    )
+)
 
 
 @dataclass(frozen=True)
@@ -85,7 +97,7 @@ def _custom_values(prim: Any, authored: Sequence[str]) -> dict[str, Any]:
             continue
         if name.startswith(schema.USER):
             key = name[len(schema.USER) :]
-        elif name.startswith(_STANDARD) or not prim.GetAttribute(name).IsCustom():
+        elif name in _OF_MESHES or name.startswith(_STANDARD) or not prim.GetAttribute(name).IsCustom():
             continue
         else:
             key = name
