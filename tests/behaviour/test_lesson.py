@@ -12,7 +12,7 @@ from unisg_blender.scene import ActionData, LessonNode, SceneBuilder, Thresholds
 from unisg_blender.scene.behaviour import begin, check_lesson, check_scene, moment, play, prepare
 from unisg_blender.scene.behaviour.outline import outline
 from unisg_blender.scene.behaviour.progress import DONE, OPEN, SKIPPED, advance, first_status
-from unisg_blender.scene.behaviour.waiting import circles
+from unisg_blender.scene.behaviour.waiting import circles, unreached
 
 TEN_DEGREES = math.radians(10)
 
@@ -94,11 +94,29 @@ def test_random_lessons_never_deadlock_and_never_skip_a_prerequisite(root, rando
 
 @given(any_operation(least=1))
 @settings(max_examples=250, deadline=None)
-def test_a_circle_is_found_exactly_where_no_order_reaches_every_action(root):
+def test_no_lesson_hides_an_action_that_no_order_reaches(root):
+    """Where a search of all orders finds none that reaches every action, a circle or an unreached action is told."""
     plan = outline(root)
-    if len(_leaves(plan)) <= 5:
-        status, _ = advance(plan, first_status(plan), ())
-        assert _can_do_everything(plan, status) is not bool(list(circles(plan)))
+    if len(_leaves(plan)) > 5:
+        return
+    status, _ = advance(plan, first_status(plan), ())
+    waiting = list(circles(plan))
+    if _can_do_everything(plan, status):
+        assert not waiting
+    else:
+        assert waiting or unreached(plan)
+    if not waiting:
+        assert not [each for each in unreached(plan) if all(plan.mandatory[at] for at in (each, *plan.above(each)))]
+
+
+def test_an_optional_stage_that_requires_all_of_what_comes_later_is_told():
+    early = stage("early", leaf("a"), optional=True, requires=("b", "c"))
+    late = LessonNode("stage", "late", "Late", children=(leaf("b"), leaf("c")), ordered=False)
+    graph = scene(operation(early, late), question("a"), question("b"), question("c"))
+    problems = check_scene(graph)
+    assert [(each.message, each.severe) for each in problems] == [
+        ("Action 'A' is optional and may never be reached", False)
+    ]
 
 
 def _leaves(plan):

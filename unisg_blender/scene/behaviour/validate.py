@@ -13,7 +13,7 @@ from .conditions import Condition
 from .outline import Outline, outline
 from .places import all_actions, operations
 from .validate_action import action_problems, group_members
-from .waiting import circles
+from .waiting import circles, unreached
 
 
 @dataclass(frozen=True)
@@ -66,8 +66,11 @@ def check_lesson(
         elif not node.children and place:
             problems.append(Problem(f"{plan.label(place)} holds nothing", node.uid, severe=False))
         problems += _requirement_problems(plan, place)
-    for message, place in circles(plan):
-        problems.append(Problem(message, plan.nodes[place].uid))
+    waiting = [Problem(message, plan.nodes[place].uid) for message, place in circles(plan)]
+    problems += waiting or [
+        Problem(f"{plan.label(place)} is optional and may never be reached", plan.nodes[place].uid, severe=False)
+        for place in unreached(plan)
+    ]
     return [replace(problem, message=problem.message[0].upper() + problem.message[1:]) for problem in problems]
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from .outline import Outline
+from .progress import DONE, OPEN, advance, first_status
 
 
 def circles(plan: Outline) -> Iterator[tuple[str, int]]:
@@ -36,6 +37,20 @@ def circles(plan: Outline) -> Iterator[tuple[str, int]]:
     for place in sorted(held):
         if plan.nodes[place].kind == "action":
             yield f"{plan.label(place)} can never be reached", place
+
+
+def unreached(plan: Outline) -> list[int]:
+    """Leaves that are skipped or never open when one action after another is done, optional ones first.
+
+    Without :func:`circles` these are optional: such as one that must come before a
+    part is done, and requires everything in that part.
+    """
+    status, _ = advance(plan, first_status(plan), ())
+    leaves = [place for place, node in enumerate(plan.nodes) if node.kind == "action"]
+    while ready := [place for place in leaves if status[place] == OPEN]:
+        chosen = min(ready, key=lambda place: all(plan.mandatory[each] for each in (place, *plan.above(place))))
+        status, _ = advance(plan, status, [chosen])
+    return [place for place in leaves if status[place] != DONE]
 
 
 def _after(plan: Outline) -> list[list[int]]:
