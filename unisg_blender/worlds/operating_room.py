@@ -46,7 +46,7 @@ def furnish(seed: int) -> Layout:
     anaesthesia_side(layout, floor, table, pick(rng, [-1, 1]))
     floor_around_table(layout, floor, table)
     width, length, _ = table.asset.size
-    layout.keep_out((width + 1.6, length + 1.6, 2.0), table.pose)  # staff
+    layout.keep_out((width + 1.8, length + 1.8, 2.0), table.pose)  # staff
     along_the_walls(layout, floor, sides)
     return layout
 
