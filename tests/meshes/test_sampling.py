@@ -76,7 +76,7 @@ def test_non_manifold_faces_on_one_edge() -> None:
 
 
 def test_concave_face_keeps_its_notch_empty() -> None:
-    outline = np.array([[2, 2, 0], [0, 4, 0], [0, 0, 0], [4, 0, 0], [4, 4, 0]], float)  # a square with a notch from y = 4
+    outline = np.array([[2, 2, 0], [0, 4, 0], [0, 0, 0], [4, 0, 0], [4, 4, 0]], float)
     samples = sample_surface(mesh_from_faces("notch", outline, [[0, 1, 2, 3, 4]]), 400)
     assert samples.area == pytest.approx(12)
     x, y, _ = samples.points.T

@@ -23,12 +23,12 @@ from ..scene.mesh import Mesh, mesh_from_faces
 from .meshes_metrics import chamfer_l2, diagonal, f_score
 
 Table = list[dict[str, Any]]
-DENSE = 10_000
+DENSE = 6_000
 """Points per surface that quality is measured with."""
 SPARSE = 500
 """Points per surface in the search for the nearest training mesh."""
 FACES = 5000
-MOST = 42
+MOST = 20
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,13 +40,13 @@ class Surface:
 
     @cached_property
     def samples(self) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-        """Points and normals, float32 (10000, 3), normalised."""
+        """Points and normals, float32 (6000, 3), normalised."""
         found = sample_surface(self.model.mesh, DENSE, self.seed)
         return normalise(found.points)[0], found.normals
 
     @property
     def points(self) -> NDArray[np.float32]:
-        """Points float32 (10000, 3)."""
+        """Points float32 (6000, 3)."""
         return self.samples[0]
 
     @cached_property
@@ -85,7 +85,7 @@ def measure_reconstruction(
 
 
 def _attempts(truth: Surface, known: Sequence[Surface], library: MeshLibrary) -> dict[str, NDArray[np.floating]]:
-    """Points (10000, 3) of the surface by each method."""
+    """Points (6000, 3) of the surface by each method."""
     mesh = truth.model.mesh
     vector = default_encoder().encode([mesh])[0].vector
     others = [k for k, surface in enumerate(known) if surface.model is not truth.model]
@@ -97,7 +97,7 @@ def _attempts(truth: Surface, known: Sequence[Surface], library: MeshLibrary) ->
         "AtlasNet": _decoded_points(vector),
         "copy of the nearest training mesh, by feature": known[copied].points,
         "copy of the nearest training mesh, by chamfer distance": known[others[int(np.argmin(apart))]].points,
-        "Poisson from 10,000 oriented points": sample_surface(reconstruct(points, normals, 96), DENSE, 1).points,
+        "Poisson from 6,000 oriented points": sample_surface(reconstruct(points, normals, 96), DENSE, 1).points,
         "the same surface, sampled again": Surface(truth.model, 1).points,
     }
 
@@ -223,7 +223,7 @@ def _median_ms(job: Callable[[], object], repeats: int) -> float:
 
 
 def split_sets(models: Sequence[Model], rooms: Sequence[Model]) -> dict[str, list[Model]]:
-    """The sets that are reported, 42 meshes of each at most: trained on, and three kinds of held-out ones."""
+    """The sets that are reported, 20 meshes of each at most: trained on, and three kinds of held-out ones."""
     sets = {
         "trained on": of_split(models, "train"),
         "held-out models, trained categories": of_split(models, "test"),

@@ -1,0 +1,132 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+torch = pytest.importorskip("torch")
+
+from unisg_blender.evaluate.meshes_metrics import chamfer_l2, f_score  # noqa: E402
+from unisg_blender.learn.atlasnet import AtlasNet, PointNetEncoder  # noqa: E402
+from unisg_blender.learn.chamfer import chamfer  # noqa: E402
+from unisg_blender.learn.train_labels import discriminant, standing_together  # noqa: E402
+from unisg_blender.learn.train_meshes import MeshTraining, augment, random_rotation, train  # noqa: E402
+from unisg_blender.meshes.models import Model  # noqa: E402
+from unisg_blender.worlds import WORLDS  # noqa: E402
+
+from .shapes import box, sphere  # noqa: E402
+
+MODELS = [Model("box", "Box", "train", "box", box()), Model("ball", "Ball", "train", "ball", sphere(400))]
+QUICK = MeshTraining(steps=12, batch=4, points=128, targets=64)
+
+
+def plain(encoder: PointNetEncoder, points: torch.Tensor) -> torch.Tensor:
+    hidden = points.reshape(-1, 3)
+    for place, (layer, norm) in enumerate(zip(encoder.layers, encoder.norms, strict=True)):
+        hidden = norm(layer(hidden))
+        hidden = hidden.relu() if place < 2 else hidden
+    return hidden.reshape(*points.shape[:2], -1).amax(dim=1)
+
+
+@pytest.mark.parametrize("training", [True, False])
+def test_pooling_of_winners_is_exact(training: bool) -> None:
+    torch.manual_seed(0)
+    first, second = PointNetEncoder().double(), PointNetEncoder().double()
+    for norm in first.norms:
+        torch.nn.init.normal_(norm.weight)
+        torch.nn.init.normal_(norm.bias)
+    second.load_state_dict(first.state_dict())
+    first.train(training)
+    second.train(training)
+    points = torch.randn(3, 50, 3, dtype=torch.float64)
+    ours, theirs = first(points), plain(second, points)
+    assert torch.allclose(ours, theirs, atol=1e-10)
+    weights = torch.randn_like(ours)
+    (ours * weights).sum().backward()
+    (theirs * weights).sum().backward()
+    for own, other in zip(first.parameters(), second.parameters(), strict=True):
+        assert torch.allclose(own.grad, other.grad, atol=1e-7 * float(other.grad.abs().max() + 1))
+
+
+def test_folded_encoder_is_the_encoder() -> None:
+    torch.manual_seed(1)
+    encoder = PointNetEncoder()
+    for _ in range(3):
+        encoder(torch.randn(4, 60, 3))
+    encoder.eval()
+    points = torch.randn(2, 30, 3)
+    assert torch.allclose(encoder(points), encoder.folded()(points), atol=1e-5)
+
+
+def test_chamfer_distance_is_that_of_the_evaluation() -> None:
+    generator = np.random.default_rng(0)
+    first, second = generator.random((2, 40, 3)), generator.random((2, 70, 3))
+    ours = chamfer(torch.tensor(first), torch.tensor(second))
+    assert np.allclose(ours, [chamfer_l2(a, b) for a, b in zip(first, second, strict=True)])
+    assert f_score(first[0], first[0], 1e-6) == 1
+    assert f_score(first[0], first[0] + 5, 0.1) == 0
+
+
+def test_augmented_points_stay_in_the_unit_sphere() -> None:
+    generator = np.random.default_rng(0)
+    for _ in range(20):
+        points = augment(generator.random((100, 3)).astype(np.float32) * (1, 5, 0.1), QUICK, generator)
+        assert np.linalg.norm(points, axis=1).max() < 1.05
+        turn = random_rotation(generator)
+        assert np.allclose(turn @ turn.T, np.eye(3))
+        assert np.linalg.det(turn) == pytest.approx(1)
+
+
+def test_training_learns_and_repeats() -> None:
+    losses: list[float] = []
+    settings = MeshTraining(steps=25, batch=4, points=128, targets=64)
+    first, report = train(MODELS, settings, lambda step, loss: losses.append(loss))
+    assert np.mean(losses[-5:]) < 0.5 * losses[0]
+    assert report["models"] == 2
+    second, _ = train(MODELS, settings)
+    for own, other in zip(first.parameters(), second.parameters(), strict=True):
+        assert torch.equal(own, other)
+
+
+def test_exported_networks_are_the_trained_ones(tmp_path: Path) -> None:
+    pytest.importorskip("onnxscript")
+    from unisg_blender.learn.atlasnet_export import export
+    from unisg_blender.meshes.networks import load_network
+
+    torch.manual_seed(2)
+    network = AtlasNet(64, 3).eval()
+    encoder, decoder = (load_network(path) for path in export(network, tmp_path, {"command": "test"}))
+    points, sphere_points = torch.randn(3, 40, 3), torch.nn.functional.normalize(torch.randn(25, 3), dim=1)
+    feature = encoder.run(None, {"points": points.numpy()})[0]
+    expected = network.encoder(points).detach().numpy()
+    assert np.abs(feature - expected).max() < 2e-3 * np.abs(expected).max()
+    decoded = decoder.run(None, {"feature": feature, "sphere": sphere_points.numpy()})[0]
+    assert np.abs(decoded - network.decoder(torch.from_numpy(feature), sphere_points).detach().numpy()).max() < 2e-3
+
+
+def test_no_meshes_is_an_error() -> None:
+    from unisg_blender.errors import UniSGError
+
+    with pytest.raises(UniSGError, match="no meshes to train on"):
+        train([], QUICK)
+
+
+def test_discriminant_separates_classes() -> None:
+    generator = np.random.default_rng(0)
+    classes = np.repeat(np.arange(4), 30)
+    centres = generator.normal(size=(4, 20)) * 2
+    inputs = centres[classes] + generator.normal(size=(120, 20))
+    weights, bias = discriminant(inputs, classes, np.arange(120), 5)
+    scores = inputs @ weights.T + bias
+    assert (scores.argmax(axis=1) == classes).mean() > 0.95
+    assert (scores[:, 4] < scores[:, :4].max(axis=1)).all()
+
+
+def test_things_stand_beside_each_other() -> None:
+    graph = WORLDS["operating-room"](3)
+    vocabulary = ("Forceps", "Scalpel", "Unicorn", "Waste Bin")
+    habits = standing_together([graph], vocabulary)
+    assert habits[0, 1] > habits[0, 3] - 1e-9
+    assert not habits[2].any()
+    assert not standing_together([], vocabulary).any()
