@@ -6,6 +6,7 @@ import errno
 import io
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -25,7 +26,7 @@ from unisg_blender.scene import SceneGraph
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
 
 HERE = Path(__file__).parent
-LIMIT = 120
+LIMIT = 250
 KILLS = int(os.environ.get("UNISG_KILLS", "20"))
 OPTIONS = ExportOptions(reader="fake_reader:read", timeout=60)
 Make = Callable[..., SceneGraph]
@@ -66,29 +67,30 @@ def _fake_reader(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_killed_at_random_moments_and_resumed(tmp_path: Path) -> None:
     """Kill it again and again, resume each time: the end is the same as without."""
-    source = fill(tmp_path / "in", 60, seconds=0.1)
-    begun = time.monotonic()
+    source, out = fill(tmp_path / "in", 60, seconds=0.05), tmp_path / "ds"
     assert finish(start(source, tmp_path / "whole")) == ""
-    duration = time.monotonic() - begun
     rng = np.random.default_rng(0)
-    kills = 0
-    found: set[int] = set()
-    while kills < KILLS:
-        process = start(source, tmp_path / "ds", resume=kills > 0)
-        try:
-            process.wait(timeout=rng.uniform(0.1, 0.35) * duration)
-        except subprocess.TimeoutExpired:
-            process.send_signal(signal.SIGKILL)
+    found = []
+    for kill in range(KILLS):
+        process = start(source, out, resume=kill > 0)
+        wanted, deadline = parts(out) + rng.integers(0, 5), time.monotonic() + LIMIT
+        while parts(out) < wanted and process.poll() is None and time.monotonic() < deadline:
+            time.sleep(0.01)
+        time.sleep(rng.uniform(0, 0.2))  # from the first imports to the writing of a part
+        process.send_signal(signal.SIGKILL)
         finish(process)
-        kills += 1
-        found.add(len(list((tmp_path / "ds").glob(".parts/*.safetensors"))))
-        if (tmp_path / "ds" / "manifest.json").exists():  # it finished: begin again
-            assert contents(tmp_path / "ds") == contents(tmp_path / "whole")
-            for path in (tmp_path / "ds").iterdir():
-                path.unlink()
-    assert len(found) > 3  # it was killed at different moments, with part of the files read
-    assert finish(start(source, tmp_path / "ds", resume=True)) == ""
-    assert contents(tmp_path / "ds") == contents(tmp_path / "whole")
+        found.append(parts(out))
+        if (out / "manifest.json").exists():  # it was done: begin again
+            assert contents(out) == contents(tmp_path / "whole")
+            shutil.rmtree(out)
+    assert len(set(found)) > 3, found  # it was killed with part of the files read
+    assert finish(start(source, out, resume=True)) == ""
+    assert contents(out) == contents(tmp_path / "whole")
+
+
+def parts(folder: Path) -> int:
+    """How many files are read but not yet in a shard."""
+    return len(list(folder.glob(".parts/*.safetensors")))
 
 
 def test_killed_while_it_puts_the_shards_together(tmp_path: Path) -> None:
