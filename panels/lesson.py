@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import bpy
 
-from ..operators.lesson import active_node, lesson_object
+from ..operators.lesson_properties import active_node, lesson_object
 from ..operators.play import session
 from .actions import _wrapped
 from .main import SidebarPanel

@@ -80,8 +80,9 @@ class Script:
         requires: Sequence[LessonNode] = (),
     ) -> LessonNode:  # fmt: skip
         """A stage of the actions that exist; those among ``optional`` may be left out by the learner."""
+        names = {action.uid: action.name for own in self.actions.values() for action in own}
         leaves = tuple(
-            LessonNode("action", self._uid("leaf", action), action=action, optional=action in optional)
+            LessonNode("action", self._uid("leaf", action), names[action], action=action, optional=action in optional)
             for action in actions
             if action
         )
