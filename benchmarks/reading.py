@@ -1,6 +1,6 @@
 """How fast Blender scenes are read, against Blender's own glTF exporter in the same process.
 
-    python benchmarks/reading.py [--out FOLDER] [--objects N] [--repeat K]
+python benchmarks/reading.py [--out FOLDER] [--objects N] [--repeat K]
 """
 
 from __future__ import annotations
