@@ -1,7 +1,6 @@
 from __future__ import annotations
 
 import builtins
-import io
 import json
 from collections.abc import Callable
 from pathlib import Path
@@ -12,7 +11,6 @@ import pytest
 from unisg_blender.cli import main
 from unisg_blender.dataset import Sample, write_dataset, writer
 from unisg_blender.dataset.describe import describe_dataset, description_lines
-from unisg_blender.dataset.progress import Progress
 from unisg_blender.errors import UNUSABLE_INPUT
 from unisg_blender.scene import SceneBuilder, SceneGraph
 
@@ -71,30 +69,3 @@ def test_without_matplotlib_the_install_line_is_shown(
     assert main(["inspect", str(folder), "--figures", str(tmp_path / "figures")]) == UNUSABLE_INPUT
     assert 'pip install "unisg-blender[figures]"' in capsys.readouterr().err
     assert not (tmp_path / "figures").exists()
-
-
-class Terminal(io.StringIO):
-    def isatty(self) -> bool:
-        return True
-
-
-def test_progress_shows_rate_time_left_and_failures() -> None:
-    assert (
-        Progress(100, "files").line(25, 50.0)
-        == "[#######.......................] 25/100 files, 0.5 files/s, 2 min 30 s left"
-    )
-    terminal = Terminal()
-    bar = Progress(0, "files", stream=terminal)
-    bar.start(2)
-    bar.write("a.blend: complete")
-    bar.update(2, failed=1)
-    bar.close()
-    lines = terminal.getvalue().replace("\r\x1b[K", "").splitlines()
-    assert lines[0] == "a.blend: complete"
-    assert lines[1].startswith("[" + "#" * 30 + "] 2/2 files")
-    assert lines[1].endswith("1 failed")
-    silent = io.StringIO()
-    quiet = Progress(1, "files", quiet=True, stream=silent)
-    quiet.update(1)
-    quiet.write("nothing")
-    assert silent.getvalue() == ""

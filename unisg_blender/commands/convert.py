@@ -31,21 +31,17 @@ def run(args: argparse.Namespace) -> int:
     check_kinds(args.source, args.target)
     if args.target.exists() and args.target.resolve() == args.source.resolve():
         raise UniSGError(f"{args.target}: is the file to be read; choose another name")
-    from ..dataset.progress import Progress
+    from ..progress import Progress
     from ..scene.describe import summary
     from ..scene.instances import realize
 
     bar = Progress(0, "entities", args.quiet or args.json)
 
-    def show(done: int, total: int) -> None:
-        bar.total = total
-        bar.update(done)
-
     graph, lost = read_scene_file(args.source, geometry=args.geometry)
     if args.realize:
         graph = realize(graph)
     bar.start(len(graph))
-    lost += write_scene_file(graph, args.target, show)
+    lost += write_scene_file(graph, args.target, lambda done, _: bar.update(done))
     bar.close()
     record = {"in": str(args.source), "out": str(args.target), **summary(graph), "not_represented": lost}
     if args.json:

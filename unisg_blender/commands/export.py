@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from ..errors import DONE, SOME_FAILED, MissingPackageError, UniSGError
 
 if TYPE_CHECKING:
-    from ..dataset.progress import Progress
+    from ..progress import Progress
 
 HELP = "Turn scene files into a dataset for learning."
 ENCODERS = {"atlasnet": f"{__package__.rpartition('.')[0]}.meshes.feature:atlasnet_feature"}
@@ -55,7 +55,7 @@ def run(args: argparse.Namespace) -> int:
     """Export, show progress and one line per file that lost something or failed."""
     from ..dataset.export import ExportOptions, export_dataset
     from ..dataset.mapping import read_mapping
-    from ..dataset.progress import Progress
+    from ..progress import Progress
 
     options = ExportOptions(
         form=args.form,

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING
 from ..errors import DONE, UniSGError
 
 if TYPE_CHECKING:
-    from ..dataset.progress import Progress
+    from ..progress import Progress
     from ..scene.graph import SceneGraph
 
 HELP = "Make procedural scenes."
@@ -44,7 +44,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Make the scenes and write them."""
-    from ..dataset.progress import Progress
+    from ..progress import Progress
 
     if args.count < 1 or args.seed < 0 or (args.jobs is not None and args.jobs < 1):
         raise UniSGError("--count and --jobs must be at least 1, and --seed must not be negative")
