@@ -96,7 +96,6 @@ def measure_blender(count: int, shared: bool) -> dict[str, float]:
     _fill_blender(count, shared)
     with tempfile.TemporaryDirectory() as folder:
         write_usd(read_scene(), Path(folder, "warm.usdc"))
-        bpy.ops.wm.usd_export(filepath=str(Path(folder, "warm_blender.usdc")))
         record: dict[str, float] = {"objects": count}
         timed(record, "blender", lambda: bpy.ops.wm.usd_export(filepath=str(Path(folder, "blender.usdc"))))
         graph = timed(record, "read", read_scene)
@@ -125,13 +124,14 @@ def _fill_blender(count: int, shared: bool) -> None:
 
 
 def _in_own_process(case: list[str], runs: int) -> dict[str, float]:
-    """Medians over several processes."""
+    """Medians over several processes; every measurement is printed to stderr as it comes."""
     found = []
     for _ in range(runs):
         answer = subprocess.run(
             [sys.executable, __file__, "--case", *case], stdout=subprocess.PIPE, check=True, timeout=1800, text=True
         )
         found.append(json.loads(answer.stdout.splitlines()[-1]))
+        print(found[-1], file=sys.stderr, flush=True)
     return {name: statistics.median(record[name] for record in found) for name in found[0]}
 
 
