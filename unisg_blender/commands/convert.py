@@ -37,11 +37,14 @@ def run(args: argparse.Namespace) -> int:
 
     bar = Progress(0, "entities", args.quiet or args.json)
 
+    def show(done: int, total: int) -> None:  # the writer knows how many entities there are, instanced ones included
+        bar.start(total)
+        bar.update(done)
+
     graph, lost = read_scene_file(args.source, geometry=args.geometry)
     if args.realize:
         graph = realize(graph)
-    bar.start(len(graph))
-    lost += write_scene_file(graph, args.target, lambda done, _: bar.update(done))
+    lost += write_scene_file(graph, args.target, show)
     bar.close()
     record = {"in": str(args.source), "out": str(args.target), **summary(graph), "not_represented": lost}
     if args.json:
