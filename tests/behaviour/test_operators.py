@@ -25,8 +25,16 @@ def extension():
     package = types.ModuleType("unisg_extension")
     package.__path__ = [str(ROOT)]
     sys.modules["unisg_extension"] = package
-    parts = ("operators.action_properties", "operators.actions", "operators.lesson", "operators.play")
-    parts += ("operators.copied", "panels.main", "panels.lesson", "panels.actions", "panels.overlay")
+    parts = ("operators.action_properties", "operators.actions", "operators.lesson_properties")
+    parts += (
+        "operators.lesson",
+        "operators.play",
+        "operators.copied",
+        "panels.main",
+        "panels.lesson",
+        "panels.actions",
+        "panels.overlay",
+    )
     modules = [importlib.import_module(f"unisg_extension.{name}") for name in parts]
     registration = importlib.import_module("unisg_extension.operators.registration")
     registration.register_modules(modules)

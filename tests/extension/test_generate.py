@@ -1,0 +1,116 @@
+"""Generating from Blender: the operator as a script calls it."""
+
+from __future__ import annotations
+
+import importlib
+import sys
+import types
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+bpy = pytest.importorskip("bpy")
+
+from unisg_blender.blender import read_scene, write_scene  # noqa: E402
+from unisg_blender.scene import world_matrices  # noqa: E402
+from unisg_blender.worlds import operating_room  # noqa: E402
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+@pytest.fixture(scope="module", autouse=True)
+def extension():
+    """The modules of generating, registered as Blender would."""
+    package = types.ModuleType("unisg_generating")
+    package.__path__ = [str(ROOT)]
+    sys.modules["unisg_generating"] = package
+    names = ("operators.generation_settings", "operators.generate", "panels.main", "panels.generate")
+    modules = [importlib.import_module(f"unisg_generating.{name}") for name in names]
+    registration = importlib.import_module("unisg_generating.operators.registration")
+    registration.register_modules(modules)
+    yield
+    registration.unregister_modules(modules)
+
+
+@pytest.fixture
+def room():
+    """An operating room in Blender; its names, uids and world matrices."""
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    write_scene(operating_room(5), bpy.context.scene)
+    return snapshot()
+
+
+def snapshot() -> dict[str, np.ndarray]:
+    """World matrix of every object by uid."""
+    graph = read_scene(bpy.context.scene, geometry="none")
+    return dict(zip(graph.uid, world_matrices(graph), strict=True))
+
+
+def test_adds_what_was_asked_and_moves_nothing(room: dict[str, np.ndarray]) -> None:
+    assert bpy.ops.unisg.generate(add="Scalpel=2,Monitor=1", seed=4) == {"FINISHED"}
+    after = snapshot()
+    assert len(after) == len(room) + 3
+    for uid, world in room.items():
+        np.testing.assert_array_equal(after[uid], world)
+    added = [item for item in bpy.context.scene.objects if item["unisg_uid"] not in room]
+    assert sorted(item["unisg_category"] for item in added) == ["Monitor", "Scalpel", "Scalpel"]
+    assert set(bpy.context.selected_objects) == set(added)
+    assert all(item.data is not None and len(item.data.vertices) for item in added)
+
+
+def test_same_seed_same_places(room: dict[str, np.ndarray]) -> None:
+    bpy.ops.unisg.generate(add="Stool=2", seed=9)
+    first = snapshot()
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    write_scene(operating_room(5), bpy.context.scene)
+    bpy.ops.unisg.generate(add="Stool=2", seed=9)
+    second = snapshot()
+    assert first.keys() == second.keys()
+    for uid, world in first.items():
+        np.testing.assert_array_equal(second[uid], world)
+
+
+def test_starts_a_room_from_nothing() -> None:
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    assert bpy.ops.unisg.generate(add="Floor=1,Wall=4,Operating Table=1", seed=1) == {"FINISHED"}
+    categories = [item.get("unisg_category") for item in bpy.context.scene.objects]
+    assert categories.count("Floor") == 1
+    assert categories.count("Operating Table") == 1
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"add": "Scalpell=1"}, "Scalpel"),
+        ({"add": "Scalpel=two"}, "Scalpel=2"),
+        ({"add": ""}, "--add must look like|nothing to add|categories"),
+        ({"add": "Scalpel=1", "model": "/nowhere/model.onnx"}, "there is no model"),
+        ({"add": "Scalpel=1", "model": str(ROOT / "README.md")}, "no ONNX model"),
+    ],
+)
+def test_bad_requests_are_told_and_change_nothing(
+    room: dict[str, np.ndarray], arguments: dict[str, str], message: str
+) -> None:
+    with pytest.raises(RuntimeError, match=message):
+        bpy.ops.unisg.generate(**arguments)
+    assert snapshot().keys() == room.keys()
+
+
+def test_the_list_has_the_models_categories_and_keeps_counts(room: dict[str, np.ndarray]) -> None:
+    settings = bpy.context.window_manager.unisg
+    listing = sys.modules["unisg_generating.operators.generation_settings"].list_categories
+    listing(settings)
+    assert settings.problem == ""
+    assert {"Scalpel", "Monitor", "IV Pole"} <= {item.name for item in settings.counts}
+    settings.counts["Scalpel"].count = 3
+    listing(settings)
+    assert settings.wanted() == {"Scalpel": 3}
+
+
+def test_a_file_that_is_no_model_is_told_in_the_panel() -> None:
+    settings = bpy.context.window_manager.unisg
+    settings.model, settings.path = "FILE", str(ROOT / "README.md")
+    sys.modules["unisg_generating.operators.generation_settings"].list_categories(settings)
+    assert "no ONNX model" in settings.problem
+    assert len(settings.counts) == 0
