@@ -33,12 +33,13 @@ def run(args: argparse.Namespace) -> int:
     """Print the tree, or with ``--json`` everything as one JSON object."""
     if args.path.is_dir():
         return _inspect_dataset(args)
-    from ..blender.files import read_file
     from ..scene.describe import summary, to_records, tree_lines
+    from .scene_files import check_kinds, read_scene_file
 
-    graph, report = read_file(args.path, geometry=args.geometry)
+    check_kinds(args.path, None)
+    graph, report = read_scene_file(args.path, geometry=args.geometry)
     if args.json:
-        record = {"file": str(args.path), **summary(graph), "records": to_records(graph), "not_represented": [*report]}
+        record = {"file": str(args.path), **summary(graph), "records": to_records(graph), "not_represented": report}
         print(json.dumps(record, ensure_ascii=False, default=str))
         return DONE
     print("\n".join(tree_lines(graph, args.limit or None)))

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import sys
+from importlib import import_module
+from importlib.util import find_spec
 
 from ..errors import MissingPackageError, UniSGError
 
@@ -20,7 +22,7 @@ def require_pxr() -> None:
     """Make ``import pxr`` work.
 
     The two builds cannot live in one process, so a process with ``bpy`` uses
-    Blender's; a process that will open Blender files as well must import ``bpy``
+    Blender's, and so does one where there is no ``usd-core``; a process that will open Blender files as well must import ``bpy``
     before its first USD file.
 
     Raises
@@ -33,6 +35,8 @@ def require_pxr() -> None:
     if "pxr.Usd" in sys.modules:
         return
     bpy = sys.modules.get("bpy")
+    if bpy is None and not find_spec("pxr") and find_spec("bpy"):  # Blender as a package, and no usd-core
+        bpy = import_module("bpy")
     if bpy is not None:
         if not hasattr(bpy.utils, "expose_bundled_modules"):
             raise UniSGError("this Blender offers no USD to Python: use Blender 4.4 or newer for USD files")
