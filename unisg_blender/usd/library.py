@@ -22,8 +22,8 @@ def require_pxr() -> None:
     """Make ``import pxr`` work.
 
     The two builds cannot live in one process, so a process with ``bpy`` uses
-    Blender's, and so does one where there is no ``usd-core``; a process that will open Blender files as well must import ``bpy``
-    before its first USD file.
+    Blender's, and so does one where there is no ``usd-core``; a process that will
+    open Blender files as well must import ``bpy`` before its first USD file.
 
     Raises
     ------
