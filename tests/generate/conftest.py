@@ -6,20 +6,16 @@ from pathlib import Path
 
 import pytest
 
-from tests.generate.models import trained
+from tests.generate.models import shared_dataset, shared_model
 
 
 @pytest.fixture(scope="session")
-def dataset_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def dataset_folder() -> Path:
     """A dataset of twelve small rooms, with assets."""
-    from tests.generate.models import write_rooms
-
-    return write_rooms(tmp_path_factory.mktemp("rooms") / "dataset", 12)
+    return shared_dataset()
 
 
 @pytest.fixture(scope="session", params=["cgvae", "anchors"])
-def model_file(request: pytest.FixtureRequest, dataset_folder: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def model_file(request: pytest.FixtureRequest) -> Path:
     """A model of each kind."""
-    return trained(
-        dataset_folder, tmp_path_factory.mktemp("models") / f"{request.param}.onnx", request.param == "cgvae"
-    )
+    return shared_model(request.param)

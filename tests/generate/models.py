@@ -1,12 +1,16 @@
-"""Datasets and models for the tests, made in seconds."""
+"""Datasets and models for the tests, made in seconds, once in a process."""
 
 from __future__ import annotations
 
+import tempfile
+from functools import cache
 from pathlib import Path
 
 from tests.generate.rooms import room
 from unisg_blender.dataset import open_dataset, write_dataset
 from unisg_blender.dataset.assets import AssetCollector
+
+_FOLDER = tempfile.TemporaryDirectory(prefix="unisg-models-")
 
 
 def write_rooms(folder: Path, count: int) -> Path:
@@ -17,13 +21,21 @@ def write_rooms(folder: Path, count: int) -> Path:
     return folder
 
 
-def trained(folder: Path, out: Path, paper: bool, seed: int = 0, epochs: int = 2) -> Path:
-    """A model trained for a moment."""
+@cache
+def shared_dataset() -> Path:
+    """A dataset of twelve small rooms."""
+    return write_rooms(Path(_FOLDER.name) / "dataset", 12)
+
+
+@cache
+def shared_model(kind: str) -> Path:
+    """A model of a kind, trained for a moment."""
     import torch
 
     from unisg_blender.learn.settings import Settings
     from unisg_blender.learn.train_cgvae import train
 
     torch.set_num_threads(1)  # two test runs at a time share the cores
-    train(open_dataset(folder), out, Settings(paper=paper, epochs=epochs, seed=seed, quiet=True))
+    out = Path(_FOLDER.name) / f"{kind}.onnx"
+    train(open_dataset(shared_dataset()), out, Settings(paper=kind == "cgvae", epochs=2, quiet=True))
     return out

@@ -2,6 +2,6 @@
 
 from __future__ import annotations
 
-from tests.generate.conftest import dataset_folder, model_file
+from tests.generate.conftest import dataset_folder
 
-__all__ = ["dataset_folder", "model_file"]
+__all__ = ["dataset_folder"]

@@ -7,14 +7,18 @@ from pathlib import Path
 
 import pytest
 
-pytest.importorskip("torch")
+torch = pytest.importorskip("torch")
+pytest.importorskip("torch_geometric")
 pytest.importorskip("pytorch_lightning")
 
-from tests.generate.models import trained, write_rooms
-from unisg_blender.cli import main
-from unisg_blender.dataset import write_dataset
-from unisg_blender.generate.model import assets_path, load_model
-from unisg_blender.scene import SceneBuilder
+from tests.generate.models import write_rooms  # noqa: E402
+from unisg_blender.cli import main  # noqa: E402
+from unisg_blender.dataset import open_dataset, write_dataset  # noqa: E402
+from unisg_blender.errors import UniSGError  # noqa: E402
+from unisg_blender.generate.model import assets_path, load_model  # noqa: E402
+from unisg_blender.learn import train_anchors, train_cgvae  # noqa: E402
+from unisg_blender.learn.settings import Settings  # noqa: E402
+from unisg_blender.scene import SceneBuilder  # noqa: E402
 
 
 def test_a_model_says_where_it_comes_from(
@@ -38,23 +42,55 @@ def test_a_model_says_where_it_comes_from(
     assert sorted(path.suffix for path in tmp_path.iterdir() if path.is_file()) == [".onnx", ".safetensors"]
 
 
-def test_same_seed_same_model(model_file: Path, dataset_folder: Path, tmp_path: Path) -> None:
-    import onnx
+def networks(monkeypatch: pytest.MonkeyPatch) -> list[torch.nn.Module]:
+    """What is trained from here on, in order; nothing is exported."""
+    found: list[torch.nn.Module] = []
+    for module, name in ((train_cgvae, "write_cgvae"), (train_anchors, "write_anchors")):
+        monkeypatch.setattr(module, name, lambda network, contract, out: found.append(network))
+    monkeypatch.setattr(train_anchors, "PER_EPOCH", 64)
+    return found
 
-    paper = load_model(model_file).contract.kind == "cgvae"
-    again = trained(dataset_folder, tmp_path / "again.onnx", paper)
-    one, two = (onnx.load(path).graph.initializer for path in (model_file, again))
-    assert [weight.raw_data for weight in one] == [weight.raw_data for weight in two]
+
+@pytest.mark.parametrize("paper", [True, False])
+def test_same_seed_same_network_and_another_seed_another(
+    dataset_folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, paper: bool
+) -> None:
+    found = networks(monkeypatch)
+    for seed in (3, 3, 4):
+        settings = Settings(paper=paper, epochs=1, seed=seed, quiet=True)
+        train_cgvae.train(open_dataset(dataset_folder), tmp_path / "model.onnx", settings)
+    one, two, other = (torch.cat([weight.flatten() for weight in network.parameters()]) for network in found)
+    assert torch.equal(one, two)
+    assert not torch.allclose(one, other)
 
 
-def test_training_goes_on_where_it_stopped(dataset_folder: Path, tmp_path: Path) -> None:
-    import torch
+def test_an_interrupted_training_goes_on_where_it_stopped(
+    dataset_folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    networks(monkeypatch)
+    logs, real, calls = tmp_path / "logs", train_cgvae._terms, []
 
-    words = ["train", "cgvae", "--data", str(dataset_folder), "--out", str(tmp_path / "m.onnx"), "--paper", "-q"]
-    for epochs in (1, 3):
-        assert main([*words, "--epochs", str(epochs), "--logs", str(tmp_path / "logs")]) == 0
-    last = torch.load(tmp_path / "logs" / "last.ckpt", weights_only=False)
-    assert last["epoch"] == 2
+    def failing(network: torch.nn.Module, batch: dict[str, torch.Tensor]) -> dict[str, torch.Tensor]:
+        calls.append(1)
+        if len(calls) > 4:  # a training step and a validation step in each epoch
+            raise RuntimeError("the power fails")
+        return real(network, batch)
+
+    def train(epochs: int) -> None:
+        settings = Settings(paper=True, epochs=epochs, quiet=True, logs=logs)
+        train_cgvae.train(open_dataset(dataset_folder), tmp_path / "model.onnx", settings)
+
+    monkeypatch.setattr(train_cgvae, "_terms", failing)
+    with pytest.raises(RuntimeError, match="power"):
+        train(4)
+    monkeypatch.setattr(train_cgvae, "_terms", real)
+    with pytest.raises(UniSGError, match="same dataset and --epochs"):
+        train(6)
+    train(4)
+    assert torch.load(logs / "last.ckpt", weights_only=False)["epoch"] == 3
+    epochs = {line.split(",")[0] for line in (logs / "metrics.csv").read_text().splitlines()[1:]}
+    assert epochs == {"2", "3"}
+    assert (logs / "metrics-1.csv").is_file()
 
 
 @pytest.mark.parametrize(

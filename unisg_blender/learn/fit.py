@@ -17,6 +17,7 @@ from pytorch_lightning.loggers import CSVLogger
 from torch import Tensor, nn
 from torch.utils.data import DataLoader
 
+from ..errors import UniSGError
 from .settings import Settings
 
 Terms = Callable[[nn.Module, Any], Mapping[str, Tensor]]
@@ -53,6 +54,14 @@ class _Task(lightning.LightningModule):
                 f"{stage}_{name}", value.detach(), on_step=False, on_epoch=True, prog_bar=name == "loss", batch_size=1
             )
         return terms["loss"]
+
+    def on_load_checkpoint(self, checkpoint: dict[str, Any]) -> None:
+        steps, before = int(self.trainer.estimated_stepping_batches), checkpoint["lr_schedulers"][0]["total_steps"]
+        if steps != before:
+            raise UniSGError(
+                f"the logs are of a training of {before} steps, this one has {steps}: "
+                "give the same dataset and --epochs, or another --logs"
+            )
 
     def configure_optimizers(self) -> Any:
         plan = self.schedule
@@ -108,7 +117,8 @@ def _fit(
     logging.getLogger("pytorch_lightning").setLevel(logging.ERROR)
     warnings.filterwarnings("ignore", module="pytorch_lightning")
     lightning.seed_everything(seed, workers=True, verbose=False)
-    checkpoint = ModelCheckpoint(folder, filename="best", monitor="val_loss", save_last=True, save_top_k=1)
+    best = ModelCheckpoint(folder, filename="best", monitor="val_loss", enable_version_counter=False)
+    latest = ModelCheckpoint(folder, filename="last", enable_version_counter=False)
     losses = _BestLosses()
     trainer = lightning.Trainer(
         max_epochs=schedule.epochs,
@@ -117,15 +127,23 @@ def _fit(
         num_nodes=schedule.nodes,
         gradient_clip_val=schedule.clip,
         deterministic=True,
-        callbacks=[checkpoint, losses, *([] if quiet else [TQDMProgressBar(refresh_rate=5)])],
+        callbacks=[best, latest, losses, *([] if quiet else [TQDMProgressBar(refresh_rate=5)])],
         logger=CSVLogger(folder, name="", version=""),
         enable_progress_bar=not quiet,
         enable_model_summary=False,
         num_sanity_val_steps=0,
         log_every_n_steps=1,
     )
+    _keep_metrics(folder)
     last = folder / "last.ckpt"
     task = _Task(network, terms, schedule)
     trainer.fit(task, train, val, ckpt_path=str(last) if last.is_file() else None)
     network.eval()
     return losses.last
+
+
+def _keep_metrics(folder: Path) -> None:
+    """Number the metrics of an earlier run, which the logger would replace."""
+    before = folder / "metrics.csv"
+    if before.is_file():
+        before.rename(folder / f"metrics-{1 + len(list(folder.glob('metrics-*.csv')))}.csv")

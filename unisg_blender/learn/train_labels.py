@@ -1,10 +1,10 @@
-"""Fits the model of categories: discriminant analysis of shapes, a word list, counts of neighbours."""
+"""Fits the model of categories: known shapes, a word list, counts of neighbours."""
 
 from __future__ import annotations
 
 import json
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,15 +12,13 @@ from numpy.typing import NDArray
 from ..errors import UniSGError
 from ..meshes.feature import AtlasNetEncoder
 from ..meshes.label import beside
-from ..meshes.label_model import LabelModel, size_channels
+from ..meshes.label_model import LabelModel, distances, nearest_of_class, size_channels
 from ..meshes.models import Model
 from ..meshes.names import words
 from ..meshes.networks import PRETRAINED
 from ..meshes.similar import quarter_turn_features
 from ..scene.graph import SceneGraph
 
-COMPONENTS = 48
-SHRINKAGE = 0.3
 NAME_WEIGHT = 8.0
 BESIDE_WEIGHT = 0.5
 QUARTER_TURNS = 4
@@ -56,21 +54,24 @@ def fit_labels(
     vocabulary = tuple(sorted({model.category for model in known}))
     if len(vocabulary) < 2:
         raise UniSGError("needs meshes of two categories or more: put each category into a folder of its own")
-    inputs, sizes = shape_inputs(known, encoder, progress)
+    known.sort(key=lambda model: model.category)
+    vectors, raw = shape_inputs(known, encoder, progress)
+    sizes = size_channels(raw)
     classes = np.repeat([vocabulary.index(model.category) for model in known], QUARTER_TURNS)
     families = np.repeat(np.unique([model.family for model in known], return_inverse=True)[1], QUARTER_TURNS)
-    full = np.concatenate([inputs, size_channels(sizes)], axis=1)
-    weights, bias = discriminant(full, classes, families, len(vocabulary))
-    heat = temperature(full, classes, families, len(vocabulary))
+    spread = float(np.linalg.norm(vectors - vectors.mean(axis=0), axis=1).mean())
     return LabelModel(
         vocabulary=vocabulary,
-        weights=(weights / heat).astype(np.float32),
-        bias=(bias / heat).astype(np.float32),
-        lexicon=tuple(build_lexicon(vocabulary, known)),
+        vectors=vectors.astype(np.float16),
+        sizes=sizes.astype(np.float32),
+        classes=classes.astype(np.int32),
+        spread=spread,
+        temperature=temperature(distances(vectors, sizes, vectors, sizes, spread), classes, families),
+        lexicon=tuple(build_lexicon(vocabulary, known, json.loads(WORDS_FILE.read_text(encoding="utf-8")))),
         together=standing_together(scenes, vocabulary).astype(np.float32),
         name_weight=NAME_WEIGHT,
         beside_weight=BESIDE_WEIGHT,
-        provenance=provenance | {"models": len(known), "temperature": round(heat, 3)},
+        provenance=provenance | {"meshes": len(known)},
     )
 
 
@@ -86,77 +87,30 @@ def shape_inputs(
     return np.concatenate(vectors), np.array(sizes)
 
 
-def discriminant(
-    inputs: NDArray[np.floating], classes: NDArray[np.integer], families: NDArray[np.integer], count: int
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Linear discriminant analysis: weights (count, D) and bias (count,) of the log-likelihoods.
+def temperature(apart: NDArray[np.float64], classes: NDArray[np.integer], families: NDArray[np.integer]) -> float:
+    """Divisor of the distances (M, M) under which what is nearest in other families says most about the class.
 
-    The mesh feature is first reduced to its main components; the covariance
-    around the class means, every family counting once, is shrunk towards the
-    diagonal of all inputs. Classes that do not occur have a bias of minus
-    infinity.
+    Only classes of two families or more tell anything.
     """
-    share = 1 / np.bincount(families)[families]
-    inputs = np.asarray(inputs, np.float64)
-    mean = np.average(inputs, axis=0, weights=share)
-    scale = np.full(
-        inputs.shape[1], np.sqrt(np.average((inputs[:, :-3] - mean[:-3]) ** 2, weights=share, axis=0).mean())
-    )
-    scale[-3:] = 1.0
-    centred = (inputs - mean) / scale
-    _, _, axes = np.linalg.svd(centred[:, :-3] * np.sqrt(share)[:, None], full_matrices=False)
-    axes = axes[:COMPONENTS]
-    reduced = np.concatenate([centred[:, :-3] @ axes.T, centred[:, -3:]], axis=1)
-    total = np.bincount(classes, share, count)
-    means = np.stack([np.bincount(classes, share * column, count) for column in reduced.T], axis=1)
-    means = means / np.maximum(total, 1e-12)[:, None]
-    around = (reduced - means[classes]) * np.sqrt(share)[:, None]
-    within = around.T @ around / max(share.sum() - (total > 0).sum(), 1.0)
-    overall = np.average(reduced**2, axis=0, weights=share)
-    within = (1 - SHRINKAGE) * within + SHRINKAGE * np.diag(overall)
-    solved = np.linalg.solve(within, means.T).T
-    weights = np.concatenate([solved[:, :-3] @ axes, solved[:, -3:]], axis=1) / scale
-    bias = -0.5 * np.einsum("kd,kd->k", solved, means) - weights @ mean
-    return weights, np.where(total > 0, bias, -1e4)
-
-
-def temperature(
-    inputs: NDArray[np.floating], classes: NDArray[np.integer], families: NDArray[np.integer], count: int
-) -> float:
-    """Divisor of the scores under which held-out families have the best log-likelihood, in five folds."""
-    scores, truth = held_out_scores(inputs, classes, families, count)
-    options = np.geomspace(0.5, 20, 40)
-    return float(options[np.argmax([_log_likelihood(scores / option, truth) for option in options])])
-
-
-def held_out_scores(
-    inputs: NDArray[np.floating],
-    classes: NDArray[np.integer],
-    families: NDArray[np.integer],
-    count: int,
-    folds: int = 5,
-) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """Scores (M, count) of samples by fits without their family, and their classes, where the class remains known."""
-    scores, truth = [], []
-    fold = np.random.default_rng(0).permutation(families.max() + 1)[families] % folds
-    for number in range(folds):
-        kept, out = fold != number, fold == number
-        weights, bias = discriminant(inputs[kept], classes[kept], families[kept], count)
-        out &= np.isin(classes, classes[kept])
-        scores.append(inputs[out].astype(np.float64) @ weights.T + bias)
-        truth.append(classes[out])
-    return np.concatenate(scores), np.concatenate(truth)
+    apart = np.where(families[:, None] == families, np.inf, apart)
+    nearest = nearest_of_class(apart, classes)
+    asked = np.isfinite(nearest[np.arange(len(classes)), classes])
+    if not asked.any():
+        return 0.1
+    options = np.geomspace(0.01, 1, 40)
+    return float(options[np.argmax([_log_likelihood(-nearest[asked] / t, classes[asked]) for t in options])])
 
 
 def _log_likelihood(scores: NDArray[np.float64], truth: NDArray[np.int64]) -> float:
     best = scores.max(axis=1)
     total = best + np.log(np.exp(scores - best[:, None]).sum(axis=1))
-    return float((scores[np.arange(len(truth)), truth] - total).mean()) if len(truth) else 0.0
+    return float((scores[np.arange(len(truth)), truth] - total).mean())
 
 
-def build_lexicon(vocabulary: Sequence[str], models: Sequence[Model]) -> list[dict[str, float]]:
+def build_lexicon(
+    vocabulary: Sequence[str], models: Sequence[Model], synonyms: Mapping[str, Sequence[str]]
+) -> list[dict[str, float]]:
     """Words of each category: its own (the last one fully, the others half), its synonyms, and its models' names."""
-    synonyms = json.loads(WORDS_FILE.read_text(encoding="utf-8"))
     lexicon = []
     for category in vocabulary:
         own = words(category)
