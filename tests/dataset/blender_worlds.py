@@ -6,8 +6,22 @@ import contextlib
 import json
 import os
 import sys
+from collections.abc import Callable
 
 import bpy
+
+
+def importer(ending: str) -> Callable[..., set[str]]:
+    """Blender's own importer of a kind of file."""
+    import addon_utils  # is there once bpy is
+
+    if ending in ("glb", "gltf", "fbx"):
+        addon_utils.enable(f"io_scene_{'fbx' if ending == 'fbx' else 'gltf2'}", default_set=False)
+    if ending == "fbx":
+        return bpy.ops.import_scene.fbx
+    if ending in ("glb", "gltf"):
+        return bpy.ops.import_scene.gltf
+    return bpy.ops.wm.obj_import if ending == "obj" else bpy.ops.wm.usd_import
 
 
 def worlds(path: str) -> dict[str, dict[str, list[list[float]]]]:
@@ -17,13 +31,7 @@ def worlds(path: str) -> dict[str, dict[str, list[list[float]]]]:
         bpy.ops.wm.open_mainfile(filepath=path, use_scripts=False, load_ui=False)
     else:
         bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
-        if ending in ("glb", "gltf"):
-            import addon_utils  # is there once bpy is
-
-            addon_utils.enable("io_scene_gltf2", default_set=False)
-            bpy.ops.import_scene.gltf(filepath=path)
-        else:
-            bpy.ops.wm.usd_import(filepath=path)
+        importer(ending)(filepath=path)
     found = {}
     for scene in bpy.data.scenes:
         layer = scene.view_layers[0]

@@ -71,7 +71,8 @@ def stage_boxes(path: Path) -> np.ndarray:
     frame, cache, found = stage_frame(stage), UsdGeom.XformCache(), []
     for prim in stage.Traverse(Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)):
         if prim.IsA(UsdGeom.Mesh) and UsdGeom.Imageable(prim).ComputePurpose() in ("default", "render"):
-            points = np.array(UsdGeom.Mesh(prim).GetPointsAttr().Get(Usd.TimeCode.EarliestTime())).reshape(-1, 3)
+            points = UsdGeom.Mesh(prim).GetPointsAttr().Get(Usd.TimeCode.EarliestTime())
+            points = np.array([] if points is None else points).reshape(-1, 3)
             matrix = frame @ np.array(cache.GetLocalToWorldTransform(prim)).T
             points = points @ matrix[:3, :3].T + matrix[:3, 3]
             found += [np.concatenate([points.min(axis=0), points.max(axis=0)])] if len(points) else []
