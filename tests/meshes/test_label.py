@@ -148,7 +148,8 @@ def test_model_file_round_trip(tmp_path: Path) -> None:
     model.save(tmp_path / "labels.safetensors")
     back = LabelModel.load(tmp_path / "labels.safetensors")
     assert back.vocabulary == model.vocabulary
-    assert np.array_equal(back.weights, model.weights)
+    assert np.array_equal(back.vectors, model.vectors)
+    assert back.temperature == model.temperature
     assert back.lexicon == model.lexicon
 
 

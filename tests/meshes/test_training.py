@@ -10,8 +10,9 @@ torch = pytest.importorskip("torch")
 from unisg_blender.evaluate.meshes_metrics import chamfer_l2, f_score  # noqa: E402
 from unisg_blender.learn.atlasnet import AtlasNet, PointNetEncoder  # noqa: E402
 from unisg_blender.learn.chamfer import chamfer  # noqa: E402
-from unisg_blender.learn.train_labels import discriminant, standing_together  # noqa: E402
+from unisg_blender.learn.train_labels import standing_together, temperature  # noqa: E402
 from unisg_blender.learn.train_meshes import MeshTraining, augment, random_rotation, train  # noqa: E402
+from unisg_blender.meshes.label_model import nearest_of_class  # noqa: E402
 from unisg_blender.meshes.models import Model  # noqa: E402
 from unisg_blender.worlds import WORLDS  # noqa: E402
 
@@ -112,15 +113,23 @@ def test_no_meshes_is_an_error() -> None:
         train([], QUICK)
 
 
-def test_discriminant_separates_classes() -> None:
+def test_nearest_known_mesh_of_each_class() -> None:
+    apart = np.array([[3.0, 1, 2, 9, 4]])
+    assert np.array_equal(nearest_of_class(apart, np.array([0, 0, 1, 2, 2])), [[1, 2, 4]])
+
+
+def test_temperature_is_low_where_neighbours_are_right() -> None:
     generator = np.random.default_rng(0)
-    classes = np.repeat(np.arange(4), 30)
+    classes, families = np.repeat(np.arange(4), 30), np.arange(120)
     centres = generator.normal(size=(4, 20)) * 2
-    inputs = centres[classes] + generator.normal(size=(120, 20))
-    weights, bias = discriminant(inputs, classes, np.arange(120), 5)
-    scores = inputs @ weights.T + bias
-    assert (scores.argmax(axis=1) == classes).mean() > 0.95
-    assert (scores[:, 4] < scores[:, :4].max(axis=1)).all()
+    near = centres[classes] + 0.1 * generator.normal(size=(120, 20))
+    mixed = generator.normal(size=(120, 20))
+    low, high = (
+        temperature(np.linalg.norm(points[:, None] - points, axis=2) / 10, classes, families)
+        for points in (near, mixed)
+    )
+    assert low < high
+    assert temperature(np.zeros((2, 2)), np.array([0, 1]), np.array([0, 1])) > 0
 
 
 def test_things_stand_beside_each_other() -> None:

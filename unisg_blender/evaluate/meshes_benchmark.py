@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..learn.train_labels import build_lexicon
 from ..meshes import reconstruct, sample_surface
 from ..meshes.decode import decode_unit
 from ..meshes.feature import POINTS, default_encoder
@@ -111,6 +112,7 @@ def _decoded_points(vector: NDArray[np.float32]) -> NDArray[np.floating]:
 def measure_categories(training: Sequence[Model], held_out: Sequence[Model]) -> Table:
     """Top-1 and top-3 accuracy (%) of categories for held-out models."""
     labels = LabelModel.load()
+    plain = replace(labels, lexicon=tuple(build_lexicon(labels.vocabulary, training, {})))
     asked = [model for model in held_out if model.category in {other.category for other in training}]
     vectors = np.stack([quarter_turn_features(model.mesh, default_encoder()) for model in training])
     sizes = np.stack([size_channels(np.ptp(model.mesh.bounds, axis=0)[None])[0] for model in training])
@@ -128,17 +130,25 @@ def measure_categories(training: Sequence[Model], held_out: Sequence[Model]) -> 
         for method, distance in distances.items():
             ranked = [training[k].category for k in np.argsort(distance, kind="stable")]
             orders.setdefault(method, []).append(list(dict.fromkeys(ranked)))
-        for method, scores in _label_scores(model, own, labels).items():
+        for method, scores in _label_scores(model, own, labels, plain).items():
             order = np.argsort(-scores, kind="stable") if scores.any() else np.zeros(0, np.int64)
             orders.setdefault(method, []).append([labels.vocabulary[k] for k in order])
     truth = [model.category for model in asked]
     return [{"method": method, "meshes": len(asked), **_accuracy(found, truth)} for method, found in orders.items()]
 
 
-def _label_scores(model: Model, vector: NDArray[np.float32], labels: LabelModel) -> dict[str, NDArray[np.float64]]:
+def _label_scores(
+    model: Model, vector: NDArray[np.float32], labels: LabelModel, plain: LabelModel
+) -> dict[str, NDArray[np.float64]]:
     shape = labels.shape_scores(vector[None], np.ptp(model.mesh.bounds, axis=0)[None])[0]
-    name = labels.name_scores((model.name,))
-    return {"unisg label, name only": name, "unisg label, shape only": shape, "unisg label": shape + name}
+    name, plain_name = labels.name_scores((model.name,)), plain.name_scores((model.name,))
+    return {
+        "unisg label, name only": name,
+        "unisg label, name only, without the list of synonyms": plain_name,
+        "unisg label, shape and size only": shape,
+        "unisg label": shape + name,
+        "unisg label, without the list of synonyms": shape + plain_name,
+    }
 
 
 def _accuracy(orders: Sequence[Sequence[str]], truth: Sequence[str]) -> dict[str, float]:

@@ -1,4 +1,4 @@
-"""The small model behind category proposals: linear in the shape, a word list, and habits of standing together."""
+"""The small model behind category proposals: known shapes and sizes, a word list, and habits of standing together."""
 
 from __future__ import annotations
 
@@ -12,10 +12,12 @@ from numpy.typing import NDArray
 
 from ..errors import UniSGError
 from .names import name_scores
-from .networks import FEATURE_WIDTH, PRETRAINED
+from .networks import PRETRAINED
 
 LABELS_FILE = "labels.safetensors"
-INPUT_WIDTH = FEATURE_WIDTH + 3
+ARRAYS = ("vectors", "sizes", "classes", "together")
+SIZE_WEIGHT = 0.5
+"""How much a factor of e in size counts, in units of the mean distance of shapes from their mean."""
 VERSION = "1"
 
 
@@ -27,9 +29,15 @@ class LabelModel:
     ----------
     vocabulary
         Their names.
-    weights, bias
-        (K, 1024 + 3) and (K,): log-likelihood of shape and size, linear in the
-        mesh feature and :func:`size_channels`.
+    vectors, sizes
+        float16 (M, 1024) and float32 (M, 3): mesh features and :func:`size_channels`
+        of the known meshes, sorted by class.
+    classes
+        int32 (M,): their categories' places in the vocabulary, each of which occurs.
+    spread
+        Mean distance of the features from their mean: the unit of distances.
+    temperature
+        Distance that counts as one nat.
     lexicon
         For each category its words with their weights.
     together
@@ -42,8 +50,11 @@ class LabelModel:
     """
 
     vocabulary: tuple[str, ...]
-    weights: NDArray[np.float32]
-    bias: NDArray[np.float32]
+    vectors: NDArray[np.float16]
+    sizes: NDArray[np.float32]
+    classes: NDArray[np.int32]
+    spread: float
+    temperature: float
     lexicon: tuple[dict[str, float], ...]
     together: NDArray[np.float32]
     name_weight: float
@@ -52,8 +63,8 @@ class LabelModel:
 
     def shape_scores(self, vectors: NDArray[np.floating], sizes: NDArray[np.floating]) -> NDArray[np.float64]:
         """Log-likelihoods (N, K), up to a constant, of mesh features (N, 1024) and sizes (N, 3) in metres."""
-        inputs = np.concatenate([vectors, size_channels(sizes)], axis=1)
-        return inputs.astype(np.float64) @ self.weights.T.astype(np.float64) + self.bias
+        apart = distances(vectors, size_channels(sizes), self.vectors, self.sizes, self.spread)
+        return -nearest_of_class(apart, self.classes) / self.temperature
 
     def name_scores(self, names: tuple[str, ...]) -> NDArray[np.float64]:
         """Evidence (K,) of an object's names, in nats: that of the first name that has a known word."""
@@ -68,10 +79,11 @@ class LabelModel:
         from safetensors.numpy import save_file
 
         path = Path(path)
-        arrays = {"weights": self.weights.astype(np.float16), "bias": self.bias, "together": self.together}
+        arrays = {name: getattr(self, name) for name in ARRAYS}
         record = {
             "vocabulary": self.vocabulary, "lexicon": self.lexicon, "name_weight": self.name_weight,
-            "beside_weight": self.beside_weight, "provenance": self.provenance,
+            "beside_weight": self.beside_weight, "spread": self.spread, "temperature": self.temperature,
+            "provenance": self.provenance,
         }  # fmt: skip
         temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
         metadata = {"unisg_labels": VERSION, "record": json.dumps(record)}
@@ -95,16 +107,33 @@ class LabelModel:
         try:
             with safe_open(path, "np") as file:
                 metadata = file.metadata() or {}
-                arrays = {name: file.get_tensor(name).astype(np.float32) for name in file.keys()}  # noqa: SIM118
+                arrays = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
         except SafetensorError as error:
             raise UniSGError(f"{path}: the model of categories is damaged: {error}") from error
         if metadata.get("unisg_labels") != VERSION:
             raise UniSGError(f"{path}: is no model of categories of version {VERSION}: train it again")
         record = json.loads(metadata["record"])
-        return LabelModel(
-            tuple(record["vocabulary"]), arrays["weights"], arrays["bias"], tuple(record["lexicon"]),
-            arrays["together"], record["name_weight"], record["beside_weight"], record["provenance"],
-        )  # fmt: skip
+        record["vocabulary"], record["lexicon"] = tuple(record["vocabulary"]), tuple(record["lexicon"])
+        return LabelModel(**arrays, **record)
+
+
+def distances(
+    vectors: NDArray[np.floating],
+    sizes: NDArray[np.floating],
+    known_vectors: NDArray[np.floating],
+    known_sizes: NDArray[np.floating],
+    spread: float,
+) -> NDArray[np.float64]:
+    """(N, M): distances in shape and size; features (N, 1024) and (M, 1024), size channels (N, 3) and (M, 3)."""
+    first, second = vectors.astype(np.float64), known_vectors.astype(np.float64)
+    square = np.square(first).sum(axis=1)[:, None] + np.square(second).sum(axis=1) - 2 * first @ second.T
+    apart = np.linalg.norm(sizes[:, None] - known_sizes, axis=2)
+    return np.sqrt(np.maximum(square, 0) / spread**2 + np.square(SIZE_WEIGHT * apart))
+
+
+def nearest_of_class(apart: NDArray[np.float64], classes: NDArray[np.integer]) -> NDArray[np.float64]:
+    """(N, K): the least of the distances (N, M) to each class; ``classes`` (M,) sorted, without gaps."""
+    return np.minimum.reduceat(apart, np.searchsorted(classes, np.arange(classes[-1] + 1)), axis=1)
 
 
 def size_channels(sizes: NDArray[np.floating]) -> NDArray[np.float64]:
