@@ -48,7 +48,8 @@ def open_file(path: str | os.PathLike[str], report: ReadReport | None = None) ->
     if error is not None:
         with captured_output():
             new_file()
-        reason = re.sub(rf"""\s*['"]?{re.escape(str(path))}['"]?""", "", error)
+        names = "|".join(re.escape(name) for name in sorted({str(path), str(path.absolute())}, key=len, reverse=True))
+        reason = re.sub(rf"""\s*(?:in file )?['"]?(?:{names})['"]?""", "", error)
         raise UniSGError(f"cannot read {path}: {reason}; is it damaged, or of another kind?")
     if report is not None:
         for line in _warnings(printed):
