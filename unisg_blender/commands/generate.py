@@ -4,17 +4,16 @@ from __future__ import annotations
 
 import argparse
 import json
-import os
-import tempfile
 import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..errors import DONE, SOME_FAILED, UniSGError
+from ..usd.files import replacing
+from .scene_files import check_kinds, read_scene_file, write_scene_file
 
 if TYPE_CHECKING:
     from ..generate import Generated
-    from ..scene import SceneGraph
 
 HELP = "Add objects to an empty or an existing scene with a trained model."
 USD = (".usd", ".usda", ".usdc")
@@ -48,7 +47,7 @@ def run(args: argparse.Namespace) -> int:
     asked = None if args.add is None else parse_counts(args.add)
     if asked is not None:
         generator.contract.check_categories(list(asked))
-    scene = SceneBuilder("Room").build() if args.scene is None else read_any(args.scene)
+    scene = SceneBuilder("Room").build() if args.scene is None else read_scene_file(args.scene)[0]
     counts = asked or generator.sample_counts(np.random.default_rng(args.seed))
     start = time.perf_counter()
     result = generator.add(scene, counts, args.seed, bulk=args.bulk, settle=not args.raw)
@@ -80,25 +79,16 @@ def parse_counts(text: str) -> dict[str, int]:
     return counts
 
 
-def read_any(path: Path) -> SceneGraph:
-    """The scenegraph of a file: USD by itself, everything else through Blender."""
-    if path.suffix.lower() in USD:
-        from ..usd import read_usd
-
-        return read_usd(path)
-    from ..blender import read_file
-
-    return read_file(path)[0]
-
-
 def _check(args: argparse.Namespace) -> None:
     if args.out.suffix.lower() not in OUTPUTS:
         raise UniSGError(f"--out must end in one of {', '.join(OUTPUTS)}, not {args.out.name!r}")
     for path in (args.out, args.render):
         if path is not None and not path.parent.is_dir():
             raise UniSGError(f"there is no folder {path.parent} to write {path.name} to")
-    if args.scene is not None and not args.scene.is_file():
-        raise UniSGError(f"there is no scene file {args.scene}")
+    if args.scene is not None:
+        check_kinds(args.scene, args.out if args.render is None else args.out.with_suffix(".blend"))
+        if not args.scene.is_file():
+            raise UniSGError(f"there is no scene file {args.scene}")
     if args.render is not None and args.render.suffix.lower() != ".png":
         raise UniSGError(f"--render writes .png, not {args.render.name!r}")
 
@@ -112,9 +102,7 @@ def _write(args: argparse.Namespace, result: Generated) -> None:
         records = [{**record, "new": row in new} for row, record in enumerate(to_records(result.scene))]
         _write_text(args.out, json.dumps({"title": result.scene.title, "entities": records}, ensure_ascii=False))
     elif kind in USD:
-        from ..usd import write_usd
-
-        write_usd(result.scene, args.out)
+        write_scene_file(result.scene, args.out)
     if kind == ".blend" or args.render is not None:
         _write_with_blender(args, result, save=kind == ".blend")
 
@@ -138,15 +126,11 @@ def _write_with_blender(args: argparse.Namespace, result: Generated, save: bool)
 
 
 def _write_text(path: Path, text: str) -> None:
-    handle, name = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
     try:
-        with os.fdopen(handle, "w", encoding="utf-8") as file:
-            file.write(text)
-        os.replace(name, path)
+        with replacing(path) as temporary:
+            temporary.write_text(text, encoding="utf-8")
     except OSError as error:
         raise UniSGError(f"cannot write {path}: {error.strerror}") from None
-    finally:
-        Path(name).unlink(missing_ok=True)
 
 
 def to_report(result: Generated) -> dict[str, Any]:

@@ -37,11 +37,12 @@ def run(args: argparse.Namespace) -> int:
     """Read, propose, print; with ``--out`` accept and write."""
     from ..meshes.label import propose_categories
     from ..meshes.label_model import LabelModel
-    from .generate import read_any
+    from .scene_files import check_kinds, read_scene_file
 
     use = _checked(args)
     model = LabelModel.load(args.model)
-    graph = read_any(args.file)
+    check_kinds(args.file, args.out)
+    graph, _ = read_scene_file(args.file)
     rows = range(len(graph)) if args.all else None
     proposals = propose_categories(graph, model, rows=rows, best=args.best, use=use)
     accepted = [proposal for proposal in proposals if proposal.confidence >= args.threshold]
