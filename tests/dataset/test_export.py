@@ -244,7 +244,8 @@ def test_command_line(
     assert main(words) == 0
     shown = capfd.readouterr()
     assert "1.obj: not represented: hair is not read" in shown.err
-    assert "2/2 files" in shown.err
+    assert "2/2" in shown.err
+    assert "files/s" in shown.err
     assert "2 scenes with 7 entities from 2 files" in shown.out
     assert main(words) == UNUSABLE_INPUT
     assert "holds a dataset already" in capfd.readouterr().err
