@@ -47,7 +47,8 @@ def blender_boxes(path: Path) -> np.ndarray:
     import bpy
 
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
-    bpy.ops.wm.usd_import(filepath=str(path), import_subdiv=False, import_visible_only=False)
+    plain = {} if bpy.app.version >= (5, 0, 0) else {"import_subdiv": False}
+    bpy.ops.wm.usd_import(filepath=str(path), import_visible_only=False, **plain)
     found = []
     for instance in bpy.context.evaluated_depsgraph_get().object_instances:
         item = instance.object
