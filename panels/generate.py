@@ -5,6 +5,7 @@ from __future__ import annotations
 import bpy
 
 from ..operators.generation_settings import OWN_FILE, list_categories_soon
+from .actions import _wrapped
 from .main import SidebarPanel
 
 
@@ -34,8 +35,7 @@ class UNISG_PT_generate(SidebarPanel, bpy.types.Panel):
         if settings.problem:
             box = layout.box().column()
             box.alert = True
-            for line in _wrapped(settings.problem, context.region.width):
-                box.label(text=line)
+            _wrapped(box, settings.problem, context.region.width)
             return
         layout.template_list("UNISG_UL_categories", "", settings, "counts", settings, "active", rows=6)
         row = layout.row(align=True)
@@ -50,12 +50,6 @@ class UNISG_PT_generate(SidebarPanel, bpy.types.Panel):
         button = column.operator("unisg.generate", text=text, icon="ADD")
         button.model, button.seed, button.bulk = settings.model_file(), settings.seed, settings.bulk
         button.add = ",".join(f"{name}={count}" for name, count in wanted.items())
-
-
-def _wrapped(text: str, width: int) -> list[str]:
-    import textwrap
-
-    return textwrap.wrap(text, max(20, width // 8))
 
 
 CLASSES = (UNISG_UL_categories, UNISG_PT_generate)

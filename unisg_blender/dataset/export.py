@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import queue
 import shutil
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import BrokenExecutor, Executor, Future, ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -123,12 +123,16 @@ def export_dataset(
                 if finished is not None:
                     finished(record)
         ordered = [records[path.as_posix()] for path in sources]
-        if all(record["status"] == "failed" for record in ordered):
-            first = f"{ordered[0]['source']}: {ordered[0]['reason']}"
-            raise UniSGError(f"none of {len(ordered)} files could be read; {first}")
-        if not any(record.get("scenes", 1) for record in ordered):
-            raise UniSGError("there is no object in any of the files: nothing was written")
+        _check_some_read(ordered)
         return _merge(folder, parts, options.form, ordered, before)
+
+
+def _check_some_read(records: Sequence[Record]) -> None:
+    if all(record["status"] == "failed" for record in records):
+        first = f"{records[0]['source']}: {records[0]['reason']}"
+        raise UniSGError(f"none of {len(records)} files could be read; {first}")
+    if not any(record.get("scenes", 1) for record in records):
+        raise UniSGError("there is no object in any of the files: nothing was written")
 
 
 class _Before:
