@@ -30,7 +30,7 @@ class MeshTraining:
     samples turned about any axis and not only about the vertical one.
     """
 
-    steps: int = 2000
+    steps: int = 8000
     batch: int = 16
     points: int = 512
     targets: int = 320
