@@ -42,7 +42,7 @@ def lay_row(
         )
         if layout.fits(asset, pose[None], support)[0]:
             laid.append(layout.add(asset, pose, support))
-            x += 2 * reach_x + (rng.uniform(0.010, 0.022) if tight else rng.uniform(0.02, 0.055))
+            x += 2 * reach_x + (rng.uniform(0.004, 0.012) if tight else rng.uniform(0.02, 0.05))
         else:
             x += 0.03
     return laid
