@@ -21,7 +21,8 @@ from unisg_blender.scene import (
 )
 from unisg_blender.scene.behaviour import compile_actions, holds, moment, start, step
 from unisg_blender.scene.behaviour.components import gather, rotation_and_size, turn_between
-from unisg_blender.scene.behaviour.contact import bodies_at, body_bounds
+from unisg_blender.scene.behaviour.contact import EPSILON, _touching_exactly, bodies_at, body_bounds, touching
+from unisg_blender.scene.behaviour.deviation import away_by, placed
 from unisg_blender.scene.behaviour.separation import separation
 from unisg_blender.scene.overlap import penetration
 
@@ -314,3 +315,58 @@ def test_bodies_are_the_oriented_boxes_and_groups_have_one_too():
     assert np.allclose(bodies.half.T[solid], boxes.half[solid])
     whole = bodies.half[:, graph.row("Group")]
     assert np.allclose(whole, [1.5, 0.5, 0.5])
+
+
+def random_poses(random, count, single):
+    """Poses (12, K) of all sorts: rigid, scaled, mirrored, sheared, flat, axis-aligned."""
+    linear = Rotation.random(count, random_state=random).as_matrix()
+    linear[::7] = np.eye(3)
+    linear[1::7] *= random.uniform(0.2, 3, (len(linear[1::7]), 1, 3))
+    linear[2::7] *= -1
+    linear[3::7] += random.normal(0, 0.3, (len(linear[3::7]), 3, 3))
+    linear[4::7, :, 0] *= random.choice([0.0, -1.0, 1e-9], (len(linear[4::7]), 1))
+    matrices = np.tile(np.eye(4), (count, 1, 1))
+    matrices[:, :3, :3], matrices[:, :3, 3] = linear, random.normal(0, 0.12, (count, 3)).round(2)
+    return matrices.astype(np.float32).astype(np.float64) if single else matrices
+
+
+@pytest.mark.parametrize("single", [False, True])
+def test_quick_answers_about_contact_are_those_of_the_exact_test(single):
+    random, count = np.random.default_rng(5), 4000
+    poses = [gather(random_poses(random, count, single), np.arange(count)) for _ in range(2)]
+    bounds = [
+        np.concatenate([random.normal(0, 0.02, (3, count)), random.choice([0, 0.01, 0.05, 0.1, 0.2], (3, count))])
+        for _ in range(2)
+    ]
+    distance = random.choice([0, 0, 0.01, 0.05], count)
+    found = touching(poses[0], bounds[0], poses[1], bounds[1], distance)
+    bodies = [bodies_at(pose, box) for pose, box in zip(poses, bounds, strict=True)]
+    assert np.array_equal(found, _touching_exactly(*bodies, distance + EPSILON))
+    assert 0.2 < found.mean() < 0.8
+
+
+@pytest.mark.parametrize("single", [False, True])
+def test_quick_answers_about_poses_are_those_of_the_angle(single):
+    random, count = np.random.default_rng(6), 700
+    world = random_poses(random, 3 * count, single)
+    world[:count, :3, :3] = world[count : 2 * count, :3, :3] @ world[2 * count :, :3, :3]  # many at their places
+    turn = Rotation.from_rotvec(random.choice([0, 1e-9, 1e-4, 0.1, 0.10001, 3.14], (count, 1)) * [0.6, 0, 0.8])
+    world[:count, :3, :3] = world[:count, :3, :3] @ turn.as_matrix()
+    builder = SceneBuilder()
+    for row in range(2 * count):
+        builder.add(f"Thing {row:04}", uid=str(row))
+    for row, reference in enumerate(world[2 * count :]):
+        limits = Thresholds(random.choice([0.1, 0.2, 1]), random.choice([0, 1e-9, 1e-4, 0.1, 3.14, math.pi, 7]))
+        builder.add(
+            f"Thing {2 * count + row:04}", uid=str(2 * count + row),
+            actions=(ActionData(f"a{row}", "Insert", "", (str(row),), (), flat(reference), str(count + row), limits),),
+        )  # fmt: skip
+    graph = builder.build()
+    batch = compile_actions(graph).batches[0][1]
+    now = moment(graph, 0, world)
+    distance, angle = away_by(batch, now)
+    expected = (distance <= batch.poses.distance + EPSILON) & (angle <= batch.poses.angle + EPSILON)
+    there, away = placed(batch, now)
+    assert np.array_equal(there, expected)
+    assert np.array_equal(away, ~expected)
+    assert 0.2 < there.mean() < 0.8

@@ -13,6 +13,7 @@ from ..graph import SceneGraph
 from ..hierarchy import world_matrices
 from .components import gather
 from .contact import body_bounds
+from .turned import least_trace
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,17 +23,25 @@ class Poses:
     ``action`` int64 (P,): place in the batch; ``row`` int64 (P,): the entity;
     ``reference`` float64 (12, P): components of the pose asked for, in the world
     where ``frame`` int64 (P,) is -1, otherwise in the frame of that entity.
+    ``distance``, ``angle`` float64 (P,): the action's limits, see :class:`Batch`;
+    ``turns`` bool (P,): there is one for the angle; ``trace`` float64 (P,): see :func:`.turned.least_trace`.
     """
 
     action: NDArray[np.int64]
     row: NDArray[np.int64]
     reference: NDArray[np.float64]
     frame: NDArray[np.int64]
+    distance: NDArray[np.float64]
+    angle: NDArray[np.float64]
+    turns: NDArray[np.bool_]
+    trace: NDArray[np.float64]
 
     def frames(self, world: NDArray[np.float64]) -> NDArray[np.float64]:
         """Components (12, P) of the frames' world matrices; of the identity where the frame is the world."""
         frames = gather(world, self.frame)
-        frames[:, self.frame < 0] = np.eye(4)[:3].reshape(12, 1)
+        still = np.flatnonzero(self.frame < 0)
+        if len(still):
+            frames[:, still] = np.eye(4)[:3].reshape(12, 1)
         return frames
 
 
@@ -41,7 +50,8 @@ class Contacts:
     """Pairs of a tool and a target, P in number.
 
     ``action`` int64 (P,): place in the batch; ``tool``, ``target`` int64 (P,): rows;
-    ``tool_bounds``, ``target_bounds`` float64 (6, P): their boxes in their own frames.
+    ``tool_bounds``, ``target_bounds`` float64 (6, P): their boxes in their own frames;
+    ``distance`` float64 (P,): how near they have to come in metres, 0 where the action does not say.
     """
 
     action: NDArray[np.int64]
@@ -49,6 +59,7 @@ class Contacts:
     target: NDArray[np.int64]
     tool_bounds: NDArray[np.float64]
     target_bounds: NDArray[np.float64]
+    distance: NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,6 +118,7 @@ def make_batch(graph: SceneGraph, actions: Sequence[ActionData], index: Sequence
         values = [getattr(action.thresholds, name) for action in actions]
         return np.array([default if value is None else value for value in values], np.float64)
 
+    distance, angle = limit("distance", np.inf), limit("angle", np.inf)
     return Batch(
         actions=tuple(actions),
         uid=np.array([action.uid for action in actions], np.str_),
@@ -114,25 +126,36 @@ def make_batch(graph: SceneGraph, actions: Sequence[ActionData], index: Sequence
         target=np.array([(rows(action.targets) or [-1])[0] for action in actions], np.int64),
         tool=np.array([(rows(action.tools) or [-1])[0] for action in actions], np.int64),
         frame=np.array([row_of.get(action.frame, -1) for action in actions], np.int64),
-        distance=limit("distance", np.inf),
-        angle=limit("angle", np.inf),
+        distance=distance,
+        angle=angle,
         hold=limit("hold", 0.0),
         hits=limit("hits", 1.0),
         force=limit("force", 0.0),
         trigger=np.array([action.trigger for action in actions], bool),
-        poses=_poses(graph, actions, row_of),
-        contacts=_contacts(graph, [(rows(action.tools), rows(action.targets)) for action in actions]),
+        poses=_poses(graph, actions, row_of, distance, angle),
+        contacts=_contacts(graph, [(rows(action.tools), rows(action.targets)) for action in actions], distance),
     )
 
 
-def _poses(graph: SceneGraph, actions: Sequence[ActionData], row_of: Mapping[str, int]) -> Poses:
+def _poses(
+    graph: SceneGraph,
+    actions: Sequence[ActionData],
+    row_of: Mapping[str, int],
+    distance: NDArray[np.float64],
+    angle: NDArray[np.float64],
+) -> Poses:
     world = world_matrices(graph)
     found = [pair for place, action in enumerate(actions) for pair in _pose_pairs(place, action, row_of, world)]
+    owner = np.array([pair[0] for pair in found], np.int64)
     return Poses(
-        action=np.array([pair[0] for pair in found], np.int64),
+        action=owner,
         row=np.array([pair[1] for pair in found], np.int64),
         reference=np.ascontiguousarray(np.array([pair[2] for pair in found]).reshape(-1, 16).T[:12]),
         frame=np.array([pair[3] for pair in found], np.int64),
+        distance=distance[owner],
+        angle=angle[owner],
+        turns=np.isfinite(angle[owner]),
+        trace=least_trace(angle[owner]),
     )
 
 
@@ -152,7 +175,9 @@ def _pose_pairs(
             yield place, row, reference, frame
 
 
-def _contacts(graph: SceneGraph, ends: Sequence[tuple[list[int], list[int]]]) -> Contacts:
+def _contacts(
+    graph: SceneGraph, ends: Sequence[tuple[list[int], list[int]]], distance: NDArray[np.float64]
+) -> Contacts:
     pairs = [
         (place, tool, target)
         for place, (tools, targets) in enumerate(ends)
@@ -164,4 +189,5 @@ def _contacts(graph: SceneGraph, ends: Sequence[tuple[list[int], list[int]]]) ->
     rows, inverse = np.unique(columns[:, 1:], return_inverse=True)
     tool_bounds, target_bounds = (body_bounds(graph, rows).take(side, 1) for side in inverse.reshape(-1, 2).T)
     action, tool, target = columns.T.copy()
-    return Contacts(action, tool, target, tool_bounds, target_bounds)
+    near = np.where(np.isfinite(distance), distance, 0.0)[action]
+    return Contacts(action, tool, target, tool_bounds, target_bounds, near)

@@ -31,14 +31,39 @@ def compose(a: Array, b: Array) -> Array:
     return result
 
 
+def some(columns: Array, places: NDArray[np.integer]) -> Array:
+    """Some of the columns (C, K); the very same array where ``places`` are all of them, in order."""
+    return columns if len(places) == columns.shape[1] else columns.take(places, 1)
+
+
+def linear(a: Array) -> Array:
+    """The 3x3 parts (3, 3, K) of matrices (12, K), no copy."""
+    return a.reshape(3, 4, -1)[:, :3]
+
+
 def transform(a: Array, points: Array) -> Array:
     """Points (3, K) moved by the matrices (12, K)."""
-    return np.stack([dot(a[i : i + 3], points) + a[i + 3] for i in (0, 4, 8)])
+    moved: Array = np.einsum("ijk,jk->ik", linear(a), points)
+    moved += a[3::4]
+    return moved
 
 
 def dot(a: Array, b: Array) -> Array:
     """Scalar products (K,) of vectors (3, K)."""
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+    return np.einsum("ik,ik->k", a, b)
+
+
+def column_products(a: Array, b: Array) -> Array:
+    """Scalar products (3, K) of the columns of matrices (3, 3, K), each with that of the same number."""
+    return np.einsum("ijk,ijk->jk", a, b)
+
+
+def determinant(a: Array) -> Array:
+    """Determinants (K,) of matrices (3, 3, K)."""
+    result: Array = a[0, 0] * (a[1, 1] * a[2, 2] - a[1, 2] * a[2, 1])
+    result += a[0, 1] * (a[1, 2] * a[2, 0] - a[1, 0] * a[2, 2])
+    result += a[0, 2] * (a[1, 0] * a[2, 1] - a[1, 1] * a[2, 0])
+    return result
 
 
 def length(a: Array) -> Array:
@@ -71,7 +96,8 @@ def rotation_and_size(a: Array) -> tuple[Array, Array, NDArray[np.bool_]]:
     slow = ~straight
     if slow.any():
         slow &= np.isfinite(a).all(axis=0)
-        found = pose_rotation(tuple(a[4 * i + j, slow] for i in range(3) for j in range(3)))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            found = pose_rotation(tuple(a[4 * i + j, slow] for i in range(3) for j in range(3)))
         unit[:, slow] = [found[3 * i + j] for j in range(3) for i in range(3)]
     return unit, size, straight
 

@@ -19,9 +19,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .batch import Batch
-from .components import gather
+from .components import gather, some
 from .contact import EPSILON, touching
-from .deviation import deviation
+from .deviation import placed
 from .moment import Moment
 
 Condition = Callable[[Batch, Moment], NDArray[np.bool_]]
@@ -29,7 +29,7 @@ Condition = Callable[[Batch, Moment], NDArray[np.bool_]]
 
 def insert(batch: Batch, moment: Moment) -> NDArray[np.bool_]:
     """A target is at its reference pose: within ``distance`` and ``angle`` (at the limit still is)."""
-    return batch.any_of(batch.poses.action, at_reference(batch, moment))
+    return batch.any_of(batch.poses.action, placed(batch, moment)[0])
 
 
 def remove(batch: Batch, moment: Moment) -> NDArray[np.bool_]:
@@ -37,9 +37,7 @@ def remove(batch: Batch, moment: Moment) -> NDArray[np.bool_]:
 
     Without a reference pose it has to leave the pose in which the scene has it.
     """
-    distance, angle = deviation(batch, moment)
-    away = distance > batch.distance[batch.poses.action] + EPSILON
-    return batch.any_of(batch.poses.action, away | (angle > batch.angle[batch.poses.action] + EPSILON))
+    return batch.any_of(batch.poses.action, placed(batch, moment)[1])
 
 
 def use(batch: Batch, moment: Moment) -> NDArray[np.bool_]:
@@ -54,7 +52,7 @@ def tool(batch: Batch, moment: Moment) -> NDArray[np.bool_]:
     The reference is the pose of the *tool*; every stroke of the trigger is a hit.
     """
     poses, contacts = batch.poses, batch.contacts
-    works = at_reference(batch, moment) & moment.trigger[poses.row]
+    works = placed(batch, moment)[0] & moment.trigger[poses.row]
     works &= moment.force[poses.row] >= batch.force[poses.action] - EPSILON
     posed = batch.any_of(poses.action, np.ones(len(poses.action), bool))
     touched = in_contact(batch, moment, moment.trigger[contacts.tool] & ~posed[contacts.action])
@@ -80,13 +78,6 @@ CONDITIONS: Mapping[str, Condition] = {
 """The conditions of the types that come with UniSG. Parallel groups follow their members."""
 
 
-def at_reference(batch: Batch, moment: Moment) -> NDArray[np.bool_]:
-    """Which of the batch's poses are within the distance and angle of their action; bool (P,)."""
-    distance, angle = deviation(batch, moment)
-    near = distance <= batch.distance[batch.poses.action] + EPSILON
-    return near & (angle <= batch.angle[batch.poses.action] + EPSILON)
-
-
 def in_contact(batch: Batch, moment: Moment, usable: NDArray[np.bool_]) -> NDArray[np.bool_]:
     """Which ``usable`` (P,) tools touch their targets with the force asked for; bool (P,). No distance given: 0."""
     contacts = batch.contacts
@@ -94,8 +85,6 @@ def in_contact(batch: Batch, moment: Moment, usable: NDArray[np.bool_]) -> NDArr
     tried = np.flatnonzero(usable & (moment.force[contacts.tool] >= batch.force[contacts.action] - EPSILON))
     if len(tried):
         tool, target = (gather(moment.world, rows[tried]) for rows in (contacts.tool, contacts.target))
-        bounds = contacts.tool_bounds.take(tried, 1), contacts.target_bounds.take(tried, 1)
-        distance = batch.distance[contacts.action[tried]]
-        distance = np.where(np.isfinite(distance), distance, 0.0)
-        result[tried] = touching(tool, bounds[0], target, bounds[1], distance)
+        bounds = some(contacts.tool_bounds, tried), some(contacts.target_bounds, tried)
+        result[tried] = touching(tool, bounds[0], target, bounds[1], contacts.distance[tried])
     return result

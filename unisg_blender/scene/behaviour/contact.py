@@ -11,13 +11,13 @@ from numpy.typing import NDArray
 from ..bounds import Boxes, local_bounds, orthonormal_axes
 from ..graph import SceneGraph
 from ..hierarchy import subtree, world_matrices
-from .components import Array, dot, length, rotation_and_size, transform
+from .components import Array, rotation_and_size, transform
+from .nearness import plainly_near
 from .separation import separation
 
 EPSILON = 1e-9
 """Metres and radians by which a limit may be missed by rounding: at the exact threshold, the rule decides."""
 
-_ROUNDS = 3
 _CORNERS = np.array(list(product((-1.0, 1.0), repeat=3)))
 
 
@@ -31,10 +31,6 @@ class Bodies:
     center: Array
     axes: Array
     half: Array
-
-    def take(self, places: NDArray[np.integer]) -> Bodies:
-        """Some of the bodies."""
-        return Bodies(self.center.take(places, 1), self.axes.take(places, 1), self.half.take(places, 1))
 
     def boxes(self, places: NDArray[np.integer]) -> Boxes:
         """Some of the bodies as boxes."""
@@ -86,51 +82,25 @@ def touching(
 
     Both are given by their world poses (12, K) and their boxes (6, K) in their own frames.
     """
-    distance = distance + EPSILON
-    center, radius = _sphere(first, first_bounds)
-    other_center, other_radius = _sphere(second, second_bounds)
-    result = length(center - other_center) <= radius + other_radius + distance
-    near = np.flatnonzero(result)
-    if len(near):
+    near, apart = plainly_near(first, first_bounds, second, second_bounds, distance)
+    doubt = np.flatnonzero(~(near | apart))
+    if len(doubt):
         bodies = (
-            bodies_at(first.take(near, 1), first_bounds.take(near, 1)),
-            bodies_at(second.take(near, 1), second_bounds.take(near, 1)),
+            bodies_at(first.take(doubt, 1), first_bounds.take(doubt, 1)),
+            bodies_at(second.take(doubt, 1), second_bounds.take(doubt, 1)),
         )
-        result[near] = _touching_near(*bodies, distance[near])
-    return result
+        near[doubt] = _touching_exactly(*bodies, distance[doubt] + EPSILON)
+    return near
 
 
-def _sphere(pose: Array, bounds: Array) -> tuple[Array, Array]:
-    """Centres (3, K) and radii (K,) of spheres around the bodies, whatever their scale and shear."""
-    stretch = np.sqrt(sum(pose[4 * i + j] * pose[4 * i + j] for i in range(3) for j in range(3)))
-    return transform(pose, bounds[:3]), stretch * length(bounds[3:])
-
-
-def _touching_near(first: Bodies, second: Bodies, distance: Array) -> NDArray[np.bool_]:
-    """The cheap proof of contact first, the exact test for the few that it leaves open."""
-    result = np.zeros(len(distance), bool)
-    open_rows, one, other = np.arange(len(distance)), first, second
-    point = second.center
-    for _ in range(_ROUNDS):  # there and back: points of both boxes that come nearer to each other
-        there = _nearest_inside(one, point)
-        point = _nearest_inside(other, there)
-        touch = length(point - there) <= distance[open_rows]
-        result[open_rows[touch]] = True
-        if touch.any():
-            left = np.flatnonzero(~touch)
-            open_rows, one, other, point = open_rows[left], one.take(left), other.take(left), point[:, left]
-        if not len(open_rows):
-            return result
+def _touching_exactly(first: Bodies, second: Bodies, distance: Array) -> NDArray[np.bool_]:
+    """Overlap by separating axes, and the exact distance of what is apart."""
     from ..overlap import penetration  # loads scipy, which panels can do without
 
-    depth = penetration(first.boxes(open_rows), second.boxes(open_rows))
-    result[open_rows] = depth >= -EPSILON
-    rows = open_rows[(depth < -EPSILON) & (depth >= -distance[open_rows])]  # at corners it may be more than -depth
-    result[rows] = separation(first.boxes(rows), second.boxes(rows)) <= distance[rows]
+    everything = np.arange(len(distance))
+    boxes, others = first.boxes(everything), second.boxes(everything)
+    depth = penetration(boxes, others)
+    result: NDArray[np.bool_] = depth >= -EPSILON
+    rows = np.flatnonzero(~result & (depth >= -distance))  # at corners the distance may be more than -depth
+    result[rows] = separation(boxes.take(rows), others.take(rows)) <= distance[rows]
     return result
-
-
-def _nearest_inside(bodies: Bodies, points: Array) -> Array:
-    offset, axes = points - bodies.center, bodies.axes.reshape(3, 3, -1)
-    seen = [np.clip(dot(axes[k], offset), -bodies.half[k], bodies.half[k]) for k in range(3)]
-    return bodies.center + seen[0] * axes[0] + seen[1] * axes[1] + seen[2] * axes[2]

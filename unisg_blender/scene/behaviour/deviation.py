@@ -5,37 +5,61 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from .batch import Batch
-from .components import compose, gather, length, rotation_and_size, transform, turn_between
+from .batch import Batch, Poses
+from .components import Array, compose, gather, length, linear, rotation_and_size, some, transform, turn_between
 from .contact import EPSILON
 from .moment import Moment
+from .turned import compose_turns, plainly_turned
+
+_FEW = 0.5
+"""If less than this part of the poses is of interest, they are picked out first."""
 
 
-def deviation(batch: Batch, moment: Moment) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Distance in metres and angle in radians of the batch's poses from the places asked for; each (P,).
+def placed(batch: Batch, moment: Moment) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """Which of the batch's poses are where they are wanted, and which are not; both bool (P,).
 
-    The angle is 0 where it decides nothing: where none is asked for, or the distance is too large.
+    Wanted is: within the distance and the angle of their action, the limits included.
+    What is no number is neither.
     """
-    limit = batch.distance[batch.poses.action] + EPSILON
-    return _compare(batch, moment, np.isfinite(batch.angle[batch.poses.action]), limit)
+    poses = batch.poses
+    frames, own = poses.frames(moment.world), gather(moment.world, poses.row)
+    distance = length(own[3::4] - transform(frames, poses.reference[3::4]))
+    limit = poses.distance + EPSILON
+    there, away = distance <= limit, distance > limit
+    asked = np.flatnonzero(there & poses.turns)
+    if len(asked):
+        places = asked if len(asked) < _FEW * len(there) else np.arange(len(there))
+        less, more = _turned(poses, places, some(own, places), some(frames, places))
+        decides = np.zeros(len(there), bool)
+        decides[asked] = True
+        decides = decides[places]
+        away[places] |= decides & more
+        there[places] &= ~decides | less
+    return there, away
+
+
+def _turned(
+    poses: Poses, places: NDArray[np.integer], own: Array, frames: Array
+) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """Whether poses are turned by at most their angle, and by more; both bool."""
+    reference = some(poses.reference, places)
+    wanted = compose_turns(linear(frames), linear(reference))
+    less, more = plainly_turned(linear(own), wanted, poses.trace[places])
+    doubt = np.flatnonzero(~(less | more))
+    if len(doubt):
+        turn = _angle(own.take(doubt, 1), frames.take(doubt, 1), reference.take(doubt, 1))
+        limit = poses.angle[places[doubt]] + EPSILON
+        less[doubt], more[doubt] = turn <= limit, turn > limit
+    return less, more
 
 
 def away_by(batch: Batch, moment: Moment) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Distance and angle of all of the batch's poses from the places asked for; each (P,)."""
-    count = len(batch.poses.action)
-    return _compare(batch, moment, np.ones(count, bool), np.full(count, np.inf))
-
-
-def _compare(
-    batch: Batch, moment: Moment, asked: NDArray[np.bool_], limit: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Distance in metres and angle in radians of all of the batch's poses from the places asked for; each (P,)."""
     poses = batch.poses
-    frames = poses.frames(moment.world)
-    distance = length(moment.world[poses.row, :3, 3].T - transform(frames, poses.reference[3::4]))
-    angle = np.zeros(len(distance))
-    pairs = np.flatnonzero(asked & (distance <= limit))
-    if len(pairs):
-        wanted = compose(frames.take(pairs, 1), poses.reference.take(pairs, 1))
-        pose = gather(moment.world, poses.row[pairs])
-        angle[pairs] = turn_between(rotation_and_size(pose)[0], rotation_and_size(wanted)[0])
-    return distance, angle
+    frames, own = poses.frames(moment.world), gather(moment.world, poses.row)
+    distance = length(own[3::4] - transform(frames, poses.reference[3::4]))
+    return distance, _angle(own, frames, poses.reference)
+
+
+def _angle(own: Array, frames: Array, reference: Array) -> Array:
+    return turn_between(rotation_and_size(own)[0], rotation_and_size(compose(frames, reference))[0])
