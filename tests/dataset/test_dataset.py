@@ -209,7 +209,9 @@ def test_existing_folders_are_respected(tmp_path: Path, scenes: list[SceneGraph]
     assert len(open_dataset(tmp_path / "ds")) == len(scenes)
     write_dataset(scenes[:1], tmp_path / "ds", overwrite=True)
     assert len(open_dataset(tmp_path / "ds")) == 1
-    assert len(list((tmp_path / "ds").glob("*.safetensors"))) == 1
+    manifest = open_dataset(tmp_path / "ds").manifest
+    named = {manifest["shards"][0]["file"], manifest["assets"]["file"]}
+    assert {path.name for path in (tmp_path / "ds").glob("*.safetensors")} == named
     (tmp_path / "mine").mkdir()
     (tmp_path / "mine" / "thesis.txt").write_text("precious")
     with pytest.raises(UniSGError, match="not empty"):

@@ -57,9 +57,8 @@ def test_scenes_stand_in_the_order_of_their_files(tmp_path: Path, put: Callable[
     assert [scene.title for scene in dataset] == ["2-0", "1-0", "5-0", "5-1"]
     assert dataset[2].source == records[2]["source"]
     assert dataset.files() == records
-    assert sorted(contents(tmp_path / "ds")) == sorted(
-        [".lock", "manifest.json", dataset.manifest["shards"][0]["file"], dataset.manifest["files"]["file"]]
-    )
+    named = [dataset.manifest["shards"][0], dataset.manifest["assets"], dataset.manifest["files"]]
+    assert sorted(contents(tmp_path / "ds")) == sorted([".lock", "manifest.json", *(entry["file"] for entry in named)])
 
 
 def test_inputs_may_be_globs_and_overlap(tmp_path: Path, put: Callable[..., Path]) -> None:

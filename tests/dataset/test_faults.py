@@ -94,15 +94,15 @@ def parts(folder: Path) -> int:
 
 
 def test_killed_while_it_puts_the_shards_together(tmp_path: Path) -> None:
-    """Die at each file that the exporting process itself writes: shard, list of files, manifest."""
+    """Die at each file that the exporting process itself writes: shard, assets, list of files, manifest."""
     source = fill(tmp_path / "in", 8)
     assert finish(start(source, tmp_path / "whole")) == ""
-    for moment in (1, 2, 3):
+    for moment in (1, 2, 3, 4):
         out = tmp_path / f"ds{moment}"
         process = start(source, out, die_at=moment)
         finish(process)
         assert process.returncode == -signal.SIGKILL
-        if moment < 3:
+        if moment < 4:
             with pytest.raises(UniSGError, match="holds no dataset"):
                 open_dataset(out)
         with pytest.raises(UniSGError, match="unfinished export"):
@@ -119,7 +119,7 @@ def test_killed_while_it_replaces_a_dataset(tmp_path: Path) -> None:
     for number in range(4, 6):
         (source / f"{number:03}.obj").write_text(json.dumps({"seed": number}))
     assert finish(start(source, tmp_path / "whole")) == ""
-    for moment in (1, 2):
+    for moment in (1, 3):
         finish(start(source, out, resume=True, die_at=moment))
         dataset = open_dataset(out)
         dataset.check()

@@ -8,16 +8,13 @@ from pathlib import Path
 
 from tests.generate.rooms import room
 from unisg_blender.dataset import open_dataset, write_dataset
-from unisg_blender.dataset.assets import AssetCollector
 
 _FOLDER = tempfile.TemporaryDirectory(prefix="unisg-models-")
 
 
 def write_rooms(folder: Path, count: int) -> Path:
-    """A dataset of ``count`` small rooms with its assets."""
-    collector = AssetCollector()
-    write_dataset(collector.watch(room(seed) for seed in range(count)), folder)
-    collector.save(folder)
+    """A dataset of ``count`` small rooms."""
+    write_dataset((room(seed) for seed in range(count)), folder)
     return folder
 
 

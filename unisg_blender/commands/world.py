@@ -106,12 +106,9 @@ def _jobs(asked: int | None) -> int:
 
 def _write_dataset(args: argparse.Namespace, bar: Progress) -> list[str]:
     from ..dataset import Sample, write_dataset
-    from ..dataset.assets import AssetCollector
 
-    geometry = AssetCollector()
-    scenes = (Sample(graph, graph.title, args.name) for graph in geometry.watch(_scenes(args, bar)))
+    scenes = (Sample(graph, graph.title, args.name) for graph in _scenes(args, bar))
     write_dataset(scenes, args.out, args.form, overwrite=args.overwrite)
-    geometry.save(args.out)
     return []
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -21,36 +21,66 @@ from .shards import write_file
 VERSION = 1
 _ARRAYS = ("points", "corners", "offsets", "edges", "normals", "material_index")
 
+Arrays = dict[str, NDArray[Any]]
+Shapes = Mapping[str, NDArray[np.float32]]
+"""Boxes or outlines by mesh checksum."""
 
-def save_assets(
-    path: Path,
-    assets: Iterable[Asset],
-    parts: Mapping[str, NDArray[np.float32]] | None = None,
-    outlines: Mapping[str, NDArray[np.float32]] | None = None,
-) -> None:
-    """Write assets, and boxes and floor outlines by mesh checksum; whole or not at all."""
-    arrays: dict[str, NDArray[Any]] = {}
+
+def pack_assets(
+    assets: Iterable[Asset], parts: Shapes | None = None, outlines: Shapes | None = None, sources: Sequence[str] = ()
+) -> tuple[Arrays, dict[str, Any]]:
+    """Assets, and boxes and floor outlines of meshes, as arrays and a JSON-ready index.
+
+    ``sources`` says where each asset comes from, if that is to be kept.
+    """
+    arrays: Arrays = {}
     places: dict[str, int] = {}
     index: dict[str, Any] = {"version": VERSION, "assets": [], "meshes": [], "materials": {}}
-    for asset in assets:
-        numbers = [_put_mesh(mesh, index, arrays, places) for mesh in asset.graph.meshes]
-        index["assets"].append(_asset_record(asset, numbers))
-        index["materials"] |= {name: _material_record(value) for name, value in asset.graph.materials.items()}
+    for number, asset in enumerate(assets):
+        renamed = _put_materials(asset.graph.materials, index["materials"])
+        meshes = [_put_mesh(mesh, renamed, index, arrays, places) for mesh in asset.graph.meshes]
+        origin = {"source": sources[number], "key": asset.key, "faces": asset.faces} if sources else {}
+        index["assets"].append(_asset_record(asset, meshes) | origin)
     for kind, shapes in (("parts", parts or {}), ("outlines", outlines or {})):
         index[kind] = list(shapes)
         sizes = [len(shape) for shape in shapes.values()]
         arrays[f"{kind}.ptr"] = np.cumsum([0, *sizes], dtype=np.int64)
-        flat = [shape.reshape(len(shape), -1) for shape in shapes.values()]
+        flat = [shape.reshape(len(shape), -1) for shape in shapes.values() if len(shape)]
         arrays[kind] = np.concatenate(flat).astype(np.float32) if flat else np.zeros((0, 1), np.float32)
-    write_file(path, save(arrays, {"unisg": json.dumps(index, ensure_ascii=False)}))
+    return arrays, index
 
 
-def _put_mesh(mesh: Mesh, index: dict[str, Any], arrays: dict[str, NDArray[Any]], places: dict[str, int]) -> int:
-    key = f"{mesh.checksum} {mesh.name} {mesh.materials}"
+def assets_bytes(arrays: Arrays, index: Mapping[str, Any]) -> bytes:
+    """What :func:`pack_assets` gives, as the bytes of an assets file."""
+    return save(arrays, {"unisg": json.dumps(index, ensure_ascii=False)})
+
+
+def save_assets(path: Path, assets: Iterable[Asset]) -> None:
+    """Write an assets file without boxes and outlines; whole or not at all."""
+    write_file(path, assets_bytes(*pack_assets(assets)))
+
+
+def _put_materials(materials: Mapping[str, Material], known: dict[str, list[Any]]) -> dict[str, str]:
+    """Take in materials; returns other names for those whose names stand for something else already."""
+    renamed = {}
+    for name, material in materials.items():
+        record, free, number = _material_record(material), name, 0
+        while known.setdefault(free, record) != record:
+            number += 1
+            free = f"{name}.{number:03d}"
+        renamed[name] = free
+    return renamed
+
+
+def _put_mesh(
+    mesh: Mesh, renamed: Mapping[str, str], index: dict[str, Any], arrays: Arrays, places: dict[str, int]
+) -> int:
+    materials = [renamed.get(name, name) for name in mesh.materials]
+    key = f"{mesh.checksum} {mesh.name} {materials}"
     if key in places:
         return places[key]
     places[key] = number = len(index["meshes"])
-    index["meshes"].append({"name": mesh.name, "materials": list(mesh.materials), "uvs": list(mesh.uvs)})
+    index["meshes"].append({"name": mesh.name, "materials": materials, "uvs": list(mesh.uvs)})
     for name in _ARRAYS:
         if (values := getattr(mesh, name)) is not None:
             arrays[f"mesh.{number}.{name}"] = np.ascontiguousarray(values)
@@ -80,25 +110,22 @@ def _material_record(material: Material) -> list[Any]:
     return [list(material.base_color), material.metallic, material.roughness]
 
 
-class AssetFile:
-    """An assets file, opened; meshes are read when they are asked for.
+class Assets:
+    """Assets by number; meshes are fetched when they are asked for.
 
-    Raises
-    ------
-    UniSGError
-        If the file is missing, damaged, something else, or of a newer version.
+    Parameters
+    ----------
+    index
+        As :func:`pack_assets` gives it.
+    fetch
+        Gives those of some arrays, by name, that there are.
     """
 
-    def __init__(self, path: Path) -> None:
-        self.path = path
-        try:
-            with safe_open(str(path), framework="numpy") as file:
-                self.index = json.loads((file.metadata() or {})["unisg"])
-        except (OSError, SafetensorError, KeyError, ValueError) as error:
-            raise UniSGError(f"{path} is no assets file ({error}): train or export again") from None
-        if self.index.get("version", 0) > VERSION:
-            raise UniSGError(f"{path} was written by a newer version of this software: update it")
+    def __init__(self, index: dict[str, Any], fetch: Callable[[Iterable[str]], Arrays]) -> None:
+        self.index = index
+        self._fetch = fetch
         self._meshes: dict[int, Mesh] = {}
+        self._shapes: dict[str, dict[str, NDArray[np.float32]]] = {}
 
     def numbers(self, category: str) -> list[int]:
         """Numbers of the assets of a category ("" for room shells)."""
@@ -108,8 +135,7 @@ class AssetFile:
         """One asset."""
         record = self.index["assets"][number]
         used = sorted({place for place in record["mesh"] if place >= 0})
-        with safe_open(str(self.path), framework="numpy") as file:
-            meshes = tuple(self._mesh(file, place) for place in used)
+        meshes = tuple(map(self._mesh, used))
         vocabulary = tuple(sorted(set(record["categories"]) - {""}))
         slots = {slot for mesh in meshes for slot in mesh.materials}
         materials = [(name, value) for name, value in self.index["materials"].items() if name in slots]
@@ -130,20 +156,50 @@ class AssetFile:
             graph = graph.with_component("actions", table(rows, data=actions_from_json(text)))
         return Asset(record["category"], graph, record["targets"])
 
-    def _mesh(self, file: Any, number: int) -> Mesh:
+    def _mesh(self, number: int) -> Mesh:
         if number not in self._meshes:
-            record, keys = self.index["meshes"][number], set(file.keys())
-            arrays = {name: file.get_tensor(key) for name in _ARRAYS if (key := f"mesh.{number}.{name}") in keys}
-            uvs = {layer: file.get_tensor(f"mesh.{number}.uv.{place}") for place, layer in enumerate(record["uvs"])}
+            record, key = self.index["meshes"][number], f"mesh.{number}."
+            layers = [f"{key}uv.{place}" for place in range(len(record["uvs"]))]
+            found = self._fetch([*(key + name for name in _ARRAYS), *layers])
+            arrays = {name: found[key + name] for name in _ARRAYS if key + name in found}
+            uvs = {layer: found[name] for layer, name in zip(record["uvs"], layers, strict=True)}
             self._meshes[number] = Mesh(record["name"], **arrays, uvs=uvs, materials=tuple(record["materials"]))
         return self._meshes[number]
 
     def shapes(self, kind: str) -> dict[str, NDArray[np.float32]]:
         """Boxes ("parts", each (K, 2, 3)) or floor outlines ("outlines", each (K, 2)) by mesh checksum."""
+        if kind not in self._shapes:
+            found = self._fetch([kind, f"{kind}.ptr"])
+            values, ptr = found[kind], found[f"{kind}.ptr"]
+            shape = (-1, 2, 3) if kind == "parts" else (-1, 2)
+            self._shapes[kind] = {
+                key: values[start:stop].reshape(shape)
+                for key, start, stop in zip(self.index[kind], ptr[:-1], ptr[1:], strict=True)
+            }
+        return self._shapes[kind]
+
+
+class AssetFile(Assets):
+    """An assets file, opened.
+
+    Raises
+    ------
+    UniSGError
+        If the file is missing, damaged, something else, or of a newer version.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        try:
+            with safe_open(str(path), framework="numpy") as file:
+                index = json.loads((file.metadata() or {})["unisg"])
+        except (OSError, SafetensorError, KeyError, ValueError) as error:
+            raise UniSGError(f"{path} is no assets file ({error}): train or export again") from None
+        if index.get("version", 0) > VERSION:
+            raise UniSGError(f"{path} was written by a newer version of this software: update it")
+        super().__init__(index, self._read)
+
+    def _read(self, names: Iterable[str]) -> Arrays:
         with safe_open(str(self.path), framework="numpy") as file:
-            values, ptr = file.get_tensor(kind), file.get_tensor(f"{kind}.ptr")
-        shape = (-1, 2, 3) if kind == "parts" else (-1, 2)
-        return {
-            key: values[start:stop].reshape(shape)
-            for key, start, stop in zip(self.index[kind], ptr[:-1], ptr[1:], strict=True)
-        }
+            there = set(file.keys())
+            return {name: file.get_tensor(name) for name in names if name in there}

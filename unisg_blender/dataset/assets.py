@@ -1,30 +1,22 @@
-"""The geometry beside a dataset: real things to instance, room shells, and the shape of every mesh as boxes.
+"""The geometry that a generator needs: real things to instance, and the rooms that things stand in.
 
-A dataset holds no geometry. ``assets.safetensors`` beside its manifest holds what
-a generator needs of it: for each category a few whole things (an entity with its
-uncategorised descendants), for each of some scenes the room they stand in, and
-for every mesh the boxes around its connected parts. A trained model has a file of
-the same make beside it (``MODEL.assets.safetensors``).
+The shards of a dataset hold no geometry. Its assets file (see :mod:`.asset_file`)
+holds for each category a few whole things (an entity with its uncategorised
+descendants) and for each of some scenes the room they stand in. A trained model
+has a file of the same make beside it (``MODEL.assets.safetensors``).
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..scene import SceneGraph, subtree, take, world_matrices
-from ..scene.outline import FLOOR, mesh_outline
-from ..scene.overlap import mesh_parts
+from ..scene.outline import FLOOR
 
-FILE = "assets.safetensors"
-PER_CATEGORY = 8
-SHELLS = 48
-MOST_FACES = 20_000
 STRUCTURE = ("Floor", "Wall", "Ceiling", "Door", "Window", "Column", "Stairs")
 """Categories that make the shell of a room; what else stands in it is furniture."""
 
@@ -47,6 +39,16 @@ class Asset:
     category: str
     graph: SceneGraph
     targets: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def key(self) -> str:
+        """Checksums of its meshes: things with the same key have the same shape."""
+        return "".join(mesh.checksum for mesh in self.graph.meshes)
+
+    @property
+    def faces(self) -> int:
+        """How many faces its meshes have."""
+        return sum(len(mesh.offsets) - 1 for mesh in self.graph.meshes)
 
 
 def heading(linear: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -84,12 +86,21 @@ def thing_of(graph: SceneGraph, row: int) -> Asset:
 _SCENE_WIDE = ("world", "relations", "lsa", "animation", "recording", "channels", "parenting")
 
 
+def owners(graph: SceneGraph) -> NDArray[np.int64]:
+    """int64 (N,): row of the categorised entity that each entity is or belongs to, -1 for none."""
+    found = np.where(graph.category >= 0, np.arange(len(graph)), -1)
+    for row in np.flatnonzero((found < 0) & (graph.parent >= 0)):  # parents come first
+        found[row] = found[graph.parent[row]]
+    return found
+
+
 def shell_of(graph: SceneGraph) -> Asset | None:
-    """The room that a scene stands in: its entities of the categories in :data:`STRUCTURE`; None without a floor."""
-    names = np.array([graph.category_name(row) for row in range(len(graph))])
-    if FLOOR not in names:
+    """The room that a scene stands in: its things of the categories in :data:`STRUCTURE`; None without a floor."""
+    if FLOOR not in graph.vocabulary:
         return None
-    part = take(graph, np.flatnonzero(np.isin(names, STRUCTURE)))
+    owner = owners(graph)
+    structure = np.array([name in STRUCTURE for name in graph.vocabulary] + [False])
+    part = take(graph, np.flatnonzero((owner >= 0) & structure[graph.category[owner]]))
     return Asset("", _lean(part.replace(components={})))
 
 
@@ -107,48 +118,3 @@ def _action_targets(graph: SceneGraph, part: SceneGraph) -> dict[str, str]:
     actions = () if found is None else found.columns["data"]
     uids = {uid for action in actions for uid in (*action.targets, *action.tools, action.frame)}
     return {uid: graph.category_name(graph.row_of_uid[uid]) for uid in sorted(uids) if uid in graph.row_of_uid}
-
-
-class AssetCollector:
-    """Watches scenes go by on their way into a dataset and keeps what a generator needs of their geometry."""
-
-    def __init__(self) -> None:
-        self.things: dict[str, dict[str, Asset]] = {}
-        self.shells: list[Asset] = []
-        self.parts: dict[str, NDArray[np.float32]] = {}
-        self.outlines: dict[str, NDArray[np.float32]] = {}
-
-    def watch(self, graphs: Iterable[Any]) -> Iterator[Any]:
-        """The same scenes (or samples with a ``graph``), seen while they pass."""
-        for item in graphs:
-            self.add(getattr(item, "graph", item))
-            yield item
-
-    def add(self, graph: SceneGraph) -> None:
-        """Take in one scene."""
-        for mesh in graph.meshes:
-            if mesh.checksum not in self.parts:
-                self.parts[mesh.checksum] = mesh_parts(mesh).astype(np.float32)
-        for row in np.flatnonzero(graph.category >= 0):
-            self._add_row(graph, int(row))
-        if len(self.shells) < SHELLS and (shell := shell_of(graph)) is not None:
-            self.shells.append(shell)
-
-    def _add_row(self, graph: SceneGraph, row: int) -> None:
-        name, mesh = graph.category_name(row), graph.mesh[row]
-        known = self.things.setdefault(name, {})
-        if name == FLOOR and mesh >= 0 and graph.meshes[mesh].checksum not in self.outlines:
-            self.outlines[graph.meshes[mesh].checksum] = mesh_outline(graph.meshes[mesh]).astype(np.float32)
-        if len(known) >= PER_CATEGORY or name in STRUCTURE or (mesh >= 0 and graph.meshes[mesh].checksum in known):
-            return
-        thing = thing_of(graph, row)
-        faces = [len(mesh.offsets) - 1 for mesh in thing.graph.meshes]
-        if faces and sum(faces) <= MOST_FACES:
-            known.setdefault("".join(mesh.checksum for mesh in thing.graph.meshes), thing)
-
-    def save(self, folder: Path) -> None:
-        """Write ``assets.safetensors`` into a dataset's folder."""
-        from .asset_file import save_assets
-
-        things = [thing for group in self.things.values() for thing in group.values()]
-        save_assets(folder / FILE, [*things, *self.shells], self.parts, self.outlines)

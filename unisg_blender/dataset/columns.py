@@ -108,6 +108,11 @@ def join(parts: Sequence[Columns]) -> Columns:
     return _each_mesh_once(whole)
 
 
+def mesh_checksums(columns: Columns) -> list[str]:
+    """Hexadecimal checksum of each mesh."""
+    return [bytes(value).hex() for value in columns["mesh.checksum"]]
+
+
 def _stacked(parts: Sequence[NDArray[Any]]) -> NDArray[Any]:
     """The rows of all parts; empty ones do not know the width of the mesh features yet."""
     return np.concatenate([part for part in parts if len(part)] or parts[:1])

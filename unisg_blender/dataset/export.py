@@ -16,6 +16,9 @@ from typing import Any
 
 from .. import __version__
 from ..errors import UniSGError
+from .asset_file import VERSION as ASSETS_VERSION
+from .asset_file import Assets
+from .columns import mesh_checksums
 from .encode import known_form
 from .mapping import Patterns, scene_label
 from .reader import Dataset, open_dataset
@@ -140,11 +143,13 @@ class _Before:
 
     def __init__(self, folder: Path | None) -> None:
         self.dataset: Dataset | None = None
+        self.assets: Assets | None = None
         self.records: dict[str, Record] = {}
         self.starts: dict[str, int] = {}
         if folder is None or read_manifest(folder) is None:
             return
         self.dataset = open_dataset(folder)
+        self.assets = self.dataset.assets()
         start = 0
         for record in self.dataset.files():
             if record["status"] == "ok":
@@ -168,7 +173,7 @@ def _job(path: Path, options: ExportOptions, parts: Path, before: _Before) -> Re
         "mapping": options.mapping,
         "reader": options.reader,
         "mesh_encoder": options.mesh_encoder,
-        "software": f"{__version__}, schema {VERSION}",
+        "software": f"{__version__}, schema {VERSION}, assets {ASSETS_VERSION}",
     }
 
 
@@ -263,7 +268,8 @@ def _merge(folder: Path, parts: Path, form: str, records: list[Record], before: 
                 _add_earlier(writer, record, before)
             elif record["status"] == "ok" and record["part"]:
                 part = read_part(parts / record["part"])
-                writer.add(part.columns, part.notes["vocabulary"])
+                writer.add(part.columns, part.vocabulary)
+                writer.assets.merge(part.assets, record["source"], mesh_checksums(part.columns))
             final.append({key: value for key, value in record.items() if key != "part"})
         writer.finish(final)
     except DiskFullError as error:
@@ -275,4 +281,7 @@ def _add_earlier(writer: DatasetWriter, record: Record, before: _Before) -> None
     assert before.dataset is not None
     if record["scenes"]:
         start = before.starts[record["source"]]
-        writer.add(before.dataset.columns(start, start + record["scenes"]), before.dataset.vocabulary)
+        columns = before.dataset.columns(start, start + record["scenes"])
+        writer.add(columns, before.dataset.vocabulary)
+        if before.assets is not None:
+            writer.assets.merge(before.assets, record["source"], mesh_checksums(columns))

@@ -15,10 +15,11 @@ from numpy.typing import NDArray
 
 from ..errors import UniSGError
 from ..poses import FORMS
+from .asset_file import AssetFile
 from .columns import Columns, cut, join, unpack_strings
 from .encode import widths
 from .schema import SCHEMA, VERSION
-from .shards import DamagedError, Shard, checksum, map_shard
+from .shards import DamagedError, Shard, checksum, checksum_of, map_shard
 from .writer import read_manifest
 
 MEMORY = 2**30
@@ -194,11 +195,25 @@ class Dataset:
             raise DamagedError(f"{self.path / entry['file']} is damaged: its checksum is not the one in the manifest")
         return [json.loads(line) for line in data.decode().split("\n") if line]
 
+    def assets(self) -> AssetFile | None:
+        """What the dataset has of its scenes' geometry (see :mod:`.assets`); None if it has none."""
+        old = self.path / "assets.safetensors"
+        if "assets" not in self.manifest and old.is_file():  # datasets of the first days
+            return AssetFile(old)
+        entry = self.manifest.get("assets")
+        if entry is None:
+            return None
+        path = self.path / entry["file"]
+        if self.verify and checksum_of(path) != entry["sha256"]:
+            raise DamagedError(f"{path} is damaged: its checksum is not the one in the manifest; export it again")
+        return AssetFile(path)
+
     def check(self) -> None:
         """Verify the checksum of every file; DamagedError if one is not what was written."""
         for entry in self.manifest["shards"]:
             map_shard(self.path / entry["file"], entry["sha256"])
         self.files()
+        self.assets()
 
     def split(self, fractions: Sequence[float], seed: int) -> list[NDArray[np.int64]]:
         """Scene numbers for training, validation ...; see :func:`split_rows`."""

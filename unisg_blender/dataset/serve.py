@@ -20,6 +20,7 @@ from typing import Any, TextIO
 
 from ..errors import UniSGError
 from ..scene import SceneGraph
+from .collect import AssetCollector
 from .columns import Vocabulary
 from .encode import Sample, encode_scenes
 from .mapping import apply_mapping
@@ -27,6 +28,9 @@ from .shards import DiskFullError, pack_shard, write_named
 
 MARK = "unisg-answer "
 """Starts every answer: what else a library prints to stdout is not ours."""
+
+ASSETS = "assets."
+"""Starts the names of the arrays of a part that belong to its assets."""
 
 NOT_KEPT = ("animation", "bones", "camera", "instances", "light", "properties", "recording")
 IDLE = 60.0
@@ -129,9 +133,13 @@ def _export(request: dict[str, Any]) -> dict[str, Any]:
     answer: dict[str, Any] = {"status": "ok", "scenes": len(samples), "not_represented": note, "part": None}
     answer["entities"] = sum(len(sample.graph) for sample in samples)
     if samples:
-        vocabulary = Vocabulary()
+        vocabulary, collector = Vocabulary(), AssetCollector()
         columns = encode_scenes(samples, request["form"], vocabulary, encoder)
-        data = pack_shard(columns, {"vocabulary": vocabulary.names, "answer": answer})
+        for sample in samples:
+            collector.add(sample.graph, request["source"])
+        arrays, index = collector.pack()
+        columns |= {ASSETS + name: values for name, values in arrays.items()}
+        data = pack_shard(columns, {"vocabulary": vocabulary.names, "assets": index, "answer": answer})
         answer["part"], _ = write_named(Path(request["parts"]), request["key"], ".safetensors", data)
     return answer
 

@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..scene import Mesh, SceneGraph, mesh_from_faces
-from .asset_file import AssetFile
-from .assets import FILE
+from .columns import mesh_checksums
 from .reader import Dataset
 from .rebuild import BOX_FACES, to_scenegraph
 
@@ -19,16 +18,15 @@ def scenes_with_shapes(dataset: Dataset) -> Iterator[SceneGraph]:
 
     Where the dataset has no assets file every mesh is one box.
     """
-    path = dataset.path / FILE
-    if not path.is_file():
+    file = dataset.assets()
+    if file is None:
         yield from map(to_scenegraph, dataset)
         return
-    file = AssetFile(path)
     parts, outlines = file.shapes("parts"), file.shapes("outlines")
     known: dict[str, Mesh] = {}
     for scene in dataset:
         graph = to_scenegraph(scene)
-        sums = [bytes(value).hex() for value in scene["mesh.checksum"]]
+        sums = mesh_checksums(scene.columns)
         for key, box in zip(sums, graph.meshes, strict=True):
             if key not in known:
                 known[key] = _shape_mesh(box, parts.get(key), outlines.get(key))

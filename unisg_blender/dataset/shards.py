@@ -37,6 +37,15 @@ def checksum(data: bytes | memoryview) -> str:
     return hashlib.sha256(data).hexdigest()
 
 
+def checksum_of(path: Path) -> str:
+    """Hexadecimal SHA-256 of a file; DamagedError if it cannot be read."""
+    try:
+        with open(path, "rb") as file:
+            return hashlib.file_digest(file, "sha256").hexdigest()
+    except OSError as error:
+        raise DamagedError(f"{path} cannot be read: {error.strerror or error}") from None
+
+
 def write_file(path: Path, data: bytes) -> None:
     """Write a file so that it is there whole or not at all, also if the process or the machine stops.
 

@@ -13,11 +13,17 @@ import sys
 import tempfile
 import threading
 from collections import defaultdict
+from collections.abc import Iterable
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from .serve import MARK
-from .shards import DamagedError, Shard, checksum, map_shard
+import numpy as np
+
+from .asset_file import Arrays, Assets
+from .columns import Columns
+from .serve import ASSETS, MARK
+from .shards import DamagedError, checksum, checksum_of, map_shard
 
 START_LIMIT = 180.0
 FILES_PER_CHILD = 200
@@ -153,17 +159,37 @@ def _earlier_answer(parts: Path, key: str) -> dict[str, Any] | None:
     """The answer of an interrupted export, if its part is there and whole."""
     for path in parts.glob(f"{key}-*.safetensors"):
         try:
-            return read_part(path).notes["answer"] | {"part": path.name}
+            return read_part(path).answer | {"part": path.name}
         except DamagedError:
             path.unlink(missing_ok=True)
     return None
 
 
-def read_part(path: Path) -> Shard:
-    """A part; DamagedError if it is not what its name says."""
-    if not path.stem.endswith(checksum(path.read_bytes())[:16]):
+@dataclass(frozen=True)
+class Part:
+    """What was read of one file: its scenes, what their numbers mean, and what was collected of their geometry."""
+
+    columns: Columns
+    vocabulary: dict[str, list[str]]
+    assets: Assets
+    answer: dict[str, Any]
+
+
+def read_part(path: Path) -> Part:
+    """A part; DamagedError if it is not what its name says.
+
+    Columns are in memory, arrays of assets when they are fetched: the file stays open as long as the part is in use.
+    """
+    if not path.stem.endswith(checksum_of(path)[:16]):
         raise DamagedError(f"{path} is damaged: run the export again with --resume")
-    return map_shard(path)
+    shard = map_shard(path)
+    notes = shard.notes
+    columns = {key: np.array(values) for key, values in shard.columns.items() if not key.startswith(ASSETS)}
+
+    def fetch(names: Iterable[str]) -> Arrays:
+        return {name: np.array(shard.columns[ASSETS + name]) for name in names if ASSETS + name in shard.columns}
+
+    return Part(columns, notes["vocabulary"], Assets(notes["assets"], fetch), notes["answer"])
 
 
 def _ask(job: dict[str, Any]) -> dict[str, Any]:

@@ -21,7 +21,9 @@ from ..poses.forms import STRETCH_CHANNELS
 from ..scene.behaviour.links import NODE_CHANNELS
 from ..scene.behaviour.vector import CHANNELS
 from ..scene.graph import TYPES, SceneGraph
+from .asset_file import assets_bytes
 from .behaviour_rows import LINKS
+from .collect import AssetCollector
 from .columns import Columns, Vocabulary, join, scene_count
 from .encode import MeshEncoder, Sample, as_sample, encode_scenes, known_form
 from .lock import NAME as LOCK
@@ -47,12 +49,18 @@ class DatasetWriter:
         Name of the form in which the features are.
     vocabulary
         Names to number as another dataset does; new ones are added behind them.
+
+    Attributes
+    ----------
+    assets
+        What the dataset keeps of its scenes' geometry; who adds scenes shows them to it.
     """
 
     def __init__(self, folder: Path, form: str, vocabulary: Mapping[str, Sequence[str]] | None = None) -> None:
         self.folder = folder
         self.form = known_form(form)
         self.vocabulary = Vocabulary(vocabulary)
+        self.assets = AssetCollector()
         self._waiting: list[Columns] = []
         self._shards: list[dict[str, Any]] = []
         self._totals = dict.fromkeys(("scenes", "meshes", *TABLES), 0)
@@ -92,7 +100,7 @@ class DatasetWriter:
             self._mesh_width = max(self._mesh_width, columns["mesh.feature"].shape[1])
 
     def finish(self, files: Sequence[Mapping[str, Any]] | None = None) -> dict[str, Any]:
-        """Write what is left and the manifest; returns the manifest.
+        """Write what is left, the assets and the manifest; returns the manifest.
 
         Parameters
         ----------
@@ -119,23 +127,29 @@ class DatasetWriter:
             "counts": self._totals,
             "category_counts": [self._categories.get(place, 0) for place in range(len(names["categories"]))],
             "shards": self._shards,
+            "assets": None,
             "files": None,
         }
+        if self.assets:
+            manifest["assets"] = self._write("assets", ".safetensors", assets_bytes(*self.assets.pack()))
         if files is not None:
             lines = "".join(json.dumps(record, sort_keys=True) + "\n" for record in files)
-            name, total = write_named(self.folder, "files", ".jsonl", lines.encode())
-            manifest["files"] = {"file": name, "sha256": total}
+            manifest["files"] = self._write("files", ".jsonl", lines.encode())
         write_file(self.folder / MANIFEST, json.dumps(manifest, indent=1).encode())
         remove_strays(self.folder, manifest)
         return manifest
 
+    def _write(self, stem: str, suffix: str, data: bytes) -> dict[str, str]:
+        name, total = write_named(self.folder, stem, suffix, data)
+        return {"file": name, "sha256": total}
+
 
 def remove_strays(folder: Path, manifest: Mapping[str, Any] | None) -> None:
     """Remove what earlier writers left behind: shards that no manifest names, and temporary files."""
-    kept = set() if manifest is None else {shard["file"] for shard in manifest["shards"]}
-    if manifest is not None and manifest["files"]:
-        kept.add(manifest["files"]["file"])
-    for pattern in ("scenes-*.safetensors", "files-*.jsonl", ".*.tmp"):
+    kept = set()
+    if manifest is not None:
+        kept = {entry["file"] for entry in (*manifest["shards"], manifest.get("assets"), manifest["files"]) if entry}
+    for pattern in ("scenes-*.safetensors", "assets*.safetensors", "files-*.jsonl", ".*.tmp"):
         for path in folder.glob(pattern):
             if path.name not in kept:
                 path.unlink(missing_ok=True)
@@ -203,7 +217,7 @@ def _check_free(folder: Path, overwrite: bool, resume: bool) -> None:
 
 def _is_ours(name: str) -> bool:
     """Whether an interrupted export leaves files of that name."""
-    return name in (LOCK, PARTS) or name.endswith(".tmp") or name.startswith(("scenes-", "files-"))
+    return name in (LOCK, PARTS) or name.endswith(".tmp") or name.startswith(("scenes-", "assets-", "files-"))
 
 
 def write_steps(
@@ -222,6 +236,8 @@ def write_steps(
         writer = DatasetWriter(folder, form, vocabulary)
         done = 0
         while chunk := list(islice(samples, CHUNK)):
+            for sample in chunk:
+                writer.assets.add(sample.graph, sample.source)
             writer.add(encode_scenes(chunk, form, writer.vocabulary, mesh_encoder))
             done += len(chunk)
             yield done

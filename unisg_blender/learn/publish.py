@@ -11,8 +11,7 @@ import torch
 from torch import nn
 
 from .. import __version__
-from ..dataset.asset_file import AssetFile, save_assets
-from ..dataset.assets import FILE
+from ..dataset.asset_file import save_assets
 from ..dataset.reader import Dataset
 from ..generate.model import assets_path
 from .scenes import FEW_SCENES, dataset_checksum
@@ -26,8 +25,8 @@ def provenance(
     notes = []
     if len(dataset) < FEW_SCENES:
         notes.append(f"{len(dataset)} scenes are few: expect little variety; {FEW_SCENES} or more make a useful model")
-    if not (dataset.path / FILE).is_file():
-        notes.append("the dataset has no assets.safetensors: new objects copy those of the scene, or are plain boxes")
+    if dataset.assets() is None:
+        notes.append("the dataset keeps no shapes: new objects copy those of the scene, or are plain boxes")
     return {
         "notes": notes,
         "dataset": {"sha256": dataset_checksum(dataset), "scenes": len(dataset), **dataset.manifest["counts"]},
@@ -46,11 +45,10 @@ def save_model_assets(dataset: Dataset, out: Path) -> int:
 
     Without them the generator makes new objects out of those in the scene, else plain boxes.
     """
-    path = dataset.path / FILE
-    if not path.is_file():
+    file = dataset.assets()
+    if file is None:
         assets_path(out).unlink(missing_ok=True)
         return 0
-    file = AssetFile(path)
     assets = [file.asset(number) for number in range(len(file.index["assets"]))]
     save_assets(assets_path(out), assets)
     return len(assets)
