@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import bpy
 import mathutils
 import numpy as np
 
 from tests.blender.helpers import add, box, relative_gap
-from unisg_blender.blender import read_scene, sample_animation, write_scene
+from unisg_blender.blender import ReadReport, read_file, read_scene, sample_animation, save_blend, write_scene
 from unisg_blender.scene import world_matrices
 
 FRAMES = range(1, 13)
@@ -62,6 +64,22 @@ def test_sampled_and_written_motion_is_that_of_the_scene() -> None:
     for frame, world_of in worlds().items():
         for name, world in world_of.items():
             assert relative_gap(world, expected[frame][name]) < 1e-5, (frame, name)
+
+
+def test_reading_a_scene_or_a_file_samples_on_request(tmp_path: Path) -> None:
+    moving_scene()
+    told = ReadReport()
+    still = read_scene(report=told)
+    assert "animation" not in still.components
+    assert "Parent: animation: only the place at the present frame is kept" in list(told)
+    told, frames = ReadReport(), []
+    graph = read_scene(animation=True, report=told, progress=lambda done, total: frames.append((done, total)))
+    assert len(graph.components["animation"].rows) == 3
+    assert not any("animation" in line for line in told)
+    assert frames == [(number, 12) for number in range(1, 13)]
+    save_blend(tmp_path / "moving.blend")
+    found, _ = read_file(tmp_path / "moving.blend", animation=True)
+    assert len(found.components["animation"].rows) == 3
 
 
 def test_a_still_scene_has_no_animation() -> None:

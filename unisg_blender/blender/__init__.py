@@ -7,9 +7,11 @@ Importing it where Blender is missing raises a
 from __future__ import annotations
 
 from ..errors import MissingPackageError
+from .quiet import captured_output
 
 try:
-    import bpy as _bpy  # noqa: F401
+    with captured_output():  # the bpy package says on stdout what it found while it starts
+        import bpy as _bpy  # noqa: F401
 except ImportError:
     raise MissingPackageError("bpy", "blender") from None
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 
 import bpy
 import mathutils
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from ..scene.components import ANIMATION, PARENTING
 from ..scene.graph import SceneGraph, table
 from .hierarchy import read_hierarchy, updated_depsgraph
+from .keyframes import continuous_signs, new_curves
 from .lookup import objects_by_uid
 from .report import ReadReport
 from .trs import split
@@ -19,8 +20,17 @@ from .trs import split
 STILL = 1e-7  # matrices that differ less, relative to their size, have not moved
 
 
+def may_move(scene: bpy.types.Scene) -> bool:
+    """Whether anything in the file could move the scene's objects, so that sampling is worth its time."""
+    owners = [*scene.objects, *{item.data for item in scene.objects if item.data is not None}]
+    return scene.rigidbody_world is not None or any(getattr(each, "animation_data", None) for each in owners)
+
+
 def sample_animation(
-    graph: SceneGraph, scene: bpy.types.Scene | None = None, frames: Iterable[int] | None = None
+    graph: SceneGraph,
+    scene: bpy.types.Scene | None = None,
+    frames: Iterable[int] | None = None,
+    progress: Callable[[int, int], None] | None = None,
 ) -> SceneGraph:
     """The scenegraph with the component ``animation``: how its entities move in the scene it was read from.
 
@@ -35,6 +45,8 @@ def sample_animation(
         The current scene when omitted.
     frames
         Ascending frames; all of the scene's range when omitted. Times are frame / frame rate.
+    progress
+        Called with (frames done, frames in all).
     """
     scene = scene or bpy.context.scene
     frames = list(range(scene.frame_start, scene.frame_end + 1) if frames is None else frames)
@@ -42,7 +54,7 @@ def sample_animation(
     rows = {item: graph.row_of_uid[uid] for uid, item in objects_by_uid(scene).items() if uid in graph.row_of_uid}
     before = scene.frame_current, scene.frame_subframe
     try:
-        motion = _changes(scene, frames)
+        motion = _changes(scene, frames, progress)
     finally:
         scene.frame_set(before[0], subframe=before[1])
     items = list(scene.objects)
@@ -55,7 +67,9 @@ def sample_animation(
     return graph.with_component(ANIMATION, found)
 
 
-def _changes(scene: bpy.types.Scene, frames: Sequence[int]) -> dict[int, NDArray[np.float64]]:
+def _changes(
+    scene: bpy.types.Scene, frames: Sequence[int], progress: Callable[[int, int], None] | None
+) -> dict[int, NDArray[np.float64]]:
     """Local matrices float64 (T, 4, 4) of the objects, by place in ``scene.objects``, that move at any frame."""
     items = list(scene.objects)
     updated_depsgraph(scene)  # else a scene that was never shown does not follow frame_set
@@ -64,6 +78,8 @@ def _changes(scene: bpy.types.Scene, frames: Sequence[int]) -> dict[int, NDArray
     for number, frame in enumerate(frames):
         scene.frame_set(frame)
         local = _evaluated_locals(scene, items)
+        if progress is not None:
+            progress(number + 1, len(frames))
         if number == 0:
             first = last = local
             continue
@@ -132,8 +148,7 @@ def _key(item: bpy.types.Object, frames: NDArray[np.float64], matrices: NDArray[
     """Set linear keyframes; returns whether some matrix has shear, which they cannot say."""
     channels = split(matrices)
     turns: NDArray[np.float64] = np.array([mathutils.Euler(angles).to_quaternion() for angles in channels.euler])
-    jumps = np.where(np.einsum("ti,ti->t", turns[1:], turns[:-1]) < 0, -1.0, 1.0)
-    turns[1:] *= np.cumprod(jumps)[:, None]
+    turns = continuous_signs(turns, turns[0])
     item.rotation_mode = "QUATERNION"
     item.delta_location, item.delta_scale, item.delta_rotation_quaternion = (0, 0, 0), (1, 1, 1), (1, 0, 0, 0)
     curves = new_curves(item)
@@ -146,16 +161,3 @@ def _key(item: bpy.types.Object, frames: NDArray[np.float64], matrices: NDArray[
             curve.keyframe_points.foreach_set("interpolation", np.full(len(frames), 1, np.uint8))  # linear
             curve.update()
     return bool(channels.sheared.any())
-
-
-def new_curves(item: bpy.types.Object) -> bpy.types.bpy_prop_collection:
-    """The empty list of F-curves of a new action for an object, whatever the version of Blender."""
-    action = bpy.data.actions.new(item.name)
-    animation = item.animation_data_create()
-    animation.action = action
-    if not hasattr(action, "slots"):  # before 4.4, actions have no layers
-        return action.fcurves
-    slot = action.slots.new(id_type="OBJECT", name=item.name)
-    animation.action_slot = slot
-    strip = action.layers.new("Layer").strips.new(type="KEYFRAME")
-    return strip.channelbag(slot, ensure=True).fcurves

@@ -13,7 +13,7 @@ import bpy
 
 from ..errors import UniSGError
 from ..scene.graph import SceneGraph
-from .quiet import captured_output
+from .quiet import captured_output, heard
 from .read import Geometry, read_scene
 from .report import ReadReport
 
@@ -59,9 +59,14 @@ def open_file(path: str | os.PathLike[str], report: ReadReport | None = None) ->
 
 
 def read_file(
-    path: str | os.PathLike[str], *, geometry: Geometry = "evaluated", details: bool = True
+    path: str | os.PathLike[str],
+    *,
+    geometry: Geometry = "evaluated",
+    details: bool = True,
+    animation: bool = False,
+    progress: Callable[[int, int], None] | None = None,
 ) -> tuple[SceneGraph, ReadReport]:
-    """Open a file and read its current scene.
+    """Open a file and read its current scene; the arguments are those of :func:`~.read.read_scene`.
 
     Returns
     -------
@@ -75,8 +80,9 @@ def read_file(
     """
     report = ReadReport()
     open_file(path, report)
+    tell = None if progress is None else heard(progress)
     with captured_output():
-        graph = read_scene(geometry=geometry, details=details, report=report)
+        graph = read_scene(geometry=geometry, details=details, animation=animation, report=report, progress=tell)
     others = [scene.name for scene in bpy.data.scenes if scene != bpy.context.scene]
     if others:
         report.add("", f"only the current scene is read; the others are {', '.join(map(repr, others))}")

@@ -14,6 +14,10 @@ from ..scene.identity import new_uid, resolve_uids
 from ..scene.lesson import lesson_to_json
 from ..scene.properties import ACTIONS, CATEGORY, LSA, NAMES, RELATIONS, UID, ObjectProperties, decode_properties
 from ..scene.relations import relations_to_json
+from .imported import STORED, as_written
+from .lookup import stored_uid
+
+KEPT = (*NAMES, *STORED)
 
 
 def assign_category(objects: Iterable[bpy.types.Object], category: str) -> int:
@@ -39,8 +43,8 @@ def assign_category(objects: Iterable[bpy.types.Object], category: str) -> int:
 
 def ensure_uid(item: bpy.types.Object) -> str:
     """The object's stored uid; a new random one is written if it has none."""
-    uid = item.get(UID)
-    if not isinstance(uid, str) or not uid:
+    uid = stored_uid(item)
+    if not uid:
         uid = item[UID] = new_uid()
     return uid
 
@@ -55,7 +59,7 @@ def repair_identities(scene: bpy.types.Scene, *, only_copies: bool = False) -> i
     """
     objects = list(scene.objects)
     names = [item.name for item in objects]
-    decoded = [decode_properties({key: item[key] for key in NAMES if key in item}) for item in objects]
+    decoded = [decode_properties(as_written({key: item[key] for key in KEPT if key in item})) for item in objects]
     stored = [record.uid for record in decoded]
     resolved = resolve_uids(stored, names)
     records = retarget_properties(stored, resolved, names, decoded, lambda: world_matrices_of(objects))

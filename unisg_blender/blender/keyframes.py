@@ -60,6 +60,19 @@ def curves_of(item: Item) -> Any:
     return next((bag.fcurves for bag in bags if bag is not None), None)
 
 
+def new_curves(item: bpy.types.Object) -> Any:
+    """The empty list of F-curves of a new action for an object, whatever the version of Blender."""
+    action = bpy.data.actions.new(item.name)
+    animation = item.animation_data_create()
+    animation.action = action
+    if not hasattr(action, "slots"):  # before 4.4, actions have no layers
+        return action.fcurves
+    slot = action.slots.new(id_type="OBJECT", name=item.name)
+    animation.action_slot = slot
+    strip = action.layers.new("Layer").strips.new(type="KEYFRAME")
+    return strip.channelbag(slot, ensure=True).fcurves
+
+
 def channels_of(item: Item) -> list[Channel]:
     """Three channels of location, then the three or four of the item's rotation mode."""
     curves = curves_of(item)
@@ -221,7 +234,8 @@ def _to_channels(motors: Floats, mode: str, start: Floats) -> Floats:
     """Channel values (F, 6 or 7) without jumps, beginning next to the values ``start``."""
     values = convert(motors, "dual_quaternion", "quaternion")
     if mode == "QUATERNION":
-        return _continuous_signs(values, start[3:7])
+        values[:, 3:] = continuous_signs(values[:, 3:], start[3:7])
+        return values
     if mode == "AXIS_ANGLE":
         return _continuous_turns(FORMS["axis_angle"].project(convert(motors, "dual_quaternion", "axis_angle")), start)
     angles, before = [], Euler(start[3:6], mode)
@@ -231,11 +245,10 @@ def _to_channels(motors: Floats, mode: str, start: Floats) -> Floats:
     return np.concatenate([values[:, :3], np.array(angles)], axis=1)
 
 
-def _continuous_signs(values: Floats, before: Floats) -> Floats:
-    quaternions = values[:, 3:]
+def continuous_signs(quaternions: Floats, before: Floats) -> Floats:
+    """Quaternions (F, 4) with the signs that bring each next to the one before it, and the first next to ``before``."""
     inner = (quaternions * np.concatenate([before[None], quaternions[:-1]])).sum(axis=1)
-    quaternions *= np.cumprod(np.where(inner < 0, -1.0, 1.0))[:, None]
-    return values
+    return quaternions * np.cumprod(np.where(inner < 0, -1.0, 1.0))[:, None]
 
 
 def _continuous_turns(values: Floats, start: Floats) -> Floats:

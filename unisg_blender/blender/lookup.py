@@ -7,10 +7,13 @@ import bpy
 from ..scene.identity import resolve_uids
 from ..scene.properties import UID
 
+IMPORTED_UID = "unisg:uid"
+"""Where Blender's own USD importer puts it."""
+
 
 def stored_uid(owner: bpy.types.Object) -> str:
     """The uid that an object carries, "" for none."""
-    value = owner.get(UID, "")
+    value = owner.get(UID) or owner.get(IMPORTED_UID)
     return value.strip() if isinstance(value, str) else ""
 
 

@@ -8,6 +8,21 @@ import bpy
 
 from ..scene.mesh import Material
 
+PLAIN_NODES = {"BSDF_PRINCIPLED", "OUTPUT_MATERIAL", "FRAME", "REROUTE"}
+UNUSED = {
+    "IOR": 1.5,
+    "Diffuse Roughness": 0.0,
+    "Subsurface Weight": 0.0,
+    "Specular IOR Level": 0.5,
+    "Anisotropic": 0.0,
+    "Transmission Weight": 0.0,
+    "Coat Weight": 0.0,
+    "Sheen Weight": 0.0,
+    "Emission Strength": 0.0,
+    "Thin Film Thickness": 0.0,
+}
+"""Inputs of the Principled BSDF that a preview surface has no place for, at the values at which they do nothing."""
+
 
 def read_material(material: bpy.types.Material) -> Material:
     """The surface's Principled BSDF if it has one, else the viewport colour."""
@@ -28,12 +43,15 @@ def _principled(material: bpy.types.Material) -> bpy.types.Node | None:
     return next((node for node in material.node_tree.nodes if node.type == "BSDF_PRINCIPLED"), None)
 
 
-def is_textured(material: bpy.types.Material) -> bool:
-    """Whether the material has more than a preview surface can say: textures or other nodes."""
-    if material.node_tree is None:
-        return False
-    plain = {"BSDF_PRINCIPLED", "OUTPUT_MATERIAL", "FRAME", "REROUTE"}
-    return any(node.type not in plain for node in material.node_tree.nodes)
+def surface_inputs(material: bpy.types.Material) -> list[str]:
+    """Names of what the surface's Principled BSDF is set to beyond colour, metallic and roughness."""
+    shader = _principled(material)
+    if shader is None:
+        return []
+    plain = (
+        (name, shader.inputs[name].default_value, value) for name, value in UNUSED.items() if name in shader.inputs
+    )
+    return [name for name, value, unused in plain if abs(value - unused) > 1e-6]
 
 
 def write_material(material: Material) -> bpy.types.Material:

@@ -7,7 +7,9 @@ import ctypes
 import os
 import sys
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+
+_kept: list[list[int]] = []  # true stdout and stderr, while they are caught
 
 
 @contextlib.contextmanager
@@ -20,17 +22,38 @@ def captured_output() -> Iterator[list[str]]:
     with tempfile.TemporaryFile() as catch:
         _flush()
         kept = [os.dup(number) for number in (1, 2)]
+        _kept.append(kept)
         try:
             for number in (1, 2):
                 os.dup2(catch.fileno(), number)
             yield lines
         finally:
             _flush()
+            _kept.pop()
             for number, saved in zip((1, 2), kept, strict=True):
                 os.dup2(saved, number)
                 os.close(saved)
             catch.seek(0)
             lines += catch.read().decode("utf-8", "replace").splitlines()
+
+
+def heard(tell: Callable[[int, int], None]) -> Callable[[int, int], None]:
+    """The same function of progress, whose words on stderr are not caught with all the rest."""
+
+    def told(done: int, total: int) -> None:
+        if not _kept:
+            return tell(done, total)
+        _flush()
+        catch = os.dup(2)
+        os.dup2(_kept[-1][1], 2)
+        try:
+            tell(done, total)
+        finally:
+            _flush()
+            os.dup2(catch, 2)
+            os.close(catch)
+
+    return told
 
 
 def _flush() -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -16,10 +16,13 @@ from ..scene.graph import SceneGraph, table
 from ..scene.instances import realize
 from ..scene.mesh import Material
 from ..scene.properties import ObjectProperties, decode_properties
+from .animation import may_move, sample_animation
 from .custom_properties import custom_properties
 from .folding import HELPER, TYPE, fold
 from .hierarchy import read_hierarchy, updated_depsgraph
+from .imported import IMPORTED, as_written, is_imported, join_shapes
 from .losses import report_losses
+from .losses_of_scenes import report_scene_losses
 from .materials import read_material
 from .read_components import component_tables
 from .read_geometry import MeshShelf
@@ -41,6 +44,7 @@ class Reader:
     view_layer: bpy.types.ViewLayer
     geometry: Geometry
     details: bool
+    animation: bool
     shelf: MeshShelf
     report: ReadReport
     prototypes: dict[bpy.types.Collection, SceneGraph] = field(default_factory=dict)
@@ -58,7 +62,9 @@ def read_scene(
     geometry: Geometry = "evaluated",
     details: bool = True,
     instances: Literal["kept", "realized"] = "kept",
+    animation: bool = False,
     report: ReadReport | None = None,
+    progress: Callable[[int, int], None] | None = None,
 ) -> SceneGraph:
     """The scenegraph of a scene.
 
@@ -75,8 +81,13 @@ def read_scene(
     instances
         Of collections, and those that geometry nodes and particles make: "kept" as
         the component ``instances``, or "realized" as entities. Part of the details.
+    animation
+        Step through the scene's frames and keep how its objects move, as the component
+        ``animation``; the scene ends at the frame where it was.
     report
         Is told, per object, what a scenegraph cannot hold.
+    progress
+        Called with (frames done, frames in all) while motion is read.
 
     Returns
     -------
@@ -87,8 +98,12 @@ def read_scene(
     report = ReadReport() if report is None else report
     view_layer, depsgraph = updated_depsgraph(scene)
     shelf = MeshShelf(depsgraph, geometry == "evaluated", report)
-    reader = Reader(depsgraph, view_layer, geometry, details, shelf, report)
+    reader = Reader(depsgraph, view_layer, geometry, details, animation, shelf, report)
     graph = read_objects(scene.objects, scene.name, scene.collection, reader)
+    if details:
+        report_scene_losses(scene, view_layer, report)
+    if animation and may_move(scene):
+        graph = sample_animation(graph, scene, progress=progress)
     return realize(graph) if instances == "realized" else graph
 
 
@@ -112,12 +127,15 @@ def read_objects(
     components = {
         WORLD: table(hierarchy.moved, matrix=hierarchy.world),
         HELPER: table([row for row, (_, marks) in enumerate(found) if HELPER in marks]),
+        IMPORTED: table([row for row, (_, marks) in enumerate(found) if IMPORTED in marks]),
     }
     if reader.details:
         components |= component_tables(objects, items, hierarchy, top, reader.view_layer, reader.depsgraph)
         components |= instance_table(items, reader.shelf, reader.read_collection, reader.report)
         instanced = not top.is_embedded_data  # a scene's own collection is part of it
-        report_losses(items, reader.depsgraph, reader.geometry == "evaluated", instanced, reader.report)
+        sampled = reader.animation and not instanced
+        evaluated = reader.geometry == "evaluated"
+        report_losses(objects, items, reader.depsgraph, evaluated, instanced, sampled, reader.report)
     graph = assemble(
         Columns(
             name=[item.name for item in items],
@@ -132,7 +150,7 @@ def read_objects(
             title=title,
         )
     )
-    return fold(_with_used_meshes(graph))
+    return join_shapes(fold(_with_used_meshes(graph)))
 
 
 def _properties(item: bpy.types.Object, report: ReadReport) -> tuple[ObjectProperties, Marks]:
@@ -140,7 +158,9 @@ def _properties(item: bpy.types.Object, report: ReadReport) -> tuple[ObjectPrope
     if not item.keys():
         return BARE, UNMARKED
     values = custom_properties(item)
-    marks = {key: values.pop(key) for key in (TYPE, HELPER) if key in values}
+    imported = is_imported(values)
+    values = as_written(values)
+    marks = {key: values.pop(key) for key in (TYPE, HELPER) if key in values} | ({IMPORTED: 1} if imported else {})
     found = decode_properties(values)
     for problem in found.problems:
         report.add(item.name, problem)

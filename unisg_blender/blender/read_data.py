@@ -13,8 +13,18 @@ Items = Sequence[bpy.types.Object]
 CAMERA_NUMBERS = (
     "lens", "sensor_width", "sensor_height", "ortho_scale", "clip_start", "clip_end", "shift_x", "shift_y",
 )  # fmt: skip
-LIGHT_NUMBERS = ("energy", "radius", "size", "size_y", "angle", "spot_size", "spot_blend")
-BLENDER_NAME = {"radius": "shadow_soft_size"}
+FOCUS = {"focused": "use_dof", "focus_distance": "focus_distance", "fstop": "aperture_fstop"}
+LIGHT_NUMBERS = (
+    "energy", "radius", "size", "size_y", "angle", "spot_size", "spot_blend", "spread", "diffuse", "specular",
+    "exposure", "temperature",
+)  # fmt: skip
+LIGHT_SWITCHES = ("shadow", "normalize", "tinted")
+BLENDER_NAME = {
+    "radius": "shadow_soft_size", "diffuse": "diffuse_factor", "specular": "specular_factor", "shadow": "use_shadow",
+    "tinted": "use_temperature",
+}  # fmt: skip
+ABSENT = {"spread": np.pi, "temperature": 6500.0, "normalize": True}
+"""Values of what a light of that kind, or an older Blender, does not have; 0 for all others."""
 
 
 def camera_table(items: Items, view_layer: bpy.types.ViewLayer) -> Table:
@@ -28,6 +38,11 @@ def camera_table(items: Items, view_layer: bpy.types.ViewLayer) -> Table:
         kind=[camera.type for camera in cameras],
         active=np.array([items[row] == scene.camera for row in rows], bool),
         fit=[camera.sensor_fit for camera in cameras],
+        focused=np.array([camera.dof.use_dof for camera in cameras], bool),
+        **{
+            name: np.array([getattr(camera.dof, FOCUS[name]) for camera in cameras], np.float64)
+            for name in ("focus_distance", "fstop")
+        },
         **{name: np.array([getattr(camera, name) for camera in cameras], np.float64) for name in CAMERA_NUMBERS},
     )
 
@@ -36,9 +51,9 @@ def light_table(items: Items) -> Table:
     """Lights."""
     rows = [row for row, item in enumerate(items) if item.type == "LIGHT"]
     lights = [items[row].data for row in rows]
-    numbers = {
-        name: np.array([getattr(light, BLENDER_NAME.get(name, name), 0.0) for light in lights], np.float64)
-        for name in LIGHT_NUMBERS
+    values = {
+        name: [getattr(light, BLENDER_NAME.get(name, name), ABSENT.get(name, 0)) for light in lights]
+        for name in (*LIGHT_NUMBERS, *LIGHT_SWITCHES)
     }
     return table(
         rows,
@@ -46,7 +61,8 @@ def light_table(items: Items) -> Table:
         kind=[light.type for light in lights],
         color=np.array([tuple(light.color) for light in lights], np.float64).reshape(-1, 3),
         shape=[getattr(light, "shape", "") for light in lights],
-        **numbers,
+        **{name: np.array(values[name], np.float64) for name in LIGHT_NUMBERS},
+        **{name: np.array(values[name], bool) for name in LIGHT_SWITCHES},
     )
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from ..scene.components import CAMERA, EMPTY, MATERIALS
 from ..scene.graph import TYPES, SceneGraph
 from ..scene.mesh import Mesh
-from .read_data import BLENDER_NAME, CAMERA_NUMBERS, LIGHT_NUMBERS
+from .read_data import ABSENT, BLENDER_NAME, CAMERA_NUMBERS, FOCUS, LIGHT_NUMBERS, LIGHT_SWITCHES
 from .report import ReadReport
 from .write_meshes import write_mesh
 
@@ -41,7 +41,7 @@ def object_data(
     if kind == "CAMERA":
         return _shared(made, key, lambda: _camera(name, entry))
     if kind == "LIGHT":
-        return _shared(made, key, lambda: _light(name, entry))
+        return _shared(made, key, lambda: _light(name, entry, report))
     return _MAKERS[kind](name)
 
 
@@ -91,23 +91,30 @@ _MAKERS: dict[str, Callable[[str], bpy.types.ID]] = {
 
 def _camera(name: str, entry: Mapping[str, Any]) -> bpy.types.Camera:
     camera = bpy.data.cameras.new(name)
-    if entry:
-        camera.type, camera.sensor_fit = str(entry["kind"]), str(entry["fit"])
-        for key in CAMERA_NUMBERS:
-            setattr(camera, key, float(entry[key]))
+    if not entry:
+        return camera
+    camera.type, camera.sensor_fit = str(entry["kind"]), str(entry["fit"])
+    for key in CAMERA_NUMBERS:
+        setattr(camera, key, float(entry[key]))
+    for key, own in FOCUS.items():
+        if key in entry:
+            setattr(camera.dof, own, entry[key].item())
     return camera
 
 
-def _light(name: str, entry: Mapping[str, Any]) -> bpy.types.Light:
+def _light(name: str, entry: Mapping[str, Any], report: ReadReport) -> bpy.types.Light:
     light = bpy.data.lights.new(name, str(entry.get("kind", "POINT")))
     if not entry:
         return light
     light.color = tuple(entry["color"])
     if entry["shape"]:
         light.shape = str(entry["shape"])
-    for key in LIGHT_NUMBERS:
-        if hasattr(light, BLENDER_NAME.get(key, key)):
-            setattr(light, BLENDER_NAME.get(key, key), float(entry[key]))
+    for key in (*LIGHT_NUMBERS, *LIGHT_SWITCHES):
+        own = BLENDER_NAME.get(key, key)
+        if key in entry and hasattr(light, own):
+            setattr(light, own, entry[key].item())
+        elif key in ("exposure", "tinted", "normalize") and key in entry and entry[key] != ABSENT.get(key, 0):
+            report.add(name, f"this Blender has no {key} of lights")
     return light
 
 

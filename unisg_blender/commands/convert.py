@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 
 from ..errors import DONE, UniSGError
-from .scene_files import READABLE, WRITABLE, check_kinds, read_scene_file, write_scene_file
+from .scene_files import BLENDER, READABLE, WRITABLE, check_kinds, read_scene_file, shown, write_scene_file
 
 HELP = f"Turn a scene file ({', '.join(READABLE)}) into {', '.join(WRITABLE)}, through the scenegraph."
 
@@ -23,6 +23,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default="evaluated",
         help="of Blender scenes: meshes with modifiers applied (default), as they are edited, or none",
     )
+    parser.add_argument("--still", action="store_true", help="leave out how things move in a Blender scene")
     parser.add_argument("--realize", action="store_true", help="turn instances into entities of their own")
 
 
@@ -31,21 +32,16 @@ def run(args: argparse.Namespace) -> int:
     check_kinds(args.source, args.target)
     if args.target.exists() and args.target.resolve() == args.source.resolve():
         raise UniSGError(f"{args.target}: is the file to be read; choose another name")
-    from ..progress import Progress
     from ..scene.describe import summary
     from ..scene.instances import realize
 
-    bar = Progress(0, "entities", args.quiet or args.json)
-
-    def show(done: int, total: int) -> None:  # the writer knows how many entities there are, instanced ones included
-        bar.start(total)
-        bar.update(done)
-
-    graph, lost = read_scene_file(args.source, geometry=args.geometry)
+    quiet = args.quiet or args.json
+    with shown(quiet, "frames" if args.source.suffix.lower() in BLENDER else "entities read") as tell:
+        graph, lost = read_scene_file(args.source, tell, geometry=args.geometry, animation=not args.still)
     if args.realize:
         graph = realize(graph)
-    lost += write_scene_file(graph, args.target, show)
-    bar.close()
+    with shown(quiet, "entities written") as tell:  # instanced ones included
+        lost += write_scene_file(graph, args.target, tell)
     record = {"in": str(args.source), "out": str(args.target), **summary(graph), "not_represented": lost}
     if args.json:
         print(json.dumps(record, ensure_ascii=False))

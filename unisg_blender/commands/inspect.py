@@ -34,10 +34,11 @@ def run(args: argparse.Namespace) -> int:
     if args.path.is_dir():
         return _inspect_dataset(args)
     from ..scene.describe import summary, to_records, tree_lines
-    from .scene_files import check_kinds, read_scene_file
+    from .scene_files import check_kinds, read_scene_file, shown
 
     check_kinds(args.path, None)
-    graph, report = read_scene_file(args.path, geometry=args.geometry)
+    with shown(args.quiet or args.json, "entities") as tell:
+        graph, report = read_scene_file(args.path, tell, geometry=args.geometry)
     if args.json:
         record = {"file": str(args.path), **summary(graph), "records": to_records(graph), "not_represented": report}
         print(json.dumps(record, ensure_ascii=False, default=str))

@@ -10,7 +10,7 @@ from pathlib import Path
 from ..errors import DONE, UniSGError
 from ..scene.graph import SceneGraph
 from ..scene.relate import KINDS, RelationTolerances, find_relations, relate
-from .scene_files import check_kinds, read_scene_file, write_scene_file
+from .scene_files import check_kinds, read_scene_file, shown, write_scene_file
 
 HELP = "Tell which thing stands on, in, above or beside which other, from the geometry of a scene."
 LENGTHS = {
@@ -39,7 +39,8 @@ def run(args: argparse.Namespace) -> int:
     for name in ("gap", "overlap", "beside", "above"):
         if not values[name] >= 0:
             raise UniSGError(f"--{name} must not be negative")
-    graph, _ = read_scene_file(args.path)
+    with shown(args.quiet or args.json, "entities read") as tell:
+        graph, _ = read_scene_file(args.path, tell)
     tolerances = RelationTolerances(**values)
     found = [entry for entry in find_relations(graph, tolerances) if not args.kind or entry[1] in args.kind]
     if args.out is not None:

@@ -5,11 +5,13 @@ from __future__ import annotations
 import importlib
 import json
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from ..errors import MissingPackageError, UniSGError
+from ..errors import UniSGError
+from ..progress import Progress as Bar
 from ..scene.graph import SceneGraph
 from ..usd.files import SUFFIXES as USD
 from ..usd.files import replacing
@@ -35,18 +37,33 @@ def check_kinds(source: Path, target: Path | None) -> None:
     if target is not None and target.suffix.lower() not in WRITABLE:
         raise UniSGError(f"cannot write {target}: the known kinds are {', '.join(WRITABLE)}")
     if any(path is not None and path.suffix.lower() in BLENDER for path in (source, target)):
-        try:
-            importlib.import_module("bpy")
-        except ImportError:
-            raise MissingPackageError("bpy", "blender") from None
+        importlib.import_module("..blender", __package__)
+
+
+@contextmanager
+def shown(quiet: bool, unit: str) -> Iterator[Progress]:
+    """A progress bar on stderr that appears when there is something to tell."""
+    bars: list[Bar] = []
+
+    def tell(done: int, total: int) -> None:
+        if not bars:
+            bars.append(Bar(total, unit, quiet))
+        bars[0].update(done)
+
+    try:
+        yield tell
+    finally:
+        for bar in bars:
+            bar.close()
 
 
 def read_scene_file(
-    path: Path, progress: Progress | None = None, *, geometry: Any = "evaluated"
+    path: Path, progress: Progress | None = None, *, geometry: Any = "evaluated", animation: bool = False
 ) -> tuple[SceneGraph, list[str]]:
     """The scenegraph of a file, and what it could not hold, one line each.
 
-    USD files are read directly, all others through Blender.
+    USD files are read directly, all others through Blender, which samples their motion
+    where ``animation`` is wanted; ``progress`` then counts frames.
 
     Raises
     ------
@@ -62,7 +79,7 @@ def read_scene_file(
         return graph, [str(item.message) for item in caught if issubclass(item.category, UserWarning)]
     from ..blender.files import read_file
 
-    graph, report = read_file(path, geometry=geometry)
+    graph, report = read_file(path, geometry=geometry, animation=animation, progress=progress)
     return graph, list(report)
 
 

@@ -57,13 +57,16 @@ CAMERA = "camera"
 """``data`` object (str): name of the shared camera data; ``kind`` object (str): "PERSP", "ORTHO" or "PANO";
 ``active`` bool: the scene's camera; ``fit`` object (str): "AUTO", "HORIZONTAL" or "VERTICAL"; float64: ``lens``,
 ``sensor_width`` and ``sensor_height`` in millimetres, ``ortho_scale``, ``clip_start``, ``clip_end`` in metres,
-``shift_x``, ``shift_y`` in sensor sizes. It looks along -Z with +Y up."""
+``shift_x``, ``shift_y`` in sensor sizes. Depth of field: ``focused`` bool, ``focus_distance`` in metres, ``fstop``. It
+looks along -Z with +Y up."""
 
 LIGHT = "light"
 """``data`` object (str): name of the shared light data; ``kind`` object (str): "POINT", "SUN", "SPOT" or "AREA";
 ``color`` float64 (K, 3) linear; ``shape`` object (str): "SQUARE", "RECTANGLE", "DISK" or "ELLIPSE" of an area
 light, else ""; float64: ``energy`` in watts (a sun: watts per square metre), ``radius``, ``size``, ``size_y`` in
-metres, ``angle`` of a sun, ``spot_size`` in radians, ``spot_blend`` 0..1. It shines along -Z."""
+metres, ``angle`` of a sun, ``spot_size`` and ``spread`` (of an area) in radians, ``spot_blend`` 0..1, ``diffuse`` and
+``specular`` factors, ``exposure`` in stops, ``temperature`` in kelvin; bool: ``shadow``, ``normalize`` (``energy`` is
+independent of the size), ``tinted`` (by the temperature). It shines along -Z."""
 
 BONES = "bones"
 """The bones of armatures, parents first. ``name`` object (str); ``parent`` object (str, "" for a root); ``rest``

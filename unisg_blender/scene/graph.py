@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -41,6 +41,14 @@ class Table:
         """The values of one row: every column cut to the entries of ``row``."""
         start, stop = np.searchsorted(self.rows, (row, row + 1))
         return {name: column[start:stop] for name, column in self.columns.items()}
+
+    def groups(self) -> Iterator[tuple[int, dict[str, NDArray[Any]]]]:
+        """Every row that has values, once, with what :meth:`of` gives for it."""
+        rows, starts = np.unique(self.rows, return_index=True)
+        for row, start, stop in zip(
+            rows.tolist(), starts.tolist(), [*starts[1:].tolist(), len(self.rows)], strict=True
+        ):
+            yield row, {name: column[start:stop] for name, column in self.columns.items()}
 
     def take(self, rows: NDArray[np.integer], count: int) -> Table:
         """The table after the scenegraph kept ``rows`` (of ``count``) in that order."""

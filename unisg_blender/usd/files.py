@@ -4,20 +4,19 @@ from __future__ import annotations
 
 import os
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..errors import UniSGError
 from .library import require_pxr
+from .ticks import Progress, ticks
 
 if TYPE_CHECKING:
     from ..scene.graph import SceneGraph
 
 SUFFIXES = (".usd", ".usda", ".usdc", ".usdz")
-Progress = Callable[[int, int], None]
-"""Told how many entities are done, of how many."""
 
 
 def write_usd(graph: SceneGraph, path: str | os.PathLike[str], progress: Progress | None = None) -> None:
@@ -49,7 +48,7 @@ def write_usd(graph: SceneGraph, path: str | os.PathLike[str], progress: Progres
     with replacing(path) as temporary:
         packed = temporary.suffix == ".usdz"
         layer = Sdf.Layer.CreateNew(str(temporary.with_suffix(".usdc") if packed else temporary))
-        write_layer(graph, layer, _ticks(sum(map(len, nested_graphs(graph))), progress))
+        write_layer(graph, layer, ticks(sum(map(len, nested_graphs(graph))), progress))
         if not layer.Save():
             raise UniSGError(f"{path}: USD could not write this file")
         del layer
@@ -117,16 +116,3 @@ def _package(temporary: Path) -> None:
     package.AddFile(str(temporary.with_suffix(".usdc")), "scene.usdc")
     if not package.Save():
         raise UniSGError(f"{temporary.name}: USD could not write this package")
-
-
-def _ticks(total: int, progress: Progress | None) -> Callable[[], None]:
-    """A function to be called once per entity that tells ``progress`` a hundred times in all."""
-    done = 0
-
-    def tick() -> None:
-        nonlocal done
-        done += 1
-        if progress is not None and (done == total or done % max(1, total // 100) == 0):
-            progress(done, total)
-
-    return tick

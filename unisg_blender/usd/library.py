@@ -36,7 +36,8 @@ def require_pxr() -> None:
         return
     bpy = sys.modules.get("bpy")
     if bpy is None and not find_spec("pxr") and find_spec("bpy"):  # Blender as a package, and no usd-core
-        bpy = import_module("bpy")
+        import_module("..blender", __package__)
+        bpy = sys.modules["bpy"]
     if bpy is not None:
         if not hasattr(bpy.utils, "expose_bundled_modules"):
             raise UniSGError("this Blender offers no USD to Python: use Blender 4.4 or newer for USD files")

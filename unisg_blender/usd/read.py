@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import UniSGError
+from ..scene import components
 from ..scene.assemble import Columns, assemble
 from ..scene.graph import SceneGraph
 from ..scene.identity import resolve_uids
@@ -18,13 +18,18 @@ from . import schema
 from .elements import is_elements, read_elements
 from .names import true_name
 from .read_behaviour import read_entries
-from .read_components import keep_hidden, read_components
+from .read_components import read_components
+from .read_data import read_data
 from .read_instances import read_instances
 from .read_meshes import MeshShelf
 from .read_motion import read_motion
 from .read_transforms import read_transforms
 from .stage import quiet, stage_frame
+from .ticks import Progress, ticks
 from .traverse import find_entities
+
+STANDARD = (components.CAMERA, components.LIGHT, components.VISIBILITY)
+"""Components of which USD's own schemas say a part."""
 
 
 @dataclass
@@ -32,14 +37,15 @@ class Reader:
     """What stays the same while one stage is read."""
 
     frame: NDArray[np.float64]  # the stage's frame to metres and Z up
+    metres: float  # size of a scene unit
     rate: float  # time codes per second
     shelf: MeshShelf
     prototypes: dict[Any, SceneGraph]
     reading: set[Any]  # prototypes that are being read
-    progress: Callable[[int, int], None] | None
+    progress: Progress | None
 
 
-def read_stage(stage: Any, title: str, progress: Callable[[int, int], None] | None = None) -> SceneGraph:
+def read_stage(stage: Any, title: str, progress: Progress | None = None) -> SceneGraph:
     """The scenegraph of a composed stage; ``title`` for stages that have none.
 
     Raises
@@ -54,9 +60,10 @@ def read_stage(stage: Any, title: str, progress: Callable[[int, int], None] | No
     return graph
 
 
-def _read_scene(stage: Any, title: str, progress: Callable[[int, int], None] | None) -> SceneGraph:
+def _read_scene(stage: Any, title: str, progress: Progress | None) -> SceneGraph:
     frame = stage_frame(stage)
-    reader = Reader(frame, float(stage.GetTimeCodesPerSecond()), MeshShelf(frame), {}, set(), progress)
+    metres = float(np.abs(frame[:3, :3]).max())
+    reader = Reader(frame, metres, float(stage.GetTimeCodesPerSecond()), MeshShelf(frame), {}, set(), progress)
     tops = stage.GetPseudoRoot().GetChildren()
     scene = next((prim for prim in tops if prim.HasAttribute(schema.SCENE_VERSION)), None)
     if scene is None:
@@ -76,7 +83,7 @@ def read_graph(tops: list[Any], reader: Reader, title: str, holder: Any = None, 
     stage does not show by itself, as prototypes.
     """
     found = find_entities(tops, nested)
-    entries = read_entries(found)
+    entries = read_entries(found, ticks(len(found.prim), None if nested else reader.progress))
     uids = resolve_uids([entry.stored.uid for entry in entries], [entry.name for entry in entries])
     frames = read_transforms(found, reader.frame)
     shelf_mesh = reader.shelf.column(found.shape, found.kind)
@@ -85,10 +92,9 @@ def read_graph(tops: list[Any], reader: Reader, title: str, holder: Any = None, 
     column[shelf_mesh >= 0] = mesh.reshape(-1)
     tables = read_components(holder, uids) | frames.tables | read_motion(found, frames, reader.rate)
     tables |= read_instances(found, reader)
-    keep_hidden(found, tables)
+    told = read_data(found, tables, reader.metres)
+    tables = {name: each for name, each in tables.items() if name not in STANDARD} | told
     uid_of_path = {prim.GetPath(): uid for prim, uid in zip(found.prim, uids, strict=True)}
-    if reader.progress is not None and not nested:
-        reader.progress(len(entries), len(entries))
     return assemble(
         Columns(
             name=[entry.name for entry in entries],

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import warnings
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -59,9 +59,13 @@ class Entry:
         return replace(self.stored, relations=(*pairs, *self.stored.relations))
 
 
-def read_entries(found: Entities) -> list[Entry]:
-    """What all prims say about their entities."""
-    return [_entry(prim, shape) for prim, shape in zip(found.prim, found.shape, strict=True)]
+def read_entries(found: Entities, tick: Callable[[], None] = lambda: None) -> list[Entry]:
+    """What all prims say about their entities; ``tick`` is called once for each."""
+    entries = []
+    for prim, shape in zip(found.prim, found.shape, strict=True):
+        entries.append(_entry(prim, shape))
+        tick()
+    return entries
 
 
 def _entry(prim: Any, shape: Any) -> Entry:

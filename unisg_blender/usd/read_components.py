@@ -10,11 +10,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..scene import components
 from ..scene.graph import Table, table
 from . import schema
 from .names import true_name
-from .traverse import Entities
 
 
 def read_components(holder: Any, uids: Sequence[str]) -> dict[str, Table]:
@@ -60,19 +58,3 @@ def decode_column(values: Any, form: str, shape: tuple[int, ...]) -> NDArray[Any
     else:
         flat = np.array(values).astype(np.dtype(form))
     return flat.reshape(shape)
-
-
-def visibility_table(found: Entities) -> Table | None:
-    """What a file of another tool hides; None where nothing is hidden."""
-    rows = np.flatnonzero(found.hidden)
-    if not len(rows):
-        return None
-    off = np.ones(len(rows), bool)
-    return table(rows, hidden=~off, viewport=off, render=off)
-
-
-def keep_hidden(found: Entities, tables: dict[str, Table]) -> None:
-    """Add what is hidden, unless the file has the component ``visibility`` itself."""
-    hidden = visibility_table(found)
-    if hidden is not None and components.VISIBILITY not in tables:
-        tables[components.VISIBILITY] = hidden

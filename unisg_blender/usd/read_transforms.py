@@ -17,6 +17,8 @@ from .traverse import Entities
 
 SEES_ALONG_MINUS_Z = ("CAMERA", "LIGHT")
 FLAT = 1e9
+MOVED = 1e-5
+"""Relative difference of world matrices from which on an entity counts as moved by another tool."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,15 +77,25 @@ def _below_parents(
 
 
 def _with_moved(found: Entities, frames: Frames, frame: NDArray[np.float64]) -> Frames:
-    """Put back what the master file says of entities that stand elsewhere than their local matrix says."""
-    rows = [row for row, prim in enumerate(found.prim) if prim.HasAttribute(schema.WORLD)]
-    if not rows:
+    """Put back what the master file says of entities that stand elsewhere than their local matrix says.
+
+    Not of those that another tool has moved since: they stand where their transforms say.
+    """
+    rows = np.flatnonzero([prim.HasAttribute(schema.WORLD) for prim in found.prim])
+    if not len(rows):
         return frames
     stored = from_usd([_matrix(found.prim[row], schema.LOCAL) for row in rows])
-    world = from_usd([_matrix(found.prim[row], schema.WORLD) for row in rows])
     back = np.linalg.inv(frames.own[rows])
-    frames.local[rows] = frames.above[rows] @ stored @ back
-    return replace(frames, tables={components.WORLD: table(rows, matrix=frame @ world @ back)})
+    world = frame @ from_usd([_matrix(found.prim[row], schema.WORLD) for row in rows]) @ back
+    parent = np.array(found.parent, np.int64)
+    shown = np.concatenate([compose_world(frames.local, parent), np.eye(4)[None]])
+    flat = ~(np.linalg.cond(shown[parent[rows], :3, :3]) < FLAT)
+    gap, size = np.abs(shown[rows] - world).max(axis=(1, 2)), np.abs(world).max(axis=(1, 2))
+    kept = flat | (gap <= MOVED * size)
+    frames.local[rows[kept]] = (frames.above[rows] @ stored @ back)[kept]
+    if not kept.any():
+        return frames
+    return replace(frames, tables={components.WORLD: table(rows[kept], matrix=world[kept])})
 
 
 def _matrix(prim: Any, name: str) -> Any:

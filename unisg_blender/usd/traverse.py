@@ -85,7 +85,7 @@ def find_entities(tops: Iterable[Any], nested: bool = False) -> Entities:
 def _kind(prim: Any) -> str:
     if not prim.GetTypeName():
         return "EMPTY"
-    if prim.HasAPI(UsdLux.LightAPI):
+    if prim.HasAPI(UsdLux.LightAPI) and not prim.IsA(UsdGeom.Gprim):
         return "LIGHT"
     if prim.GetTypeName() == "Volume":
         return "VOLUME"
@@ -141,7 +141,7 @@ def _merged(found: Entities) -> Entities:
         merged.shape.append(found.prim[shape] if found.kind[shape] in SHAPES else None)
         merged.kind.append("EMPTY" if found.kind[shape] in ("SCOPE", "INSTANCER") else found.kind[shape])
         merged.parent.append(place[found.parent[row]])
-        merged.hidden.append(found.hidden[row])
+        merged.hidden.append(found.hidden[row] or found.hidden[shape])
     merged.instances = [(place[row], prim) for row, prim in found.instances]
     return merged
 

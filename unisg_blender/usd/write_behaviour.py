@@ -35,8 +35,8 @@ def write_behaviour(prims: Sequence[Any], graph: SceneGraph) -> None:
 
 def _each_row(graph: SceneGraph, name: str, write: Any) -> None:
     found: Table | None = graph.components.get(name)
-    for row in () if found is None else dict.fromkeys(found.rows.tolist()):
-        write(row, found.of(row))  # type: ignore[union-attr]
+    for row, values in () if found is None else found.groups():
+        write(row, values)
 
 
 def _text(prim: Any, name: str, text: str) -> None:

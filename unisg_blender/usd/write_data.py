@@ -1,86 +1,53 @@
-"""Cameras, lights and visibility in USD's standard schemas, for other tools.
-
-The component tables keep Blender's exact numbers beside them.
-"""
+"""Cameras, lights and visibility in USD's standard schemas; the component tables keep the rest beside them."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 from ..scene import components
 from ..scene.graph import SceneGraph, Table
+from . import lights
+from .cameras import camera_attributes
 from .names import Identifiers
 from .specs import Types, apply_schema, attribute, define
 
 Values = Mapping[str, Any]
-MILLIMETRE = 0.01
-"""USD gives lens and sensor in tenths of a scene unit, here of a metre."""
+FALLBACK = {
+    "exposure": 0.0, "diffuse": 1.0, "specular": 1.0, "colorTemperature": 6500.0, "enableColorTemperature": False,
+    lights.SHADOW: True,
+}  # fmt: skip
+"""Inputs of lights that are left out where they are what USD takes for granted."""
 
 
 def write_camera(prim: Any, identifiers: Identifiers, found: Table | None, row: int) -> str:
     """A Camera under the entity's prim; the entity type that it shows."""
     values = _entry(found, row)
     camera = define(prim, identifiers.take(prim.name), "Camera")
-    if not values:
-        return "CAMERA"
-    ortho = values["kind"] == "ORTHO"
-    attribute(camera, "projection", Types.Token, "orthographic" if ortho else "perspective")
-    width, height = values["sensor_width"] * MILLIMETRE, values["sensor_height"] * MILLIMETRE
-    if ortho:
-        width = height = values["ortho_scale"] * 10.0
-    largest = max(width, height)
-    for name, value in (
-        ("focalLength", values["lens"] * MILLIMETRE),
-        ("horizontalAperture", width),
-        ("verticalAperture", height),
-        ("horizontalApertureOffset", values["shift_x"] * largest),
-        ("verticalApertureOffset", values["shift_y"] * largest),
-    ):
-        attribute(camera, name, Types.Float, float(value), uniform=False)
-    clip = (float(values["clip_start"]), float(values["clip_end"]))
-    attribute(camera, "clippingRange", Types.Float2, clip, uniform=False)
+    for name, value in camera_attributes(values).items() if values else ():
+        if name == "projection":
+            attribute(camera, name, Types.Token, value)
+        elif name == "clippingRange":
+            attribute(camera, name, Types.Float2, tuple(map(float, value)), uniform=False)
+        else:
+            attribute(camera, name, Types.Float, float(value), uniform=False)
     return "CAMERA"
 
 
 def write_light(prim: Any, identifiers: Identifiers, found: Table | None, row: int) -> str:
     """A light under the entity's prim; the entity type that it shows."""
     values = _entry(found, row)
-    kind, numbers = _light_form(values)
+    kind, inputs = lights.light_attributes(values) if values else ("SphereLight", {})
     light = define(prim, identifiers.take(prim.name), kind)
-    if not values:
-        return "LIGHT"
-    attribute(light, "inputs:color", Types.Color3f, tuple(map(float, values["color"])), uniform=False)
-    for name, value in numbers.items():
-        attribute(light, f"inputs:{name}", Types.Float, float(value), uniform=False)
-    attribute(light, "inputs:normalize", Types.Bool, True, uniform=False)
-    if values["kind"] == "SPOT":
-        apply_schema(light, "ShapingAPI")
+    inputs = {name: value for name, value in inputs.items() if value != FALLBACK.get(name)}
+    for name, value in inputs.items():
+        form = {tuple: Types.Color3f, bool: Types.Bool}.get(type(value), Types.Float)
+        value = value if isinstance(value, bool | tuple) else float(value)
+        attribute(light, f"inputs:{name}", form, value, uniform=False)
+    schemas = ["ShapingAPI"] * (lights.CONE in inputs) + ["ShadowAPI"] * (lights.SHADOW in inputs)
+    if schemas:
+        apply_schema(light, *schemas)
     return "LIGHT"
-
-
-def _light_form(values: Values) -> tuple[str, dict[str, float]]:
-    """The USD light type and its inputs; watts spread over pi as USD's normalised lights do."""
-    kind = values.get("kind", "POINT")
-    if not values:
-        return "SphereLight", {}
-    if kind == "SUN":
-        return "DistantLight", {"intensity": values["energy"], "angle": math.degrees(values["angle"])}
-    power = {"intensity": values["energy"] / math.pi}
-    if kind == "AREA" and values["shape"] in ("DISK", "ELLIPSE"):
-        return "DiskLight", power | {"radius": values["size"] / 2}
-    if kind == "AREA":
-        height = values["size_y"] if values["shape"] == "RECTANGLE" else values["size"]
-        return "RectLight", power | {"width": values["size"], "height": height}
-    sphere = power | {"radius": values["radius"]}
-    if kind == "SPOT":
-        cone = {
-            "shaping:cone:angle": math.degrees(values["spot_size"]) / 2,
-            "shaping:cone:softness": values["spot_blend"],
-        }
-        return "SphereLight", sphere | cone
-    return "SphereLight", sphere
 
 
 def write_visibility(prims: Sequence[Any], graph: SceneGraph) -> None:

@@ -1,0 +1,137 @@
+"""Which settings of Blender's data stand at another value than Blender's own default."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator
+from functools import cache
+from typing import Any
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+NUMBERS = {"BOOLEAN": np.bool_, "INT": np.int32, "FLOAT": np.float32, "ENUM": np.int32}
+NO_SETTINGS = frozenset({"rna_type", "name", "tag", "use_fake_user", "use_extra_user", "is_runtime_data", "use_nodes"})
+SAME = 1e-5
+NEW: dict[str, dict[str, Any]] = {
+    "Object": {"use_grease_pencil_lights": False},
+    "Bone": {
+        "display_type": "ARMATURE_DEFINED", "use_inherit_rotation": True, "use_local_location": True,
+        "use_cyclic_offset": True, "envelope_distance": 0.25, "envelope_weight": 1.0, "head_radius": 0.1,
+        "tail_radius": 0.05, "bbone_segments": 1, "bbone_x": 0.1, "bbone_z": 0.1,
+    },
+    "PoseBone": {
+        "ik_min_x": -np.pi, "ik_max_x": np.pi, "ik_min_y": -np.pi, "ik_max_y": np.pi, "ik_min_z": -np.pi,
+        "ik_max_z": np.pi, "use_custom_shape_bone_size": True, "custom_shape_wire_width": 1.0,
+        "lock_rotations_4d": True,
+    },
+    "Collection": {"color_tag": "NONE"},
+    "Material": {"blend_method": "HASHED"},
+    "Scene": {"sync_mode": "NONE", "use_audio": True, "audio_distance_model": "INVERSE_CLAMPED"},
+    "RenderSettings": {
+        "use_stamp_memory": False, "simplify_subdivision_render": 6, "simplify_child_particles_render": 1.0,
+    },
+    "ColorManagedViewSettings": {"look": "None", "view_transform": "AgX"},
+}  # fmt: skip
+"""What a new file has where Blender gives another number as the default."""
+
+
+def changed_settings(owner: bpy.types.bpy_struct, held: Collection[str] = (), *, inner: bool = True) -> list[str]:
+    """Names, as Blender's interface shows them, of settings that are not at their defaults.
+
+    Parameters
+    ----------
+    owner
+        A data-block, or a part of one. Texts and lists are not looked at.
+    held
+        Identifiers that are passed over, those of inner groups included.
+    inner
+        Look into the groups of settings that belong to the owner as well.
+    """
+    found = []
+    for name, label, kind, default in _settings(_kind(owner)):
+        if name in held:
+            continue
+        value = getattr(owner, name, None)
+        if kind == "POINTER":
+            found += [label] if value is not None else []
+        elif kind == "GROUP":
+            found += changed_settings(value, held, inner=False) if inner and value is not None else []
+        elif not _same(value, default):
+            found.append(label)
+    return list(dict.fromkeys(found))
+
+
+def changed_by_row(owners: bpy.types.bpy_prop_collection, held: Collection[str] = ()) -> dict[int, list[str]]:
+    """The same for all members of a collection at once, by place; numbers, switches and choices only."""
+    found: dict[int, list[str]] = {}
+    kind = _kind(owners[0]) if len(owners) else None
+    for name, label, form, default in _settings(kind) if kind is not None else ():
+        if name in held or form not in NUMBERS or isinstance(default, set):
+            continue
+        for row in _changed_rows(owners, name, form, default):
+            found.setdefault(int(row), []).append(label)
+    return found
+
+
+def _changed_rows(owners: bpy.types.bpy_prop_collection, name: str, form: str, default: Any) -> NDArray[np.int64]:
+    if form == "ENUM":
+        items = owners[0].bl_rna.properties[name].enum_items
+        if default not in items:
+            return np.flatnonzero([getattr(owner, name) != default for owner in owners])
+        default = items[default].value
+    expected = np.asarray(default, NUMBERS[form]).reshape(-1)
+    buffer: NDArray = np.empty(len(owners) * expected.size, NUMBERS[form])
+    owners.foreach_get(name, buffer)
+    values = buffer.reshape(len(owners), expected.size)
+    if form == "FLOAT":
+        return np.flatnonzero((np.abs(values - expected) > SAME).any(axis=1))
+    return np.flatnonzero((values != expected).any(axis=1))
+
+
+def _kind(owner: Any) -> Any:
+    return type(owner)
+
+
+@cache
+def _settings(kind: Any) -> list[tuple[str, str, str, Any]]:
+    """(identifier, label, kind, default) of what a user can set; kind GROUP for settings in a group of their own."""
+    return list(_iterate_settings(kind))
+
+
+def _iterate_settings(kind: Any) -> Iterator[tuple[str, str, str, Any]]:
+    for each in kind.bl_rna.properties:
+        label = each.name or each.identifier
+        if each.identifier in NO_SETTINGS:
+            continue
+        if each.type == "POINTER":
+            if not _is_id(each.fixed_type):
+                yield each.identifier, label, "GROUP", None
+            elif not each.is_readonly:
+                yield each.identifier, label, "POINTER", None
+        elif not each.is_readonly and each.type in NUMBERS:
+            new = NEW.get(kind.bl_rna.identifier, {})
+            yield each.identifier, label, each.type, new.get(each.identifier, _default(each))
+
+
+def _default(each: bpy.types.Property) -> Any:
+    if each.type == "ENUM":
+        return set(each.default_flag) if each.is_enum_flag else each.default
+    return tuple(each.default_array) if each.is_array else each.default
+
+
+def _is_id(struct: bpy.types.Struct | None) -> bool:
+    while struct is not None:
+        if struct.identifier == "ID":
+            return True
+        struct = struct.base
+    return False
+
+
+def _same(value: Any, default: Any) -> bool:
+    if isinstance(default, float) and not isinstance(value, str):
+        return bool(abs(value - default) <= SAME)
+    if isinstance(default, tuple):
+        flat = np.asarray(value).reshape(-1)
+        return len(flat) != len(default) or bool(np.allclose(flat, default, rtol=0, atol=SAME))
+    return bool(value == default)
