@@ -19,6 +19,7 @@ BENCHMARKS = {
     "poses": ("exactness and speed of the representation forms", "..evaluate.poses_report:write_poses_report"),
     "motion": ("keyframe reduction beside Blender's own", "..evaluate.motion_report:write_motion_report"),
     "meshes": ("mesh features, decoded meshes and proposed categories", "..evaluate.meshes_report:write_meshes_report"),
+    "paper": ("the paper's experiments, and a fair comparison of forms", "..evaluate.paper.report:write_paper_report"),
 }
 
 
@@ -31,12 +32,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--repeats", type=int, default=5, help="rounds whose median counts (default: 5)")
     parser.add_argument("--data", type=Path, nargs="+", metavar="DIR", help="folders of mesh files (meshes)")
     parser.add_argument("--seed", type=int, default=0, help="of everything random (default: 0)")
+    parser.add_argument("--quick", action="store_true", help="a first look in minutes (paper)")
+    parser.add_argument("--jobs", metavar="N", type=int, help="trainings at a time, default: one per processor (paper)")
+    parser.add_argument("--tables-only", action="store_true", help="tables of what has been trained so far (paper)")
 
 
 def run(args: argparse.Namespace) -> int:
     """Run one benchmark."""
     if args.count < 1 or args.repeats < 1:
         raise UniSGError("--count and --repeats must be at least 1")
+    if args.jobs is not None and args.jobs < 1:
+        raise UniSGError(f"--jobs must be at least 1, not {args.jobs}")
     module, function = BENCHMARKS[args.name][1].split(":")
     measure: Callable[..., dict[str, Any]] = getattr(importlib.import_module(module, __package__), function)
 
