@@ -16,9 +16,14 @@ from . import train_meshes
 HELP = "Train a model on a dataset and write it as an ONNX file that runs without torch."
 JOBS = {
     "cgvae": "a generator of objects for scenes: conditional graph variational autoencoder",
+    "topology": "which thing stands on which, from datasets with relations",
+    "classifier": "what kind of scene it is, from datasets with labels, or one dataset per kind",
     "meshes": "the mesh feature (AtlasNet) and the model of categories, from folders of mesh files",
 }
 """What can be trained: ``learn.train_NAME`` with ``EPOCHS`` and ``train(dataset, out, settings)``, but for "meshes"."""
+
+SEVERAL = ("topology", "classifier")
+"""Jobs whose ``train`` takes a list of datasets."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -35,6 +40,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--paper", action="store_true", help="the paper's architecture and losses")
     parser.add_argument("--devices", metavar="N", type=int, default=1, help="processes on this machine (default: 1)")
     parser.add_argument("--nodes", metavar="N", type=int, default=1, help="machines (default: 1)")
+    parser.add_argument("--patience", metavar="N", type=int, help="stop after N epochs without a better loss")
     parser.add_argument("--logs", metavar="DIR", type=Path, help="keep checkpoints and metrics.csv there, and resume")
     train_meshes.add_arguments(parser)
 
@@ -46,7 +52,7 @@ def run(args: argparse.Namespace) -> int:
     from ..dataset.reader import open_dataset
 
     _check(args)
-    dataset = open_dataset(args.data[0])
+    datasets = [open_dataset(path) for path in args.data]
     try:
         job = importlib.import_module(f"...learn.train_{args.job}", __name__)
         from ..learn.settings import Settings
@@ -63,9 +69,9 @@ def run(args: argparse.Namespace) -> int:
     start = time.perf_counter()
     settings = Settings(
         form=args.form, epochs=args.epochs, seed=args.seed, paper=args.paper, devices=args.devices, nodes=args.nodes,
-        logs=args.logs, quiet=args.quiet, command=_command(args),
+        logs=args.logs, patience=args.patience, quiet=args.quiet, command=_command(args),
     )  # fmt: skip
-    report = {"model": str(args.out), **job.train(dataset, args.out, settings)}
+    report = {"model": str(args.out), **job.train(datasets if args.job in SEVERAL else datasets[0], args.out, settings)}
     report["seconds"] = round(time.perf_counter() - start, 1)
     if args.json:
         print(json.dumps(report, ensure_ascii=False))
@@ -76,21 +82,21 @@ def run(args: argparse.Namespace) -> int:
 
 def _command(args: argparse.Namespace) -> str:
     """The command that makes this model again, wherever the dataset lies."""
-    words = ["unisg", "train", args.job, "--data", args.data[0].name, "--out", args.out.name]
-    for name in ("form", "epochs", "seed"):
+    words = ["unisg", "train", args.job, "--data", *(path.name for path in args.data), "--out", args.out.name]
+    for name in ("form", "epochs", "seed", "patience"):
         if getattr(args, name) is not None:
             words += [f"--{name}", str(getattr(args, name))]
     return shlex.join([*words, *(["--paper"] if args.paper else [])])
 
 
 def _check(args: argparse.Namespace) -> None:
-    if len(args.data) > 1:
+    if len(args.data) > 1 and args.job not in SEVERAL:
         raise UniSGError(f"'train {args.job}' takes one dataset, not {len(args.data)}")
     if args.out.suffix != ".onnx":
         raise UniSGError(f"--out must end in .onnx, not {args.out.name!r}")
     if not args.out.parent.is_dir():
         raise UniSGError(f"there is no folder {args.out.parent} to write the model to")
-    for name in ("epochs", "devices", "nodes"):
+    for name in ("epochs", "devices", "nodes", "patience"):
         value = getattr(args, name)
         if value is not None and value < 1:
             raise UniSGError(f"--{name} must be at least 1, not {value}")

@@ -12,10 +12,11 @@ from typing import Any
 
 import pytorch_lightning as lightning
 import torch
-from pytorch_lightning.callbacks import Callback, ModelCheckpoint, TQDMProgressBar
-from pytorch_lightning.loggers import CSVLogger
+from pytorch_lightning.callbacks import Callback, EarlyStopping, ModelCheckpoint, TQDMProgressBar
+from pytorch_lightning.loggers import CSVLogger, TensorBoardLogger
 from torch import Tensor, nn
-from torch.utils.data import DataLoader
+from torch.utils.data import DataLoader, Dataset
+from torch.utils.data.distributed import DistributedSampler
 
 from ..errors import UniSGError
 from .settings import Settings
@@ -51,8 +52,9 @@ class _Task(lightning.LightningModule):
         terms = self.terms(self.network, batch)
         for name, value in terms.items():
             self.log(
-                f"{stage}_{name}", value.detach(), on_step=False, on_epoch=True, prog_bar=name == "loss", batch_size=1
-            )
+                f"{stage}_{name}", value.detach(), on_step=False, on_epoch=True, prog_bar=name == "loss", batch_size=1,
+                sync_dist=self.trainer.world_size > 1,
+            )  # fmt: skip
         return terms["loss"]
 
     def on_load_checkpoint(self, checkpoint: dict[str, Any]) -> None:
@@ -79,6 +81,20 @@ class _BestLosses(Callback):
         self.last = {name: float(value) for name, value in trainer.callback_metrics.items()}
 
 
+def loader(
+    items: Dataset[Any], batch: int, settings: Settings, shuffle: bool, collate: Callable[[Any], Any] | None = None
+) -> DataLoader[Any]:
+    """Batches of ``batch`` items in all, however many processes share them.
+
+    Several processes together see in each step what one process would see, so that their losses agree.
+    """
+    processes = settings.devices * settings.nodes
+    alone = shuffle and processes == 1
+    sampler = DistributedSampler(items, 1, 0, shuffle=True, seed=settings.seed) if alone else None
+    size = max(1, batch // processes)
+    return DataLoader(items, size, shuffle=shuffle and not alone, sampler=sampler, collate_fn=collate)
+
+
 def fit(
     network: nn.Module,
     terms: Terms,
@@ -89,9 +105,10 @@ def fit(
 ) -> dict[str, float]:
     """Train a network in place.
 
-    Checkpoints and ``metrics.csv`` go to ``settings.logs``; an interrupted training
+    Checkpoints, ``metrics.csv`` and, in ``tensorboard``, event files go to ``settings.logs``; an interrupted training
     goes on from its last checkpoint when it is called again with the same folder.
-    Same seed, same result on the same machine.
+    Same seed, same result on the same machine. With several processes only the first one
+    returns: the others end when the training does.
 
     Returns
     -------
@@ -120,6 +137,9 @@ def _fit(
     best = ModelCheckpoint(folder, filename="best", monitor="val_loss", enable_version_counter=False)
     latest = ModelCheckpoint(folder, filename="last", enable_version_counter=False)
     losses = _BestLosses()
+    extra: list[Callback] = [] if quiet else [TQDMProgressBar(refresh_rate=5)]
+    if settings.patience is not None:
+        extra.append(EarlyStopping("val_loss", patience=settings.patience))
     trainer = lightning.Trainer(
         max_epochs=schedule.epochs,
         accelerator="cpu",
@@ -127,8 +147,8 @@ def _fit(
         num_nodes=schedule.nodes,
         gradient_clip_val=schedule.clip,
         deterministic=True,
-        callbacks=[best, latest, losses, *([] if quiet else [TQDMProgressBar(refresh_rate=5)])],
-        logger=CSVLogger(folder, name="", version=""),
+        callbacks=[best, latest, losses, *extra],
+        logger=[CSVLogger(folder, name="", version=""), TensorBoardLogger(folder, name="", version="tensorboard")],
         enable_progress_bar=not quiet,
         enable_model_summary=False,
         num_sanity_val_steps=0,
@@ -138,6 +158,11 @@ def _fit(
     last = folder / "last.ckpt"
     task = _Task(network, terms, schedule)
     trainer.fit(task, train, val, ckpt_path=str(last) if last.is_file() else None)
+    if trainer.global_rank:
+        raise SystemExit(0)
+    if settings.patience is not None:
+        state = torch.load(best.best_model_path, weights_only=False)["state_dict"]
+        network.load_state_dict({name.removeprefix("network."): value for name, value in state.items()})
     network.eval()
     return losses.last
 

@@ -12,7 +12,8 @@ class Settings:
     """Choices that the command line offers; None leaves a choice to the job.
 
     ``logs`` is a folder that keeps checkpoints and metrics: a second run with the
-    same folder goes on where the first stopped.
+    same folder goes on where the first stopped. After ``patience`` epochs without a
+    better validation loss the training ends, with the best weights.
     """
 
     form: str | None = None
@@ -22,6 +23,7 @@ class Settings:
     devices: int = 1
     nodes: int = 1
     logs: Path | None = None
+    patience: int | None = None
     quiet: bool = False
     command: str = ""
 

@@ -97,7 +97,7 @@ def _random_poses(settings: Mapping[str, Any], count: int, seed: tuple[int, int]
     poses = np.tile(np.eye(4), (count, 1, 1))
     turn = Rotation.random(count, random_state=int(rng.integers(2**31)))
     if settings["poses"] == "yaw":
-        turn = Rotation.from_euler("z", rng.uniform(-np.pi, np.pi, count))
+        turn = Rotation.from_rotvec(np.outer(rng.uniform(-np.pi, np.pi, count), [0, 0, 1]))
     poses[:, :3, :3] = turn.as_matrix()
     poses[:, :3, 3] = rng.normal(0, TRANSLATION[settings["translation"]], (count, 3))
     return poses
