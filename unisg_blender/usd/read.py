@@ -16,6 +16,7 @@ from ..scene.graph import SceneGraph
 from ..scene.identity import resolve_uids
 from . import schema
 from .elements import is_elements, read_elements
+from .losses import tell_losses
 from .names import true_name
 from .read_behaviour import read_entries
 from .read_components import read_components
@@ -83,6 +84,7 @@ def read_graph(tops: list[Any], reader: Reader, title: str, holder: Any = None, 
     stage does not show by itself, as prototypes.
     """
     found = find_entities(tops, nested)
+    tell_losses(found)
     entries = read_entries(found, ticks(len(found.prim), None if nested else reader.progress))
     uids = resolve_uids([entry.stored.uid for entry in entries], [entry.name for entry in entries])
     frames = read_transforms(found, reader.frame)

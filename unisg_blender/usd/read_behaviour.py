@@ -106,7 +106,9 @@ def _custom_values(prim: Any, authored: Sequence[str]) -> dict[str, Any]:
         else:
             key = name
         value = plain(prim.GetAttribute(name).Get())
-        if value is not None:
+        if value is None:
+            warnings.warn(f"{prim.GetPath()}: {name} has no value that can be kept", stacklevel=2)
+        else:
             values[key] = value
     return values
 

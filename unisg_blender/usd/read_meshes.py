@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Sequence
 from typing import Any
 
@@ -11,6 +12,7 @@ from pxr import Usd, UsdGeom, UsdShade
 
 from ..scene.mesh import Material, Mesh
 from . import schema
+from .losses import material_losses
 from .names import true_name
 from .read_materials import read_material
 from .read_topology import Topology, read_topology
@@ -107,6 +109,8 @@ class MeshShelf:
                 name, number = f"{base}.{number:03d}", number + 1
             self._material_names[path] = name
             self.materials[name] = read_material(name, material)
+            for text in material_losses(material):
+                warnings.warn(f"{path}: {text}", stacklevel=2)
         return self._material_names[path]
 
 

@@ -12,6 +12,7 @@ from pxr import Usd, UsdGeom
 
 from . import schema
 
+UV_TYPES = frozenset(("texCoord2f[]", "texCoord2d[]", "texCoord2h[]", "float2[]"))
 NOW = Usd.TimeCode.EarliestTime()
 
 
@@ -92,7 +93,7 @@ def _read_normals(mesh: Any, corners: NDArray[np.int32], offsets: NDArray[np.int
 def _read_uvs(prim: Any, corners: NDArray[np.int32], offsets: NDArray[np.int32]) -> dict[str, NDArray[np.float32]]:
     uvs = {}
     for primvar in UsdGeom.PrimvarsAPI(prim).GetPrimvarsWithAuthoredValues():
-        if str(primvar.GetTypeName()) not in ("texCoord2f[]", "texCoord2d[]", "texCoord2h[]", "float2[]"):
+        if str(primvar.GetTypeName()) not in UV_TYPES:
             continue
         values = _on_corners(_primvar_values(primvar, 2), primvar.GetInterpolation(), corners, offsets)
         if values is not None:

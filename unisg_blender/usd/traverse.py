@@ -29,7 +29,10 @@ _KINDS = (
 
 @dataclass
 class Entities:
-    """Prims that become entities, parents first; ``parent`` holds positions in these lists, -1 for roots."""
+    """Prims that become entities, parents first; ``parent`` holds positions in these lists, -1 for roots.
+
+    ``left_out``: prims that were passed over with all below them, and why.
+    """
 
     prim: list[Any] = field(default_factory=list)
     shape: list[Any] = field(default_factory=list)
@@ -37,6 +40,7 @@ class Entities:
     parent: list[int] = field(default_factory=list)
     instances: list[tuple[int, Any]] = field(default_factory=list)
     hidden: list[bool] = field(default_factory=list)
+    left_out: list[tuple[Any, str]] = field(default_factory=list)
 
 
 def find_entities(tops: Iterable[Any], nested: bool = False) -> Entities:
@@ -64,7 +68,10 @@ def find_entities(tops: Iterable[Any], nested: bool = False) -> Entities:
             kind = kinds.get(name) or kinds.setdefault(name, _kind(prim))
             path = prim.GetPath()
             above = rows.get(path.GetParentPath(), -1)
-            if kind == "SKIP" or _is_own_scope(prim, kind) or _purpose(prim) in ("guide", "proxy"):
+            purpose = "" if kind == "SKIP" else _purpose(prim)
+            if kind == "SKIP" or _is_own_scope(prim, kind) or purpose in ("guide", "proxy"):
+                if not _is_own_scope(prim, kind):
+                    found.left_out.append((prim, f"{prim.GetTypeName() if kind == 'SKIP' else purpose} is left out"))
                 walk.PruneChildren()
                 continue
             if kind == "INSTANCER" or (prim.IsInstance() and prim.HasAttribute(schema.SOURCE)):
@@ -131,7 +138,7 @@ def _merged(found: Entities) -> Entities:
         if row not in dropped and found.parent[row] >= 0:
             kept_children[found.parent[row]] += 1
     place = {-1: -1}
-    merged = Entities()
+    merged = Entities(left_out=found.left_out)
     for row in range(count):
         if row in dropped:
             continue
