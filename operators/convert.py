@@ -1,4 +1,4 @@
-"""Save the scene as a USD master file, or as .blend or .json, through the scenegraph."""
+"""The scene as a file through the scenegraph, and a USD master file as a scene."""
 
 from __future__ import annotations
 
@@ -6,11 +6,12 @@ from pathlib import Path
 
 import bpy
 
-ENDINGS = (".usda", ".usdc", ".usdz", ".usd", ".json", ".blend")
+ENDINGS = (".usda", ".usdc", ".usdz", ".usd", ".json")
+USD = ENDINGS[:4]
 
 
 class UNISG_OT_convert(bpy.types.Operator):
-    """Save the scene through the scenegraph as .usda, .usdc, .usdz, .json or .blend; the ending says which"""
+    """Save the scene through the scenegraph: as a USD master file (.usda, .usdc, .usdz) or as .json"""
 
     bl_idname = "unisg.convert"
     bl_label = "Convert Scene"
@@ -18,32 +19,85 @@ class UNISG_OT_convert(bpy.types.Operator):
 
     filepath: bpy.props.StringProperty(name="File", subtype="FILE_PATH", default="//scene.usdc")
     filter_glob: bpy.props.StringProperty(default=";".join(f"*{ending}" for ending in ENDINGS), options={"HIDDEN"})
+    animation: bpy.props.BoolProperty(
+        name="Animation", description="Step through the scene's frames and keep how its objects move", default=True
+    )
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         context.window_manager.fileselect_add(self)
         return {"RUNNING_MODAL"}
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        from ..unisg_blender.blender import ReadReport, read_scene, save_blend
+        from ..unisg_blender.blender import ReadReport, read_scene
         from ..unisg_blender.commands.scene_files import write_scene_file
         from ..unisg_blender.errors import UniSGError
 
         path = Path(bpy.path.abspath(self.filepath))
-        report = ReadReport()
+        report, manager = ReadReport(), context.window_manager
+        manager.progress_begin(0, 1)
         try:
+            if path.suffix.lower() == ".blend":
+                raise UniSGError("what is open is a .blend already: File > Save a Copy; here a file ends in .usdc, ...")
             if path.suffix.lower() not in ENDINGS:
                 raise UniSGError(f"a converted scene ends in {', '.join(ENDINGS)}")
-            if path.suffix.lower() == ".blend":
-                save_blend(path)  # what is open, as it is: nothing of the user's is replaced
-            else:
-                write_scene_file(read_scene(context.scene, report=report), path)
+            graph = read_scene(context.scene, animation=self.animation, report=report)
+            write_scene_file(graph, path, lambda done, total: manager.progress_update(done / total))
         except UniSGError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
+        finally:
+            manager.progress_end()
         if len(report):
             self.report({"WARNING"}, f"Not represented: {report.summary()}")
         self.report({"INFO"}, f"Saved {path.name}")
         return {"FINISHED"}
 
 
-CLASSES = (UNISG_OT_convert,)
+class UNISG_OT_open_master_file(bpy.types.Operator):
+    """Open a USD file, a master file or any other, in a scene of its own, behaviour and relations included"""
+
+    bl_idname = "unisg.open_master_file"
+    bl_label = "Open Master File"
+    bl_options = {"REGISTER", "UNDO"}
+
+    filepath: bpy.props.StringProperty(name="File", subtype="FILE_PATH")
+    filter_glob: bpy.props.StringProperty(default=";".join(f"*{ending}" for ending in USD), options={"HIDDEN"})
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        from ..unisg_blender.usd.library import missing_pxr
+
+        if reason := missing_pxr():
+            cls.poll_message_set(reason)
+        return not reason
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        context.window_manager.fileselect_add(self)
+        return {"RUNNING_MODAL"}
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        from ..unisg_blender.blender import ReadReport, write_scene
+        from ..unisg_blender.commands.scene_files import read_scene_file
+        from ..unisg_blender.errors import UniSGError
+
+        path = Path(bpy.path.abspath(self.filepath))
+        report = ReadReport()
+        try:
+            if path.suffix.lower() not in USD:
+                raise UniSGError(f"a master file ends in {', '.join(USD)}")
+            graph, lost = read_scene_file(path)
+            scene = write_scene(graph, report=report)
+        except UniSGError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        if context.window is not None:
+            context.window.scene = scene
+        for line in lost:
+            report.add("", line)
+        if len(report):
+            self.report({"WARNING"}, f"Not represented: {report.summary()}")
+        self.report({"INFO"}, f"{len(graph)} entities in the scene {scene.name!r}")
+        return {"FINISHED"}
+
+
+CLASSES = (UNISG_OT_convert, UNISG_OT_open_master_file)

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 import bpy
 
 from ..errors import UniSGError
+from ..scene import components
 from ..scene.components import INSTANCES, MATERIALS
 from ..scene.graph import SceneGraph
 from .animation import write_animation
@@ -23,6 +24,13 @@ from .write_meshes import check_mesh
 from .write_properties import write_properties
 
 Objects = dict[int, bpy.types.Object]
+KEPT = frozenset((
+    components.ACTIONS, components.LSA, components.RELATIONS, components.PROPERTIES, components.WORLD,
+    components.PARENTING, components.CHANNELS, components.COLLECTIONS, components.VISIBILITY, components.MATERIALS,
+    components.CAMERA, components.LIGHT, components.BONES, components.EMPTY, components.INSTANCES,
+    components.ANIMATION,
+))  # fmt: skip
+"""Components that Blender has a place for."""
 
 
 @dataclass
@@ -112,6 +120,8 @@ def write_rows(
     check_graph(graph, rows)
     standing = _standing_objects(graph, rows, scene)
     writer = Writer(ReadReport() if report is None else report)
+    for name in sorted(set(graph.components) - KEPT):
+        writer.report.add("", f"the component {name!r} has no place in Blender")
     _share_meshes(graph, standing, writer)
     place = Place(scene.collection, collection or scene.collection, scene)
     return write_objects(graph, rows, standing, place, writer)

@@ -1,0 +1,86 @@
+"""Saving the open scene as a master file and opening one, by the operators that the panel calls."""
+
+from __future__ import annotations
+
+import importlib
+import sys
+import types
+from pathlib import Path
+
+import bpy
+import pytest
+
+from tests.blender.helpers import add, assert_same_scene, box
+from unisg_blender.blender import read_scene
+from unisg_blender.usd.library import missing_pxr
+
+ROOT = Path(__file__).resolve().parents[2]
+NEEDS_USD = pytest.mark.skipif(bool(missing_pxr()), reason="this Blender offers no USD to Python")
+
+
+@pytest.fixture(scope="module", autouse=True)
+def extension():
+    """The operators, registered as Blender would."""
+    package = types.ModuleType("unisg_convert")
+    package.__path__ = [str(ROOT)]
+    sys.modules["unisg_convert"] = package
+    module = importlib.import_module("unisg_convert.operators.convert")
+    registration = importlib.import_module("unisg_convert.operators.registration")
+    registration.register_modules((module,))
+    yield
+    registration.unregister_modules((module,))
+
+
+def moving_room() -> None:
+    table = add("Table", box())
+    table["unisg_category"], table["unisg_uid"] = "Table", "t"
+    cup = add("Cup", box("Small", 0.1), table)
+    for frame, x in ((1, 0.0), (5, 2.0)):
+        cup.location.x = x
+        cup.keyframe_insert("location", frame=frame)
+    bpy.context.scene.frame_start, bpy.context.scene.frame_end = 1, 5
+    bpy.context.scene.frame_set(1)
+
+
+@NEEDS_USD
+def test_saved_and_opened_again(tmp_path: Path) -> None:
+    moving_room()
+    before = read_scene()
+    assert bpy.ops.unisg.convert(filepath=str(tmp_path / "room.usdc")) == {"FINISHED"}
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    assert bpy.ops.unisg.open_master_file(filepath=str(tmp_path / "room.usdc")) == {"FINISHED"}
+    scene = bpy.data.scenes["Scene.001"]
+    assert_same_scene(before, read_scene(scene))
+    assert read_scene(scene, animation=True).components["animation"].rows.tolist() == [1]
+    assert not bpy.data.scenes["Scene"].objects
+
+
+@NEEDS_USD
+def test_without_animation(tmp_path: Path) -> None:
+    moving_room()
+    bpy.ops.unisg.convert(filepath=str(tmp_path / "room.usda"), animation=False)
+    assert "timeSamples" not in (tmp_path / "room.usda").read_text()
+
+
+def test_json(tmp_path: Path) -> None:
+    moving_room()
+    bpy.ops.unisg.convert(filepath=str(tmp_path / "room.json"))
+    assert '"Cup"' in (tmp_path / "room.json").read_text()
+
+
+@pytest.mark.parametrize(
+    ("name", "reason"), [("room.blend", "Save a Copy"), ("room.txt", "ends in"), ("no/r.json", "")]
+)
+def test_refused_in_one_line(tmp_path: Path, name: str, reason: str) -> None:
+    moving_room()
+    with pytest.raises(RuntimeError, match=reason):
+        bpy.ops.unisg.convert(filepath=str(tmp_path / name))
+    assert list(tmp_path.iterdir()) == []
+
+
+@NEEDS_USD
+def test_a_damaged_file_changes_nothing(tmp_path: Path) -> None:
+    (tmp_path / "bad.usda").write_text("#usda 1.0\ndef {")
+    with pytest.raises(RuntimeError, match="not a readable USD file"):
+        bpy.ops.unisg.open_master_file(filepath=str(tmp_path / "bad.usda"))
+    assert len(bpy.data.scenes) == 1
