@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..dataset.assets import Asset
-from ..scene import ActionData, Material, Mesh, SceneGraph, Table, canonical, table, world_matrices
+from ..scene import Material, Mesh, SceneGraph, Table, canonical, table, world_matrices
 from ..scene.assemble import index_categories
 from ..scene.identity import derived_uid, new_uid
 
@@ -69,7 +69,7 @@ def extend(graph: SceneGraph, additions: Sequence[Addition], names: Names, make_
     """The scenegraph with the additions; rows are in canonical order again.
 
     Children in the hierarchy get ``local`` relative to their parent's world matrix.
-    ActionData of an asset is kept where what it is about is in the scene.
+    Actions of an asset stay behind: they are about things of another scene (see :mod:`.behaviour`).
     """
     if not additions:
         return graph
@@ -82,7 +82,7 @@ def extend(graph: SceneGraph, additions: Sequence[Addition], names: Names, make_
             local = np.linalg.solve(world[addition.parent], addition.world)
         world[addition.uid] = addition.world
         grown.add(addition, local, names, make_uid)
-    return canonical(_with_actions(_with_relations(grown.build(), additions), additions))
+    return canonical(_with_relations(grown.build(), additions))
 
 
 class _Growing:
@@ -172,48 +172,8 @@ def _with_relations(graph: SceneGraph, additions: Sequence[Addition]) -> SceneGr
     return graph.with_component("relations", _joined(graph.components.get("relations"), added))
 
 
-def _with_actions(graph: SceneGraph, additions: Sequence[Addition]) -> SceneGraph:
-    """Give the additions the actions of their assets, about the nearest things of the same categories."""
-    world = world_matrices(graph)[:, :3, 3]
-    names = np.array([graph.category_name(row) for row in range(len(graph))])
-    rows, data = [], []
-    for addition in additions:
-        found = addition.asset.graph.components.get("actions")
-        if found is None:
-            continue
-        row = graph.row_of_uid[addition.uid]
-        moved = {uid: addition.uid for uid in addition.asset.graph.uid[:1]}
-        for uid, category in addition.asset.targets.items():
-            near = np.flatnonzero(names == category)
-            if uid not in moved and len(near):
-                moved[uid] = graph.uid[near[((world[near] - world[row]) ** 2).sum(axis=1).argmin()]]
-        for action in found.columns["data"]:
-            if (own := retarget(action, addition.uid, moved)) is not None:
-                rows.append(row)
-                data.append(own)
-    if not rows:
-        return graph
-    added = table(rows, data=data)
-    return graph.with_component("actions", _joined(graph.components.get("actions"), added))
-
-
 def _joined(before: Table | None, added: Table) -> Table:
     """Two tables of the same columns as one."""
     whole = added if before is None else _append(before, [(0, added)])
     order = np.argsort(whole.rows, kind="stable")
     return Table(whole.rows[order], {name: column[order] for name, column in whole.columns.items()})
-
-
-def retarget(action: ActionData, owner: str, moved: Mapping[str, str]) -> ActionData | None:
-    """The action of a new thing: about ``moved[uid]`` for each uid; None if something it needs is not there."""
-    needed = (*action.targets, *action.tools, *((action.frame,) if action.frame else ()))
-    if action.members or not all(uid in moved for uid in needed):
-        return None
-    return replace(
-        action,
-        uid=derived_uid(action.uid, owner),
-        targets=tuple(moved[uid] for uid in action.targets),
-        tools=tuple(moved[uid] for uid in action.tools),
-        frame=moved.get(action.frame, ""),
-        names={moved[uid]: name for uid, name in action.names.items() if uid in moved},
-    )

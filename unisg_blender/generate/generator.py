@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections import abc
 from collections.abc import Mapping, Sequence
+from functools import cached_property
 
 import numpy as np
 
@@ -13,6 +14,7 @@ from ..errors import UniSGError
 from ..scene import SceneGraph
 from ..scene.outline import FLOOR
 from .anchors import AnchorProposer
+from .behaviour import Chooser, behaviour_path, load_behaviour, with_behaviour
 from .cgvae import CgvaeProposer
 from .contract import Contract
 from .extend import Names, extend, uid_maker
@@ -45,6 +47,12 @@ class Generator:
         """
         return Generator(load_model(path))
 
+    @cached_property
+    def behaviour(self) -> Chooser | None:
+        """What gives new objects their actions; None if there is no behaviour beside the model."""
+        path = behaviour_path(self.model.path)
+        return load_behaviour(path) if path.is_file() else None
+
     @property
     def categories(self) -> tuple[str, ...]:
         """What it can add."""
@@ -58,7 +66,7 @@ class Generator:
 
     def add(
         self, scene: SceneGraph, counts: Mapping[str, int], seed: int | None = None, *, bulk: bool = False,
-        settle: bool = True, assets: Mapping[str, Sequence[Asset]] | None = None,
+        settle: bool = True, assets: Mapping[str, Sequence[Asset]] | None = None, behaviour: bool = True,
     ) -> Generated:  # fmt: skip
         """Add objects to a scene; what is there already stays as it is.
 
@@ -78,13 +86,16 @@ class Generator:
             False takes every first proposal as it is, collisions and all.
         assets
             Shapes to use, by category and in order, instead of drawing them from the scene or beside the model.
+        behaviour
+            Give the new objects actions, and these places in the lesson, as far as a model of behaviour
+            lies beside this one.
 
         Raises
         ------
         UniSGError
             For a category that the model does not know, a number below 1, or nothing to add.
         """
-        steps = self.steps(scene, counts, seed, bulk=bulk, settle=settle, assets=assets)
+        steps = self.steps(scene, counts, seed, bulk=bulk, settle=settle, assets=assets, behaviour=behaviour)
         while True:
             try:
                 next(steps)
@@ -94,7 +105,7 @@ class Generator:
 
     def steps(
         self, scene: SceneGraph, counts: Mapping[str, int], seed: int | None = None, *, bulk: bool = False,
-        settle: bool = True, assets: Mapping[str, Sequence[Asset]] | None = None,
+        settle: bool = True, assets: Mapping[str, Sequence[Asset]] | None = None, behaviour: bool = True,
     ) -> abc.Generator[Placement, None, Generated]:  # fmt: skip
         """As :meth:`add`, object by object: yields each placement, returns the result at the end."""
         _check_counts(counts, self.contract)
@@ -113,6 +124,8 @@ class Generator:
             placements.append(work.place(number, name, names, make_uid, proposals))
             yield placements[-1]
         result = extend(scene, work.additions, names, make_uid)
+        if behaviour and self.behaviour is not None:
+            result, placements = with_behaviour(result, placements, self.behaviour, make_uid)
         rows = np.array([row for row, uid in enumerate(result.uid) if uid not in before], np.int64)
         return Generated(result, rows, tuple(placements))
 

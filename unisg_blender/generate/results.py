@@ -32,7 +32,9 @@ class Placement:
     milliseconds
         Time for this object.
     note
-        What should be known: why it was refused, or which usual support is missing.
+        What should be known: why it was refused, which usual support is missing, which actions could not be made.
+    actions
+        Names of the new actions that it plays in.
     """
 
     category: str
@@ -45,6 +47,7 @@ class Placement:
     searched: bool = False
     milliseconds: float = 0.0
     note: str = ""
+    actions: tuple[str, ...] = ()
 
     @property
     def refused(self) -> bool:
@@ -54,7 +57,8 @@ class Placement:
     def to_record(self) -> dict[str, Any]:
         """JSON-ready."""
         world = None if self.world is None else self.world.round(6).tolist()
-        return {**self.__dict__, "world": world, "refused": self.refused, "milliseconds": round(self.milliseconds, 2)}
+        changed = {"world": world, "actions": list(self.actions), "milliseconds": round(self.milliseconds, 2)}
+        return {**self.__dict__, **changed, "refused": self.refused}
 
 
 @dataclass(frozen=True, eq=False)

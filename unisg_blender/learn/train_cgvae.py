@@ -36,12 +36,14 @@ BATCH, LATENT = 16, 16
 
 
 def train(dataset: Dataset, out: Path, settings: Settings) -> dict[str, Any]:
-    """Train the project's own model, or with ``settings.paper`` the paper's."""
-    if settings.paper:
-        return train_paper(dataset, out, settings)
+    """Train the project's own model, or with ``settings.paper`` the paper's, and the behaviour beside it."""
     from .train_anchors import train as train_anchors
+    from .train_behaviour import train as train_behaviour
 
-    return train_anchors(dataset, out, settings)
+    source = (train_paper if settings.paper else train_anchors)(dataset, out, settings)
+    behaviour = train_behaviour(dataset, out, settings)
+    notes = [*source.get("notes", ()), *behaviour.get("notes", ())]
+    return {**source, "notes": list(dict.fromkeys(notes)), "behaviour": behaviour}
 
 
 def train_paper(dataset: Dataset, out: Path, settings: Settings) -> dict[str, Any]:

@@ -1,0 +1,49 @@
+"""Opens the behaviour beside a generator's model."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...errors import UniSGError
+from ..contract import KEY
+from .kinds import Kinds
+from .network import OUTPUTS, NetworkChooser
+
+
+def load_behaviour(path: Path, threads: int = 1) -> NetworkChooser:
+    """The behaviour of a file that ``unisg train cgvae`` wrote.
+
+    Raises
+    ------
+    UniSGError
+        If the file is missing, no ONNX file, or no model of behaviour that this software knows.
+    """
+    import onnxruntime
+
+    if not path.is_file():
+        raise UniSGError(f"there is no behaviour {path}: 'unisg train cgvae' writes it beside the model")
+    options = onnxruntime.SessionOptions()
+    options.intra_op_num_threads = threads
+    options.log_severity_level = 3
+    try:
+        session = onnxruntime.InferenceSession(str(path), options, providers=["CPUExecutionProvider"])
+    except Exception as error:  # onnxruntime has no common base class for its errors
+        reason = str(error).strip().splitlines()[0][:120]
+        raise UniSGError(f"{path} is no ONNX model that can be run ({reason}): give another file") from None
+    text = session.get_modelmeta().custom_metadata_map.get(KEY)
+    if text is None:
+        raise UniSGError(f"{path} is an ONNX model of another kind: it has no UniSG metadata; use 'unisg train'")
+
+    names = {item.name for item in session.get_inputs()}
+
+    def run(inputs: dict[str, NDArray[Any]]) -> list[NDArray[np.float32]]:
+        found: list[NDArray[np.float32]] = session.run(
+            list(OUTPUTS), {name: array for name, array in inputs.items() if name in names}
+        )
+        return found
+
+    return NetworkChooser(Kinds.from_json(text, path), run)

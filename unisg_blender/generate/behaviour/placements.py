@@ -1,0 +1,25 @@
+"""Gives the objects that a generator has placed their behaviour, and says so in what it answers."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from ...scene import SceneGraph
+from ..results import Placement
+from .add import add_behaviour
+from .choice import Chooser
+from .lesson import UidMaker
+
+
+def with_behaviour(
+    graph: SceneGraph, placements: Sequence[Placement], chooser: Chooser, make_uid: UidMaker
+) -> tuple[SceneGraph, list[Placement]]:
+    """The scene with actions of the new objects, and the placements with the actions' names and with notes."""
+    made = add_behaviour(graph, [item.uid for item in placements if item.uid], chooser, make_uid)
+
+    def told(item: Placement) -> Placement:
+        notes = [note for note in (item.note, *made.notes.get(item.uid, ())) if note]
+        return replace(item, actions=tuple(made.actions.get(item.uid, ())), note="; ".join(notes))
+
+    return made.scene, [told(item) if item.uid else item for item in placements]

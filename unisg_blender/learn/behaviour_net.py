@@ -1,0 +1,198 @@
+"""The network of behaviour: things and actions as nodes of a graph; which action comes next, and who plays in it.
+
+Things (category, whether something is wanted for them, how they are held) and the
+actions that there are (kind, stage, place) exchange messages along who plays what
+in which action, who holds whom, and among things of one category. For each kind
+of action the network then says whether one more is to be made, points to its
+target, from there to its tool and frame, and to the leaf behind which it goes.
+Nothing depends on the order of things or actions, and only distances between
+things count, so that moving or turning the room changes nothing.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import torch
+from torch import Tensor, nn
+
+RELATIONS = 4
+PAIR_FEATURES = 6
+FAR = -1e4
+
+
+@dataclass(frozen=True)
+class BehaviourSizes:
+    """Number of known categories, kinds and stages, and the widths of the layers."""
+
+    categories: int
+    kinds: int
+    stages: int
+    embedding: int = 24
+    width: int = 48
+    layers: int = 2
+
+
+class Seen(NamedTuple):
+    """Things (B, E, width) and actions (B, A, width) after all messages, who may play what (B, K, 3, E), and the
+    logits (B, K) of one more action."""
+
+    things: Tensor
+    acts: Tensor
+    able: Tensor
+    wanted: Tensor
+
+
+class BehaviourNet(nn.Module):
+    """:meth:`forward` is what the exported model computes.
+
+    ``allowed`` bool (K, 3, C + 1) says which categories may play target, tool and frame of each kind; where a kind
+    has no such part, none.
+    """
+
+    allowed: Tensor
+
+    def __init__(self, sizes: BehaviourSizes, allowed: Tensor) -> None:
+        super().__init__()
+        self.sizes = sizes
+        self.register_buffer("allowed", allowed.float())
+        width, embedding = sizes.width, sizes.embedding
+        self.category = nn.Embedding(sizes.categories + 1, embedding)
+        self.kind = nn.Embedding(sizes.kinds + 1, embedding)
+        self.stage = nn.Embedding(sizes.stages + 1, embedding)
+        self.thing = nn.Linear(embedding + 1 + RELATIONS, width)
+        self.act = nn.Linear(2 * embedding + 1, width)
+        self.layers = nn.ModuleList(_Exchange(width) for _ in range(sizes.layers))
+        self.query = nn.Linear(embedding, 4 * width)
+        self.pair = nn.Linear(embedding, 2 * PAIR_FEATURES)
+        self.begin = nn.Linear(embedding, width)
+        self.wanted = nn.Sequential(nn.Linear(embedding + 2 * width + 4, width), nn.GELU(), nn.Linear(width, 1))
+
+    def forward(
+        self, category: Tensor, new: Tensor, relation: Tensor, holds: Tensor, place: Tensor, mask: Tensor,
+        kind: Tensor, stage: Tensor, order: Tensor, plays: Tensor, act_mask: Tensor,
+    ) -> tuple[Tensor, Tensor, Tensor, Tensor, Tensor]:  # fmt: skip
+        """Scores for B scenes of E things and A actions.
+
+        Parameters
+        ----------
+        category, new, relation, place, mask
+            int64 (B, E), (B, E), int64 (B, E), (B, E, 3) metres, (B, E).
+        holds
+            (B, E, E): 1 where the second thing holds the first.
+        kind, stage, order, act_mask
+            int64 (B, A), int64 (B, A), (B, A) place of the leaf in its stage (negative for none), (B, A).
+        plays
+            (B, A, 3, E): 1 where the thing is the action's target, tool or frame.
+
+        Returns
+        -------
+        Logits (B, K) of one more action of each kind; log probabilities of targets (B, K, E), of tools
+        and frames (B, K, E, E) by target; scores (B, K, A + S) of the leaf, or beginning of a stage, that it follows.
+        """
+        seen = self.encode(category, new, relation, holds, place, mask, kind, stage, order, plays, act_mask)
+        every = torch.arange(self.sizes.kinds)
+        features = _pair_features(place, holds).unsqueeze(1)
+        tool, frame = (
+            _log_softmax(
+                (self.asked(slot)[every] @ seen.things.transpose(1, 2)).unsqueeze(2)
+                + (features * self.pair_weights(slot)[every].view(1, -1, 1, 1, PAIR_FEATURES)).sum(-1),
+                seen.able[:, :, slot].unsqueeze(2),
+            )
+            for slot in (1, 2)
+        )
+        return seen.wanted, self.targets(seen), tool, frame, self.followed(seen.acts)
+
+    def encode(
+        self, category: Tensor, new: Tensor, relation: Tensor, holds: Tensor, place: Tensor, mask: Tensor,
+        kind: Tensor, stage: Tensor, order: Tensor, plays: Tensor, act_mask: Tensor,
+    ) -> Seen:  # fmt: skip
+        """Things and actions after all messages; parameters as of :meth:`forward`."""
+        one_hot = nn.functional.one_hot(relation, RELATIONS).float()
+        things = self.thing(torch.cat([self.category(category), new.unsqueeze(-1), one_hot], -1)) * mask.unsqueeze(-1)
+        last = (order / 8).clamp(-1, 4).unsqueeze(-1)
+        acts = self.act(torch.cat([self.kind(kind), self.stage(stage), last], -1)) * act_mask.unsqueeze(-1)
+        same = (category.unsqueeze(2) == category.unsqueeze(1)).float() * mask.unsqueeze(1)
+        for layer in self.layers:
+            things, acts = layer(things, acts, plays, holds, same, mask, act_mask)
+        able = self.allowed[:, :, category].permute(2, 0, 1, 3) * mask[:, None, None]
+        return Seen(things, acts, able, self._wanted(things, new, able, kind, act_mask))
+
+    def asked(self, slot: int) -> Tensor:
+        """What each kind looks for in its target (0), tool (1), frame (2) and in the leaf before it (3), (K, width)."""
+        return self.query(self.kind.weight[:-1]).chunk(4, dim=-1)[slot] / self.sizes.width**0.5
+
+    def pair_weights(self, slot: int) -> Tensor:
+        """What closeness to the target means for each kind's tool (1) or frame (2), (K, PAIR_FEATURES)."""
+        return self.pair(self.kind.weight[:-1]).chunk(2, dim=-1)[slot - 1]
+
+    def targets(self, seen: Seen) -> Tensor:
+        """Log probabilities (B, K, E)."""
+        return _log_softmax(self.asked(0) @ seen.things.transpose(1, 2), seen.able[:, :, 0])
+
+    def partners(self, seen: Seen, place: Tensor, holds: Tensor, rows: Tensor, slot: int) -> Tensor:
+        """Log probabilities (M, E) of tools (1) or frames (2) for ``rows`` (M, 3): scene, kind and target."""
+        scene, kind, target = rows.unbind(1)
+        features = _pair_features(place, holds)[scene, target]
+        base = (self.asked(slot)[kind].unsqueeze(1) @ seen.things[scene].transpose(1, 2)).squeeze(1)
+        apart = (features * self.pair_weights(slot)[kind].unsqueeze(1)).sum(-1)
+        return _log_softmax(base + apart, seen.able[scene, kind, slot])
+
+    def followed(self, acts: Tensor) -> Tensor:
+        """Scores (B, K, A + S) of the leaf of an act, or beginning of a stage, that a kind's new leaf follows."""
+        starts = self.begin(self.stage.weight[:-1]).expand(len(acts), -1, -1)
+        return self.asked(3) @ torch.cat([acts, starts], 1).transpose(1, 2)
+
+    def _wanted(self, things: Tensor, new: Tensor, able: Tensor, kind: Tensor, act_mask: Tensor) -> Tensor:
+        """From what is new and may play in the kind, all that may, and how many actions of the kind there are."""
+        kinds = self.kind.weight[:-1]
+        some = able.amax(2)
+        fresh = some * new.unsqueeze(1)
+        number = torch.arange(len(kinds)).view(1, -1, 1)
+        there = ((kind.unsqueeze(1) == number).float() * act_mask.unsqueeze(1)).sum(-1)
+        pooled = [weight @ things / weight.sum(-1, keepdim=True).clamp(min=1) for weight in (fresh, some)]
+        counts = torch.stack([there.clamp(max=8), (there > 0).float(), fresh.sum(-1).log1p(), some.sum(-1).log1p()], -1)
+        own = kinds.expand(len(things), -1, -1)
+        return self.wanted(torch.cat([own, *pooled, counts], -1)).squeeze(-1)
+
+
+class _Exchange(nn.Module):
+    """One round of messages."""
+
+    def __init__(self, width: int) -> None:
+        super().__init__()
+        self.to_act = nn.Linear(3 * width, width)
+        self.of_act = nn.Linear(width, 3 * width)
+        self.act = nn.Sequential(nn.LayerNorm(2 * width), nn.Linear(2 * width, width), nn.GELU())
+        self.thing = nn.Sequential(
+            nn.LayerNorm(6 * width), nn.Linear(6 * width, 2 * width), nn.GELU(), nn.Linear(2 * width, width)
+        )
+
+    def forward(
+        self, things: Tensor, acts: Tensor, plays: Tensor, holds: Tensor, same: Tensor, mask: Tensor, act_mask: Tensor
+    ) -> tuple[Tensor, Tensor]:
+        cast = (plays @ things.unsqueeze(1)).flatten(2)
+        acts = acts + self.act(torch.cat([acts, self.to_act(cast)], -1)) * act_mask.unsqueeze(-1)
+        parts = self.of_act(acts).unflatten(-1, (3, -1))
+        from_acts = torch.einsum("base,basw->bew", plays, parts)
+        above = holds @ things
+        below = holds.transpose(1, 2) @ things / holds.sum(1).unsqueeze(-1).clamp(min=1)
+        alike = same @ things / same.sum(-1, keepdim=True).clamp(min=1)
+        room = (things.sum(1, keepdim=True) / mask.sum(1)[:, None, None].clamp(min=1)).expand_as(things)
+        seen = torch.cat([things, from_acts, above, below, alike, room], -1)
+        return things + self.thing(seen) * mask.unsqueeze(-1), acts
+
+
+def _pair_features(place: Tensor, holds: Tensor) -> Tensor:
+    """(B, E, E, PAIR_FEATURES): closeness of two things, and who holds whom."""
+    apart = ((place.unsqueeze(2) - place.unsqueeze(1)) ** 2).sum(-1).add(1e-9).sqrt()
+    sisters = holds @ holds.transpose(1, 2)
+    return torch.stack(
+        [(-apart).exp(), (-apart / 3).exp(), (apart + 0.1).log(), holds, holds.transpose(1, 2), sisters], -1
+    )
+
+
+def _log_softmax(scores: Tensor, able: Tensor) -> Tensor:
+    """Log probabilities among those that are able; far below all others for the rest."""
+    return (scores + (able - 1) * -FAR).log_softmax(-1)
