@@ -215,6 +215,17 @@ def test_what_is_lost_is_told(case: str) -> None:
     assert any(text in line for line in told), told
 
 
+def test_reading_leaves_no_trace() -> None:
+    for make in NEW.values():
+        make()
+    blocks = [*bpy.data.objects, *bpy.data.meshes, *bpy.data.cameras, *bpy.data.lights, *bpy.data.materials]
+    before = [list(block.keys()) for block in blocks]
+    assert losses() == []
+    assert [list(block.keys()) for block in blocks] == before
+    bpy.data.objects["Thing"]["own"] = 1
+    assert losses() == []
+
+
 def scene_with(**settings: object) -> Callable[[], None]:
     return lambda: put(bpy.context.scene, **settings)
 

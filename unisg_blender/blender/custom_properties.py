@@ -17,11 +17,33 @@ def custom_properties(owner: bpy.types.ID) -> dict[str, Any]:
     ``{"id": type, "name": name}``. Values that have no such form are left out.
     """
     values = {}
-    for key in owner.keys():  # noqa: SIM118  an ID is no mapping
+    for key in property_names(owner):
         value = _plain(owner[key])
         if value is not None and key != "_RNA_UI":
             values[key] = value
     return values
+
+
+def property_names(owner: bpy.types.bpy_struct) -> list[str]:
+    """Names of custom properties; what add-ons keep beside them, in the same place before Blender 5.0, left out."""
+    return [key for key in owner.keys() if not _of_addon(owner, key)]  # noqa: SIM118  an ID is no mapping
+
+
+def addon_settings(owner: bpy.types.ID) -> list[str]:
+    """Names of add-ons' settings that a data-block carries. Asking for those themselves would make them."""
+    if hasattr(owner, "bl_system_properties_get"):
+        stored = owner.bl_system_properties_get()
+        return [] if stored is None else [key for key, value in stored.items() if _is_set(value)]
+    return [key for key, value in owner.items() if _of_addon(owner, key) and _is_set(value)]
+
+
+def _of_addon(owner: bpy.types.bpy_struct, key: str) -> bool:
+    found = owner.bl_rna.properties.get(key)
+    return found is not None and found.is_runtime
+
+
+def _is_set(value: Any) -> bool:
+    return len(value) > 0 if hasattr(value, "__len__") else True
 
 
 def _plain(value: Any) -> Any:

@@ -10,6 +10,7 @@ from collections.abc import Iterator, Sequence
 
 import bpy
 
+from .custom_properties import addon_settings, property_names
 from .folding import HELPER, TYPE
 from .hierarchy import is_evaluated
 from .keyframes import curves_of
@@ -34,7 +35,7 @@ HELD = frozenset((
     "empty_image_offset", "instance_type", "track_axis", "up_axis", "visible_camera", "is_shadow_catcher",
     "active_material_index", "active_shape_key_index",
 ))  # fmt: skip
-GROUPS = ("display", "lineart", "cycles")
+GROUPS = ("display", "lineart")
 TRANSFORMS = ("location", "rotation", "scale", "delta_")
 
 
@@ -128,7 +129,10 @@ def _setting_losses(item: bpy.types.Object, changed: list[str]) -> Iterator[str]
         yield "physics settings are not read"
     if item.asset_data is not None:
         yield "that it is an asset is not kept"
-    if any(_has_limits(item, key) for key in item.keys() if key not in (HELPER, TYPE)):  # noqa: SIM118  no mapping
+    addons = addon_settings(item)
+    if addons:
+        yield f"settings of add-ons are not read: {', '.join(addons)}"
+    if any(_has_limits(item, key) for key in property_names(item) if key not in (HELPER, TYPE)):
         yield "custom properties: limits and descriptions are not read"
 
 

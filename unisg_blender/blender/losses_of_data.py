@@ -10,6 +10,7 @@ from collections.abc import Iterator
 
 import bpy
 
+from .custom_properties import addon_settings, property_names
 from .materials import PLAIN_NODES, surface_inputs
 from .settings import changed_by_row, changed_settings
 
@@ -46,7 +47,10 @@ def data_losses(item: bpy.types.Object, evaluated: bool) -> Iterator[str]:
         changed = changed_settings(data, held)
         if changed:
             yield f"settings of its data that are not read: {', '.join(changed)}"
-    own = [key for key in data.keys() if key not in data.bl_rna.properties]  # noqa: SIM118  no mapping
+    addons = addon_settings(data)
+    if addons:
+        yield f"settings of add-ons in its data are not read: {', '.join(addons)}"
+    own = property_names(data)
     if own:
         yield f"custom properties of its data are not read: {', '.join(own)}"
     moved = getattr(data, "animation_data", None)
@@ -112,7 +116,7 @@ def _armature_losses(item: bpy.types.Object, evaluated: bool) -> Iterator[str]:
         changed |= dict.fromkeys(label for labels in found.values() for label in labels)
     if changed:
         yield f"settings of bones that are not read: {', '.join(changed)}"
-    if any(len(bone.keys()) for part in (item.data.bones, bones) for bone in part):
+    if any(property_names(bone) for part in (item.data.bones, bones) for bone in part):
         yield "custom properties of bones are not read"
 
 
@@ -141,5 +145,5 @@ def material_losses(material: bpy.types.Material) -> Iterator[str]:
     animated = (material.animation_data, None if tree is None else tree.animation_data)
     if any(found is not None and (found.action or found.drivers) for found in animated):
         yield "animation of materials: only its present result is kept"
-    if any(key not in material.bl_rna.properties for key in material.keys()):  # noqa: SIM118  no mapping
+    if property_names(material) or addon_settings(material):
         yield "custom properties of materials are not read"

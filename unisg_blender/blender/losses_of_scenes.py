@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import bpy
 
+from .custom_properties import property_names
 from .report import ReadReport
 from .settings import changed_settings
 
@@ -39,7 +40,7 @@ def _scene_texts(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> lis
         texts.append("the rigid body world is not read")
     if len(scene.keying_sets):
         texts.append("keying sets are not read")
-    own = [key for key in scene.keys() if key not in scene.bl_rna.properties]  # noqa: SIM118  no mapping
+    own = property_names(scene)
     if own:
         texts.append(f"custom properties of the scene are not read: {', '.join(own)}")
     changed = changed_settings(scene, HELD, inner=False)
@@ -73,5 +74,5 @@ def _report_collections(top: bpy.types.LayerCollection, report: ReadReport) -> N
         ]
         if found:
             report.add(collection.name, f"settings of the collection that are not read: {', '.join(found)}")
-        if len(collection.keys()):
+        if property_names(collection):
             report.add(collection.name, "custom properties of the collection are not read")

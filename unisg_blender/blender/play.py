@@ -9,9 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..scene.actions import ActionData
-from ..scene.behaviour import Event, Lesson, PlayState, begin, moment, play, prepare
+from ..scene.behaviour import Event, Input, Lesson, Moment, PlayState, begin, moment, play, prepare
 from ..scene.behaviour.places import operations
 from ..scene.behaviour.progress import OPEN, STATUSES
+from ..scene.behaviour.recorded import new_inputs
 from ..scene.hierarchy import world_matrices
 from .behaviour import FORCE, TRIGGER, world_of
 from .lookup import objects_by_uid
@@ -25,7 +26,9 @@ class Session:
     """A lesson that is being played; knows objects by name and uid, never by themselves.
 
     ``pressed`` are the uids of tools whose trigger is held, ``force`` in newtons goes
-    with them, ``chosen`` the answers ticked so far by uid of the Question.
+    with them, ``chosen`` the answers ticked so far by uid of the Question. ``inputs`` is
+    what the user did besides moving things, ``started`` the clock (``time.monotonic``)
+    at the lesson's time 0.
     """
 
     scene: str
@@ -38,6 +41,9 @@ class Session:
     chosen: dict[str, tuple[int, ...]] = field(default_factory=dict)
     answers: dict[str, tuple[int, ...]] = field(default_factory=dict)
     time: float = 0.0
+    started: float = 0.0
+    inputs: list[Input] = field(default_factory=list)
+    _before: Moment | None = None
 
     def step(self, time: float) -> tuple[Event, ...]:
         """Look at the scene at a time in seconds and play on; what happened comes back."""
@@ -48,10 +54,16 @@ class Session:
         force = {uid: float(item[FORCE]) for uid, item in objects.items() if FORCE in item}
         force |= {uid: self.force for uid in self.lesson.graph.uid if uid not in force}
         now = moment(self.lesson.graph, time, self.world, held, force, self.answers)
-        self.time, self.answers = time, {}
+        self.inputs += new_inputs(self.lesson, self._before, now)
+        self.time, self.answers, self._before = time, {}, now
         self.state, events = play(self.lesson, self.state, now)
         self.events += events
         return events
+
+    def face(self) -> tuple[bytes, ...]:
+        """What the panels show of it: as long as this stays the same, nothing has to be drawn again."""
+        actions = self.state.actions
+        return self.state.status.tobytes(), actions.met.tobytes(), actions.done.tobytes()
 
     def answer(self, uid: str) -> None:
         """Give the answers ticked to a Question."""

@@ -2,36 +2,32 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import Any
+from functools import lru_cache
 
 import bpy
-import numpy as np
-from numpy.typing import NDArray
 
 from ..errors import UniSGError
-from ..poses import FORMS, convert
-from ..poses.motion import PIVOT
-from ..poses.reduction import reduce_keyframes
-from ..scene.components import ANIMATION, RECORDING
-from ..scene.graph import SceneGraph, table
-from .animation import STILL, sample_animation, write_animation
+from ..scene.behaviour import Event, Input, begin, play, prepare, recorder
+from ..scene.behaviour.recorded import later, new_inputs, with_events
+from ..scene.behaviour.recorder import needed_keys
+from ..scene.components import ANIMATION, EVENTS, RECORDING
+from ..scene.graph import SceneGraph
+from ..scene.recording import KEY, Recorded, recorded_from_json, recorded_of, recorded_to_json
+from .animation import sample_animation, write_animation
+from .behaviour import scene_moments, why_fixed
 from .hierarchy import read_hierarchy, updated_depsgraph
 from .lookup import objects_by_uid
 from .read import read_scene
+from .recorded_events import show_events
 from .report import ReadReport
 
+__all__ = [
+    "Recorder", "clear_recording", "needed_keys", "record_playback", "replay", "scene_recording", "store_recording",
+]  # fmt: skip
 
-@dataclass
-class Recorder:
-    """Collects the local matrices of everything that moves; it holds uids and numbers, no Blender objects.
 
-    ``poses`` holds, for every uid that moved, (seconds, local matrix) in order.
-    """
-
-    poses: dict[str, list[tuple[float, NDArray[np.float64]]]] = field(default_factory=dict)
-    _last: dict[str, NDArray[np.float64]] = field(default_factory=dict)
-    _before: float | None = None
+class Recorder(recorder.Recorder):
+    """Looks at a Blender scene; it holds uids and numbers, no Blender objects."""
 
     def sample(self, scene: bpy.types.Scene, seconds: float) -> int:
         """Look at the scene now; returns how many objects have moved since the last look."""
@@ -39,79 +35,86 @@ class Recorder:
         _, depsgraph = updated_depsgraph(scene)
         local = read_hierarchy(scene.objects, items, depsgraph).local
         place = {item: row for row, item in enumerate(items)}
-        moved = 0
-        for uid, item in objects_by_uid(scene).items():
-            pose, last = local[place[item]].copy(), self._last.get(uid)
-            if last is not None and np.abs(pose - last).max() > STILL * max(np.abs(last).max(), 1.0):
-                clip = self.poses.setdefault(uid, [])
-                if self._before is not None and (not clip or clip[-1][0] < self._before):
-                    clip.append((self._before, last))  # it stood still until the last look
-                clip.append((seconds, pose))
-                moved += 1
-            self._last[uid] = pose
-        self._before = seconds
-        return moved
-
-    def recorded(self, graph: SceneGraph, millimetres: float = 0.5, degrees: float = 0.1) -> SceneGraph:
-        """The scenegraph with the component ``recording``; keyframes that others imply are left out.
-
-        ``millimetres`` and ``degrees`` say how far any sample may be off; 0 keeps all.
-        """
-        clips = [(graph.row_of_uid[uid], clip) for uid, clip in self.poses.items() if uid in graph.row_of_uid]
-        times = [np.array([moment for moment, _ in clip]) for _, clip in clips]
-        matrices = [np.array([pose for _, pose in clip]) for _, clip in clips]
-        kept = [needed_keys(*clip, millimetres, degrees) for clip in zip(times, matrices, strict=True)]
-        found = table(
-            [row for row, _ in clips],
-            times=[each[keys] for each, keys in zip(times, kept, strict=True)],
-            matrices=[each[keys] for each, keys in zip(matrices, kept, strict=True)],
-        )
-        return graph.with_component(RECORDING, found)
-
-
-def needed_keys(
-    times: NDArray[np.float64], matrices: NDArray[np.float64], millimetres: float, degrees: float
-) -> NDArray[np.integer]:
-    """Numbers of the samples (T, 4, 4) to keep as linear keyframes; all where size or shear change, too."""
-    form = FORMS["quaternion"]
-    everything = np.arange(len(times))
-    stretch = form.encode(matrices, stretch=True)[:, form.width :]
-    if (
-        len(times) < 3
-        or millimetres <= 0
-        or degrees <= 0
-        or np.ptp(stretch, axis=0).max() > 1e-6 * np.abs(stretch).max()
-    ):
-        return everything
-    return reduce_keyframes(
-        times, form.encode(matrices), millimetres, degrees, "quaternion", interpolate=as_blender_does
-    )[0]
-
-
-def as_blender_does(a: Any, b: Any, fraction: Any, form: str = PIVOT) -> Any:
-    """Between two poses channel by channel, as linear F-curves do it: translation apart, quaternion apart."""
-    first, second = convert(a, form, "quaternion"), convert(b, form, "quaternion")
-    fraction = np.asarray(fraction, np.float64)
-    fraction = fraction.reshape(fraction.shape + (1,) * (first.ndim - fraction.ndim))
-    against = (first[..., 3:] * second[..., 3:]).sum(axis=-1, keepdims=True) < 0
-    second = np.concatenate([second[..., :3], np.where(against, -1.0, 1.0) * second[..., 3:]], axis=-1)
-    between = FORMS["quaternion"].project((1 - fraction) * first + fraction * second)
-    return convert(between, "quaternion", form)
+        found = objects_by_uid(scene)
+        return self.look(tuple(found), local[[place[item] for item in found.values()]], seconds)
 
 
 def record_playback(scene: bpy.types.Scene | None = None) -> SceneGraph:
-    """The scenegraph of a scene with all that moves during its playback as the component ``recording``."""
+    """The scenegraph of a scene with all that moves during its playback as the component ``recording``.
+
+    What a lesson makes of it, if the scene has one that can be played, are its ``events``.
+    """
     scene = scene or bpy.context.scene
-    graph = sample_animation(read_scene(scene), scene)
+    graph = _without(read_scene(scene), RECORDING, EVENTS)
+    graph = sample_animation(graph, scene)
     found = graph.components.get(ANIMATION)
-    if found is None:
+    graph = graph if found is None else _without(graph, ANIMATION).with_component(RECORDING, found)
+    try:
+        lesson = prepare(graph)
+    except UniSGError:
         return graph
-    components = {name: each for name, each in graph.components.items() if name != ANIMATION}
-    return graph.replace(components=components | {RECORDING: found})
+    inputs, events = list[Input](), list[Event]()
+    state, before = begin(lesson), None
+    for now in scene_moments(scene, graph):
+        state, happened = play(lesson, state, now)
+        inputs += new_inputs(lesson, before, now)
+        events, before = [*events, *happened], now
+    start = scene.frame_start * scene.render.fps_base / scene.render.fps  # times of recordings count from frame 0
+    return with_events(graph, later(events, start), later(inputs, start))
+
+
+def _without(graph: SceneGraph, *names: str) -> SceneGraph:
+    return graph.replace(components={name: each for name, each in graph.components.items() if name not in names})
+
+
+def store_recording(graph: SceneGraph, scene: bpy.types.Scene, report: ReadReport | None = None) -> int:
+    """Keep the recording and the events of a scenegraph with the scene's objects, in place of what they had.
+
+    Returns
+    -------
+    int
+        How many objects have something recorded now; what cannot be kept is told to ``report``.
+    """
+    clear_recording(scene)
+    objects, count = objects_by_uid(scene), 0
+    for row, uid in enumerate(graph.uid):
+        recorded, item = recorded_of(graph, row), objects.get(uid)
+        if recorded is None or item is None:
+            continue
+        reason = why_fixed(item, KEY)
+        if reason and report is not None:
+            report.add(item.name, f"nothing was recorded: {reason}")
+        if not reason:
+            item[KEY] = recorded_to_json(recorded)
+            count += 1
+    return count
+
+
+def clear_recording(scene: bpy.types.Scene) -> None:
+    """Forget what was recorded of the scene's objects."""
+    for item in scene.objects:
+        if KEY in item and item.library is None:
+            del item[KEY]
+
+
+def scene_recording(scene: bpy.types.Scene) -> dict[str, Recorded]:
+    """What was recorded of the scene's objects, by name; what cannot be read is left out."""
+    found = {item.name: _decoded(item[KEY]) for item in scene.objects if isinstance(item.get(KEY), str)}
+    return {name: recorded for name, recorded in found.items() if recorded is not None}
+
+
+@lru_cache(maxsize=256)
+def _decoded(text: str) -> Recorded | None:
+    try:
+        return recorded_from_json(text)
+    except UniSGError:
+        return None
 
 
 def replay(graph: SceneGraph, scene: bpy.types.Scene | None = None, report: ReadReport | None = None) -> int:
     """Set the recording of a scenegraph as keyframes of the scene's objects of the same uids.
+
+    Its events become timeline markers, triggers and forces keyframes of the tools.
 
     Returns
     -------
@@ -124,17 +127,19 @@ def replay(graph: SceneGraph, scene: bpy.types.Scene | None = None, report: Read
         If there is no recording, or none of its objects is in the scene.
     """
     scene = scene or bpy.context.scene
-    found = graph.components.get(RECORDING)
-    if found is None:
+    found, events = graph.components.get(RECORDING), graph.components.get(EVENTS)
+    if found is None and events is None:
         raise UniSGError("there is no recording in it")
     by_uid = objects_by_uid(scene)
-    objects = {row: by_uid[graph.uid[row]] for row in found.rows.tolist() if graph.uid[row] in by_uid}
+    rows = sorted({int(row) for each in (found, events) if each is not None for row in each.rows})
+    objects = {row: by_uid[graph.uid[row]] for row in rows if graph.uid[row] in by_uid}
     if not objects:
         raise UniSGError("none of the recorded objects is in this scene: did their identities change?")
-    for item in objects.values():
+    moving = {row: objects[row] for row in ([] if found is None else found.rows.tolist()) if row in objects}
+    for item in moving.values():
         item.animation_data_clear()
-    write_animation(graph, objects, scene, ReadReport() if report is None else report, RECORDING)
-    rate = scene.render.fps / scene.render.fps_base
-    last = max(float(times[-1]) for times in found.columns["times"])
-    scene.frame_end = max(scene.frame_end, int(np.ceil(last * rate)))
-    return len(objects)
+    write_animation(graph, moving, scene, ReadReport() if report is None else report, RECORDING)
+    ends = [float(times[-1]) for times in (() if found is None else found.columns["times"])]
+    ends.append(show_events(graph, objects, scene))
+    scene.frame_end = max(scene.frame_end, int(-(-max(ends) * scene.render.fps // scene.render.fps_base)))
+    return len(moving)

@@ -105,7 +105,10 @@ def _iterate_settings(kind: Any) -> Iterator[tuple[str, str, str, Any]]:
         if each.identifier in NO_SETTINGS:
             continue
         if each.type == "POINTER":
-            if not _is_id(each.fixed_type):
+            above = _bases(each.fixed_type)
+            if "PropertyGroup" in above:  # of add-ons; asking for it would make it
+                continue
+            if "ID" not in above:
                 yield each.identifier, label, "GROUP", None
             elif not each.is_readonly:
                 yield each.identifier, label, "POINTER", None
@@ -120,12 +123,12 @@ def _default(each: bpy.types.Property) -> Any:
     return tuple(each.default_array) if each.is_array else each.default
 
 
-def _is_id(struct: bpy.types.Struct | None) -> bool:
+def _bases(struct: bpy.types.Struct | None) -> set[str]:
+    names = set()
     while struct is not None:
-        if struct.identifier == "ID":
-            return True
+        names.add(struct.identifier)
         struct = struct.base
-    return False
+    return names
 
 
 def _same(value: Any, default: Any) -> bool:

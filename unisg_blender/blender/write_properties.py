@@ -13,6 +13,8 @@ from ..scene.lesson import lesson_to_json
 from ..scene.properties import ACTIONS as ACTIONS_KEY
 from ..scene.properties import CATEGORY, RELATIONS, UID, relations_of
 from ..scene.properties import LSA as LSA_KEY
+from ..scene.recording import KEY as RECORDING_KEY
+from ..scene.recording import recorded_of, recorded_to_json
 from ..scene.relations import relations_to_json
 from .custom_properties import set_custom_properties
 from .folding import TYPE
@@ -37,6 +39,9 @@ def row_properties(graph: SceneGraph, row: int) -> dict[str, object]:
     lessons = graph.components.get(LSA)
     for lesson in () if lessons is None else lessons.of(row)["data"]:
         values[LSA_KEY] = lesson_to_json(lesson)
+    recorded = recorded_of(graph, row)
+    if recorded is not None:
+        values[RECORDING_KEY] = recorded_to_json(recorded)
     return values
 
 
