@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.spatial import cKDTree
 
 from unisg_blender.errors import UniSGError
 from unisg_blender.meshes import reconstruct, sample_surface
@@ -48,3 +49,27 @@ def test_unusable_points(points: np.ndarray, normals: np.ndarray, message: str) 
 def test_resolution_out_of_range() -> None:
     with pytest.raises(UniSGError, match="between 16 and 256"):
         reconstruct(np.eye(4, 3), np.ones((4, 3)), 5)
+
+
+@pytest.mark.parametrize("faces", [301, 2000, 60_000])
+def test_chosen_number_of_faces(faces: int) -> None:
+    samples = sample_surface(box((1, 2, 0.5)), 2000)
+    found = reconstruct(samples.points, samples.normals, 48, faces=faces)
+    assert len(found.offsets) - 1 == faces + faces % 2
+    assert is_closed_and_oriented(found.triangles)
+    assert signed_volume(found.points, found.triangles) == pytest.approx(1, rel=0.03)
+
+
+def test_too_few_faces() -> None:
+    with pytest.raises(UniSGError, match="4 faces or more"):
+        reconstruct(np.eye(4, 3), np.ones((4, 3)), faces=2)
+
+
+def test_screening_brings_the_surface_to_the_points(monkeypatch: pytest.MonkeyPatch) -> None:
+    samples = sample_surface(box((1, 2, 0.1)), 1500)
+    errors = []
+    for weight in (0.0, 64.0):
+        monkeypatch.setattr("unisg_blender.meshes.poisson.SCREENING", weight)
+        found = reconstruct(samples.points, samples.normals, 48)
+        errors.append(cKDTree(sample_surface(found, 8000).points).query(samples.points)[0].mean())
+    assert errors[1] < 0.7 * errors[0]
