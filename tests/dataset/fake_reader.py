@@ -15,7 +15,7 @@ from unisg_blender.scene import SceneBuilder, SceneGraph, mesh_from_faces
 TRIANGLE = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
 
 
-def read(path: Path) -> tuple[list[SceneGraph], str]:
+def read(path: Path) -> tuple[list[SceneGraph], str, list[Path]]:
     """The scenes that a file asks for, after whatever trouble it asks for."""
     order = json.loads(path.read_text())
     time.sleep(order.get("seconds", 0))
@@ -29,7 +29,8 @@ def read(path: Path) -> tuple[list[SceneGraph], str]:
     elif trouble == "bug":
         raise ZeroDivisionError("in the reader")
     seed = order["seed"]
-    return [scene(seed, number) for number in range(order.get("scenes", 1))], order.get("note", "")
+    scenes = [scene(seed, number) for number in range(order.get("scenes", 1))]
+    return scenes, order.get("note", ""), [path.parent / name for name in order.get("beside", ())]
 
 
 def scene(seed: int, number: int) -> SceneGraph:

@@ -185,7 +185,51 @@ def test_resume_updates_a_dataset(tmp_path: Path, put: Callable[..., Path]) -> N
     export_dataset([tmp_path / "in"], tmp_path / "ds", OPTIONS, resume=True, finished=finished)
     assert sorted(read) == ["1.obj", "2b.obj", "5.obj"]
     export_dataset([tmp_path / "in"], tmp_path / "fresh", OPTIONS)
+    updated, fresh = open_dataset(tmp_path / "ds"), open_dataset(tmp_path / "fresh")
+    assert updated.manifest | {"assets": 0} == fresh.manifest | {"assets": 0}  # by name, so by content, too
+    for folder in (updated, fresh):
+        folder.check()
+        sources = {record["source"] for record in folder.assets().index["assets"]}
+        assert sources <= {record["source"] for record in folder.files()}
+    assert updated.assets().shapes("parts").keys() == fresh.assets().shapes("parts").keys()
+
+
+def test_resume_with_more_files_gives_what_a_fresh_export_gives(tmp_path: Path, put: Callable[..., Path]) -> None:
+    for number in (1, 3, 4, 6):
+        put(f"{number}.obj", seed=number, scenes=2)
+    put("5.obj", seed=5, trouble="bug")
+    export_dataset([tmp_path / "in"], tmp_path / "ds", OPTIONS)
+    for number in (0, 2, 5, 7):
+        put(f"{number}.obj", seed=number)
+    export_dataset([tmp_path / "in"], tmp_path / "ds", OPTIONS, resume=True)
+    export_dataset([tmp_path / "in"], tmp_path / "fresh", OPTIONS)
     assert contents(tmp_path / "ds") == contents(tmp_path / "fresh")
+
+
+def test_resume_reads_again_what_files_beside_have_changed(tmp_path: Path, put: Callable[..., Path]) -> None:
+    put("1.obj", seed=1, beside=["lib/shared.bin", "missing.bin"])
+    put("2.obj", seed=2, beside=["lib/shared.bin"])
+    put("3.obj", seed=3)
+    library = tmp_path / "in" / "lib" / "shared.bin"
+    library.parent.mkdir()
+    library.write_text("one")
+    records = export_dataset([tmp_path / "in"], tmp_path / "ds", OPTIONS)
+    assert [list(record["beside"]) for record in records] == [["lib/shared.bin", "missing.bin"], ["lib/shared.bin"], []]
+    assert records[0]["beside"]["missing.bin"] is None
+
+    def read_again() -> list[str]:
+        found: list[dict] = []
+        export_dataset([tmp_path / "in"], tmp_path / "ds", OPTIONS, resume=True, finished=found.append)
+        return sorted(Path(record["source"]).name for record in found if record["status"] == "ok")
+
+    assert read_again() == []
+    (tmp_path / "in" / "missing.bin").write_text("found")
+    assert read_again() == ["1.obj"]
+    library.write_text("two")
+    assert read_again() == ["1.obj", "2.obj"]
+    library.unlink()
+    assert read_again() == ["1.obj", "2.obj"]
+    assert read_again() == []
 
 
 def test_another_form_is_read_anew(tmp_path: Path, put: Callable[..., Path]) -> None:
@@ -220,6 +264,7 @@ def test_children_that_retired_are_replaced(
     monkeypatch.setattr(supervise, "FILES_PER_CHILD", 200)
     job = {"source": "s", "path": str(tmp_path / "in" / "1.obj"), "parts": str(tmp_path), "known": "", "timeout": 60}
     job |= {"memory": 0, "label": "", "form": "quaternion", "mapping": None, "software": "", "mesh_encoder": ""}
+    job |= {"beside": {}, "instances": "keep"}
     try:
         assert supervise.export_file(job | {"reader": "fake_reader:read"})["status"] == "ok"
         child = supervise._idle[0].queue[0]

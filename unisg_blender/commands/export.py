@@ -34,6 +34,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--timeout", metavar="SECONDS", type=float, default=300.0, help="limit for one file (300)")
     parser.add_argument("--memory", metavar="GIB", type=float, default=0.0, help="limit for one reading process (none)")
     parser.add_argument("--mapping", metavar="FILE", type=Path, help="JSON or TOML: name patterns to categories")
+    parser.add_argument(
+        "--instances",
+        choices=("realize", "keep"),
+        default="realize",
+        help="what collections, geometry nodes and particles show: objects (realize), or left out (keep)",
+    )
     parser.add_argument("--folder-labels", action="store_true", help="a file's folder names its kind of scene")
     parser.add_argument(
         "--mesh-features", metavar="ENCODER", default="", help='"atlasnet", or module:function: a vector for each mesh'
@@ -62,6 +68,7 @@ def run(args: argparse.Namespace) -> int:
         timeout=args.timeout,
         memory=int(args.memory * 2**30),
         mapping=None if args.mapping is None else read_mapping(args.mapping),
+        instances=args.instances,
         folder_labels=args.folder_labels,
         mesh_encoder=ENCODERS.get(args.mesh_features, args.mesh_features),
     )

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from functools import partial
 from itertools import islice
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 from .. import __version__
 from ..errors import UniSGError
@@ -48,6 +48,9 @@ class ExportOptions:
         Bytes of address space that a reading process may have, 0 for no limit (not on Windows).
     mapping
         Categories by name patterns, see :mod:`.mapping`.
+    instances
+        "realize": what collections, geometry nodes and particles show more than once becomes entities
+        (see :mod:`.realized`); "keep": it stays what it is, which a dataset does not hold.
     folder_labels
         Whether the folder that a file is in names the kind of its scenes (where the mapping does not).
     mesh_encoder
@@ -60,6 +63,7 @@ class ExportOptions:
     timeout: float = 300.0
     memory: int = 0
     mapping: Patterns | None = None
+    instances: Literal["realize", "keep"] = "realize"
     folder_labels: bool = False
     mesh_encoder: str = ""
     reader: str = ""
@@ -105,7 +109,7 @@ def export_dataset(
     -------
     list of dict
         One record per file, in order: ``source``, ``sha256``, ``bytes``, ``status`` ("ok" or
-        "failed"), ``scenes``, ``entities``, ``not_represented``, or ``reason``.
+        "failed"), ``scenes``, ``entities``, ``not_represented``, ``beside``, or ``reason``.
 
     Raises
     ------
@@ -161,16 +165,19 @@ class _Before:
 def _job(path: Path, options: ExportOptions, parts: Path, before: _Before) -> Record:
     source = path.as_posix()
     label = scene_label(source, options.mapping or {}) or (path.parent.name if options.folder_labels else "")
+    earlier = before.records.get(source, {})
     return {
         "source": source,
         "path": str(path.absolute()),
         "parts": str(parts.absolute()),
-        "known": before.records.get(source, {}).get("key", ""),
+        "known": earlier.get("key", ""),
+        "beside": earlier.get("beside", {}),
         "timeout": options.timeout,
         "memory": options.memory,
         "label": label,
         "form": options.form,
         "mapping": options.mapping,
+        "instances": options.instances,
         "reader": options.reader,
         "mesh_encoder": options.mesh_encoder,
         "software": f"{__version__}, schema {VERSION}, assets {ASSETS_VERSION}",

@@ -5,15 +5,15 @@ from __future__ import annotations
 import json
 import os
 import tomllib
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any
 
 from ..errors import UniSGError
-from ..scene import SceneGraph
+from ..scene import SceneGraph, Table
 from ..scene.assemble import index_categories
-from ..scene.components import COLLECTIONS
+from ..scene.components import COLLECTIONS, INSTANCES
 
 SECTIONS = ("objects", "collections", "scenes")
 
@@ -63,20 +63,48 @@ def first_match(patterns: Mapping[str, str], names: Iterable[str]) -> str:
     return ""
 
 
-def apply_mapping(graph: SceneGraph, mapping: Patterns) -> SceneGraph:
-    """The scene with categories for the entities that have none: by their names first, then by their collections."""
-    objects, groups = mapping.get("objects", {}), mapping.get("collections", {})
+def apply_mapping(graph: SceneGraph, mapping: Patterns, groups: Sequence[str] = ()) -> SceneGraph:
+    """The scene with categories for the entities that have none: by their names first, then by their collections.
+
+    What is instanced is in the collection that is instanced, too. The entity that
+    shows a collection is not named once more as what the collection holds.
+
+    Parameters
+    ----------
+    groups
+        Collections that everything is in, beside those that the scenegraph knows.
+    """
     members: dict[int, list[str]] = {}
     table = graph.components.get(COLLECTIONS)
     if table is not None:
         for row, path in zip(table.rows.tolist(), table.columns["path"], strict=True):
             members.setdefault(row, []).extend(path)
     names = [
-        graph.category_name(row) or first_match(objects, [graph.name[row]]) or first_match(groups, members.get(row, ()))
+        graph.category_name(row)
+        or first_match(mapping.get("objects", {}), [graph.name[row]])
+        or first_match(mapping.get("collections", {}), [*groups, *members.get(row, ())])
         for row in range(len(graph))
     ]
+    instances = graph.components.get(INSTANCES)
+    if instances is not None:
+        graph = graph.with_component(INSTANCES, _mapped_instances(instances, mapping))
+        shown = graph.components[INSTANCES].columns["prototype"]
+        for row, prototype in zip(instances.rows.tolist(), shown, strict=True):
+            if graph.category[row] < 0 and names[row] in prototype.vocabulary:
+                names[row] = ""
     category, vocabulary = index_categories(names)
     return graph.replace(category=category, vocabulary=vocabulary)
+
+
+def _mapped_instances(instances: Table, mapping: Patterns) -> Table:
+    """The instances with mapped prototypes, each of which stays one object."""
+    mapped: dict[int, SceneGraph] = {}
+    column = instances.columns["prototype"].copy()
+    for place, (prototype, source) in enumerate(zip(column, instances.columns["source"], strict=True)):
+        if id(prototype) not in mapped:
+            mapped[id(prototype)] = apply_mapping(prototype, mapping, [prototype.title] * (source == "COLLECTION"))
+        column[place] = mapped[id(prototype)]
+    return Table(instances.rows, {**instances.columns, "prototype": column})
 
 
 def scene_label(source: str, mapping: Patterns) -> str:

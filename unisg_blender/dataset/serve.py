@@ -20,10 +20,12 @@ from typing import Any, TextIO
 
 from ..errors import UniSGError
 from ..scene import SceneGraph
+from .beside import checksums, files_beside
 from .collect import AssetCollector
 from .columns import Vocabulary
 from .encode import Sample, encode_scenes
 from .mapping import apply_mapping
+from .realized import realize_objects
 from .shards import DiskFullError, pack_shard, write_named
 
 MARK = "unisg-answer "
@@ -37,11 +39,11 @@ IDLE = 60.0
 GRACE = 30.0
 LONGEST_NOTE = 2000
 
-Reader = Callable[[Path], tuple[list[SceneGraph], str]]
-"""Opens a file: its scenes, and in one line what they could not represent ("" for nothing)."""
+Reader = Callable[[Path], tuple[list[SceneGraph], str, list[Path]]]
+"""Opens a file: its scenes, in one line what they could not represent ("" for nothing), other files they come from."""
 
 
-def read_with_blender(path: Path) -> tuple[list[SceneGraph], str]:
+def read_with_blender(path: Path) -> tuple[list[SceneGraph], str, list[Path]]:
     """All scenes of a file that have objects, through Blender."""
     from ..blender.files import open_file
     from ..blender.quiet import captured_output
@@ -52,7 +54,7 @@ def read_with_blender(path: Path) -> tuple[list[SceneGraph], str]:
     open_file(path, report)
     with captured_output():
         scenes = read_scenes(report=report)
-    return [graph for graph in scenes.values() if len(graph)], report.summary()
+    return [graph for graph in scenes.values() if len(graph)], report.summary(), files_beside(path)
 
 
 def load_function(name: str) -> Callable[..., Any]:
@@ -122,15 +124,19 @@ def _export(request: dict[str, Any]) -> dict[str, Any]:
     """Read a file and write its scenes as a shard of their own."""
     read: Reader = load_function(request["reader"]) if request["reader"] else read_with_blender
     encoder = load_function(request["mesh_encoder"]) if request["mesh_encoder"] else None
-    graphs, note = read(Path(request["path"]))
-    mapping = request["mapping"]
-    samples = [
-        Sample(apply_mapping(graph, mapping) if mapping else graph, request["source"], request["label"])
-        for graph in graphs
-    ]
-    note = "; ".join(filter(None, [note, _left_out(graphs)]))
+    path = Path(request["path"])
+    graphs, note, others = read(path)
+    if request["mapping"]:
+        graphs = [apply_mapping(graph, request["mapping"]) for graph in graphs]
+    notes = [note]
+    if request["instances"] == "realize":
+        realized = [realize_objects(graph) for graph in graphs]
+        graphs, notes = [graph for graph, _ in realized], [note, *(lost for _, lost in realized)]
+    samples = [Sample(graph, request["source"], request["label"]) for graph in graphs]
+    note = "; ".join(filter(None, [*notes, _left_out(graphs)]))
     note = note if len(note) <= LONGEST_NOTE else note[:LONGEST_NOTE] + " ..."
     answer: dict[str, Any] = {"status": "ok", "scenes": len(samples), "not_represented": note, "part": None}
+    answer["beside"] = checksums(path, others)
     answer["entities"] = sum(len(sample.graph) for sample in samples)
     if samples:
         vocabulary, collector = Vocabulary(), AssetCollector()

@@ -21,13 +21,14 @@ from typing import Any
 import numpy as np
 
 from .asset_file import Arrays, Assets
+from .beside import unchanged
 from .columns import Columns
 from .serve import ASSETS, MARK
 from .shards import DamagedError, checksum, checksum_of, map_shard
 
 START_LIMIT = 180.0
 FILES_PER_CHILD = 200
-SETTINGS = ("source", "label", "form", "mapping", "reader", "mesh_encoder", "software")
+SETTINGS = ("source", "label", "form", "mapping", "instances", "reader", "mesh_encoder", "software")
 """What, beside a file's bytes, decides what is written of it."""
 
 
@@ -131,8 +132,9 @@ def export_file(job: dict[str, Any]) -> dict[str, Any]:
     Parameters
     ----------
     job
-        ``path``, ``parts``, ``known`` (key of what the dataset has of this file
-        already, or ""), ``timeout`` (seconds), ``memory`` (bytes, 0 for no limit),
+        ``path``, ``parts``, ``known`` and ``beside`` (key of what the dataset has of this
+        file already, or "", and checksums of the files beside it then), ``timeout``
+        (seconds), ``memory`` (bytes, 0 for no limit),
         and the :data:`SETTINGS`, of which ``source`` is the file's name in the dataset.
 
     Returns
@@ -150,18 +152,19 @@ def export_file(job: dict[str, Any]) -> dict[str, Any]:
         return record | {"status": "failed", "reason": f"cannot be read: {error.strerror or error}"}
     settings = [record["sha256"], {name: job[name] for name in SETTINGS}]
     record["key"] = checksum(json.dumps(settings, sort_keys=True).encode())[:32]
-    if record["key"] == job["known"]:
+    if record["key"] == job["known"] and unchanged(Path(job["path"]), job["beside"]):
         return record | {"status": "same"}
-    return record | (_earlier_answer(Path(job["parts"]), record["key"]) or _ask(job | {"key": record["key"]}))
+    return record | (_earlier_answer(job, record["key"]) or _ask(job | {"key": record["key"]}))
 
 
-def _earlier_answer(parts: Path, key: str) -> dict[str, Any] | None:
-    """The answer of an interrupted export, if its part is there and whole."""
-    for path in parts.glob(f"{key}-*.safetensors"):
-        try:
-            return read_part(path).answer | {"part": path.name}
-        except DamagedError:
-            path.unlink(missing_ok=True)
+def _earlier_answer(job: dict[str, Any], key: str) -> dict[str, Any] | None:
+    """The answer of an interrupted export, if its part is there and whole, and the files beside are what they were."""
+    for path in Path(job["parts"]).glob(f"{key}-*.safetensors"):
+        with contextlib.suppress(DamagedError):
+            answer = read_part(path).answer
+            if unchanged(Path(job["path"]), answer["beside"]):
+                return answer | {"part": path.name}
+        path.unlink(missing_ok=True)
     return None
 
 
