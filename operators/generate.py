@@ -26,6 +26,10 @@ class UNISG_OT_generate(bpy.types.Operator):
     seed: bpy.props.IntProperty(name="Seed", description="-1: another result each time", default=-1, min=-1)
     bulk: bpy.props.BoolProperty(name="All at once", description="Propose all places together: faster, less tidy")
 
+    behaviour: bpy.props.BoolProperty(
+        name="With actions", description="Give the objects actions and extend the lesson by them", default=True
+    )
+
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         if context.mode != "OBJECT":
@@ -94,7 +98,9 @@ class UNISG_OT_generate(bpy.types.Operator):
             self.seed = random.randrange(2**31)
         counts = parse_counts(self.add)
         self._began, self._done, self._total = time.perf_counter(), 0, sum(counts.values())
-        self._steps = generator.steps(read_scene(context.scene), counts, self.seed, bulk=self.bulk)
+        self._steps = generator.steps(
+            read_scene(context.scene), counts, self.seed, bulk=self.bulk, behaviour=self.behaviour
+        )
         self._result: Any = None
 
     def _advance(self, seconds: float) -> bool:
@@ -110,15 +116,20 @@ class UNISG_OT_generate(bpy.types.Operator):
         return False
 
     def _end_progress(self, context: bpy.types.Context) -> None:
+        if self._timer is None:
+            return
         context.window_manager.event_timer_remove(self._timer)
+        self._timer = None
         context.window_manager.progress_end()
         context.workspace.status_text_set(None)
 
     def _finish(self, context: bpy.types.Context) -> set[str]:
         """Make the objects, select them, and say what happened."""
         from ..unisg_blender.blender import write_rows
+        from ..unisg_blender.blender.extend_lessons import extend_lessons
 
         result = self._result
+        extend_lessons(result.scene, result.rows.tolist(), context.scene)
         objects = write_rows(result.scene, result.rows, context.scene)
         for item in context.selected_objects:
             item.select_set(False)
@@ -132,7 +143,8 @@ class UNISG_OT_generate(bpy.types.Operator):
                 self.report({"WARNING"}, f"{placement.name or placement.category}: {placement.note}")
         spent = time.perf_counter() - self._began
         refused = f", {len(result.refused)} found no place" if result.refused else ""
-        self.report({"INFO"}, f"{result.added} objects added in {spent:.2f} s{refused} (seed {self.seed})")
+        actions = f" with {result.actions} actions" if result.actions else ""
+        self.report({"INFO"}, f"{result.added} objects added{actions} in {spent:.2f} s{refused} (seed {self.seed})")
         return {"FINISHED"} if result.added else {"CANCELLED"}
 
 

@@ -74,6 +74,10 @@ class UNISG_GenerationSettings(bpy.types.PropertyGroup):
         name="All at once", description="Propose all places together instead of one after another: faster, less tidy"
     )
 
+    behaviour: bpy.props.BoolProperty(
+        name="With actions", description="Give the objects actions and extend the lesson by them", default=True
+    )
+
     def model_file(self) -> str:
         """Path of the chosen model, "" for none."""
         return bpy.path.abspath(self.path) if self.model == OWN_FILE else self.model

@@ -41,6 +41,7 @@ class UNISG_PT_generate(SidebarPanel, bpy.types.Panel):
         row = layout.row(align=True)
         row.prop(settings, "seed")
         row.prop(settings, "bulk", toggle=True)
+        layout.prop(settings, "behaviour")
         wanted = settings.wanted()
         column = layout.column()
         column.enabled = bool(wanted)
@@ -49,6 +50,7 @@ class UNISG_PT_generate(SidebarPanel, bpy.types.Panel):
         text = f"Generate {total} object{'s' * (total != 1)}" if wanted else "Set a count above to generate"
         button = column.operator("unisg.generate", text=text, icon="ADD")
         button.model, button.seed, button.bulk = settings.model_file(), settings.seed, settings.bulk
+        button.behaviour = settings.behaviour
         button.add = ",".join(f"{name}={count}" for name, count in wanted.items())
 
 

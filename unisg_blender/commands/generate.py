@@ -31,6 +31,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     mode.add_argument("--sequential", action="store_true", help="one by one, each sees the ones before (default)")
     mode.add_argument("--bulk", action="store_true", help="propose places for all at once")
     parser.add_argument("--raw", action="store_true", help="take the model's first proposals without settling them")
+    parser.add_argument(
+        "--no-behaviour", action="store_true", help="give the new objects no actions and leave the lesson alone"
+    )
     parser.add_argument("--render", metavar="PNG", type=Path, help="write a picture of the result")
 
 
@@ -50,7 +53,9 @@ def run(args: argparse.Namespace) -> int:
     scene = SceneBuilder("Room").build() if args.scene is None else read_scene_file(args.scene)[0]
     counts = asked or generator.sample_counts(np.random.default_rng(args.seed))
     start = time.perf_counter()
-    result = generator.add(scene, counts, args.seed, bulk=args.bulk, settle=not args.raw)
+    result = generator.add(
+        scene, counts, args.seed, bulk=args.bulk, settle=not args.raw, behaviour=not args.no_behaviour
+    )
     spent = time.perf_counter() - start
     _write(args, result)
     report = {"out": str(args.out), **to_report(result), "seconds": round(spent, 4)}
@@ -112,9 +117,11 @@ def _write_with_blender(args: argparse.Namespace, result: Generated, save: bool)
     import bpy
 
     from ..blender import new_file, open_file, render_picture, save_blend, write_rows, write_scene
+    from ..blender.extend_lessons import extend_lessons
 
     if args.scene is not None and args.scene.suffix.lower() not in USD:
         open_file(args.scene)
+        extend_lessons(result.scene, result.rows.tolist(), bpy.context.scene)
         write_rows(result.scene, result.rows, bpy.context.scene)
     else:
         new_file()
@@ -139,6 +146,7 @@ def to_report(result: Generated) -> dict[str, Any]:
         "entities": len(result.scene),
         "added": result.added,
         "refused": len(result.refused),
+        "actions": result.actions,
         "objects": [placement.to_record() for placement in result.objects],
     }
 
@@ -158,4 +166,5 @@ def _placed(item: dict[str, Any]) -> str:
     x, y, z = (row[3] for row in item["world"][:3])
     where = item["support"] or "the ground"
     note = f" ({item['note']})" if item["note"] else ""
+    note += f"; plays in: {', '.join(item['actions'])}" if item["actions"] else ""
     return f"{item['name']} on {where} at ({x:.2f}, {y:.2f}, {z:.2f}), {item['milliseconds']} ms{note}"

@@ -12,6 +12,7 @@ import numpy as np
 from ..dataset.assets import STRUCTURE, Asset
 from ..errors import UniSGError
 from ..scene import SceneGraph
+from ..scene.behaviour import all_actions
 from ..scene.outline import FLOOR
 from .anchors import AnchorProposer
 from .behaviour import Chooser, behaviour_path, load_behaviour, with_behaviour
@@ -127,7 +128,7 @@ class Generator:
         if behaviour and self.behaviour is not None:
             result, placements = with_behaviour(result, placements, self.behaviour, make_uid)
         rows = np.array([row for row, uid in enumerate(result.uid) if uid not in before], np.int64)
-        return Generated(result, rows, tuple(placements))
+        return Generated(result, rows, tuple(placements), len(all_actions(result)) - len(all_actions(scene)))
 
 
 def _proposer(model: Model) -> Proposer:

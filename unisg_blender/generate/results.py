@@ -63,11 +63,13 @@ class Placement:
 
 @dataclass(frozen=True, eq=False)
 class Generated:
-    """The extended scene, the rows that are new in it, and what became of each object asked for."""
+    """The extended scene, the rows that are new in it, what became of each object asked for, and how many ``actions``
+    are new."""
 
     scene: SceneGraph
     rows: NDArray[np.int64]
     objects: tuple[Placement, ...]
+    actions: int = 0
 
     @property
     def added(self) -> int:
