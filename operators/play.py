@@ -70,7 +70,7 @@ class UNISG_OT_play(bpy.types.Operator):
         except UniSGError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
-        self._start = time.monotonic()
+        session().started = time.monotonic()
         self._timer = context.window_manager.event_timer_add(STEP, window=context.window)
         context.window_manager.modal_handler_add(self)
         return {"RUNNING_MODAL"}
@@ -80,10 +80,12 @@ class UNISG_OT_play(bpy.types.Operator):
         if current is None or event.type == "ESC" or current.scene not in bpy.data.scenes:
             return self._end(context)
         if event.type == "TIMER":
-            for happened in current.step(time.monotonic() - self._start):
+            before, events = current.face(), current.step(time.monotonic() - current.started)
+            for happened in events:
                 if happened.kind in ("out_of_order", "wrong_answer"):
                     self.report({"WARNING"}, happened.why)
-            _redraw(context)
+            if events or current.face() != before:  # buttons that are drawn again and again are hard to press
+                _redraw(context)
         return {"PASS_THROUGH"}
 
     def _end(self, context: bpy.types.Context) -> set[str]:

@@ -1,33 +1,70 @@
-"""Record how things are moved, into a USD file, and replay recordings onto the scene."""
+"""Record how things are moved and what a lesson makes of it, keep it in the scene or a file, and replay it."""
 
 from __future__ import annotations
 
 import time
+from dataclasses import dataclass
+from typing import Any
 
 import bpy
+
+from .play import session
 
 FILES = "*.usd;*.usda;*.usdc;*.usdz"
 EVERY = 1 / 30
 
 
-def _poll(cls: type, context: bpy.types.Context) -> bool:
+@dataclass
+class Take:
+    """A recording that is being made: of which scene, since when, the recorder, and the lesson played meanwhile."""
+
+    scene: str
+    began: float
+    recorder: Any
+    lesson: Any = None
+    stopped: bool = False
+
+    def look(self) -> None:
+        """Take down where things are now."""
+        self.lesson = session() or self.lesson
+        self.recorder.sample(bpy.data.scenes[self.scene], time.monotonic() - self.began)
+
+    def graph(self, millimetres: float, degrees: float) -> Any:
+        """The scenegraph with everything recorded."""
+        from ..unisg_blender.blender import read_scene
+        from ..unisg_blender.scene.behaviour.recorded import later, with_events
+
+        graph = self.recorder.recorded(read_scene(bpy.data.scenes[self.scene]), millimetres, degrees)
+        if self.lesson is None:
+            return with_events(graph, (), ())
+        late = self.lesson.started - self.began
+        return with_events(graph, later(self.lesson.events, late), later(self.lesson.inputs, late))
+
+
+_takes: list[Take] = []
+
+
+def take() -> Take | None:
+    """The recording that is being made, None if none is."""
+    return _takes[-1] if _takes else None
+
+
+def _missing_usd(path: str) -> str:
     from ..unisg_blender.usd.library import missing_pxr
 
-    reason = "" if context.scene.objects else "The scene has no objects"
-    reason = reason or missing_pxr()
-    if reason:
-        cls.poll_message_set(reason)
-    return not reason
+    return missing_pxr() if path else ""
 
 
 class UNISG_OT_record(bpy.types.Operator):
-    """Record while you move things; Esc or Enter stops and saves. From a script: record the playback"""
+    """Record while you move things, and play a lesson; Esc, Enter or the button stops. From a script: the playback"""
 
     bl_idname = "unisg.record"
     bl_label = "Record Motion"
-    bl_options = {"REGISTER"}
+    bl_options = {"REGISTER", "UNDO"}
 
-    filepath: bpy.props.StringProperty(name="File", subtype="FILE_PATH", default="//recording.usdc")
+    filepath: bpy.props.StringProperty(
+        name="File", subtype="FILE_PATH", description="A USD file to write as well; the scene alone keeps it when empty"
+    )
     millimetres: bpy.props.FloatProperty(
         name="Millimetres", description="How far a sample may be off", default=0.5, min=0
     )
@@ -35,83 +72,137 @@ class UNISG_OT_record(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        return _poll(cls, context)
+        reason = "" if context.scene.objects else "The scene has no objects"
+        reason = reason or ("A recording is being made" if take() is not None else "")
+        if reason:
+            cls.poll_message_set(reason)
+        return not reason
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         from ..unisg_blender.blender.recording import record_playback
+        from ..unisg_blender.errors import UniSGError
 
-        return self._save(record_playback(context.scene))
+        try:
+            return self._save(context.scene, record_playback(context.scene))
+        except UniSGError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         from ..unisg_blender.blender.recording import Recorder
 
-        self._recorder, self._scene, self._start = Recorder(), context.scene.name, time.monotonic()
-        self._recorder.sample(context.scene, 0.0)
+        reason = _missing_usd(self.filepath)
+        if reason:
+            self.report({"ERROR"}, reason)
+            return {"CANCELLED"}
+        _takes[:] = [Take(context.scene.name, time.monotonic(), Recorder())]
+        _takes[0].look()
         self._timer = context.window_manager.event_timer_add(EVERY, window=context.window)
         context.window_manager.modal_handler_add(self)
         context.workspace.status_text_set("Recording: move things; Esc or Enter stops")
+        _redraw(context)
         return {"RUNNING_MODAL"}
 
     def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        scene = bpy.data.scenes.get(self._scene)
-        if scene is None or (event.type in {"ESC", "RET"} and event.value == "PRESS"):
+        current = take()
+        if current is not None and current.scene not in bpy.data.scenes:
             self.cancel(context)
-            return {"CANCELLED"} if scene is None else self._finish(scene)
+            return {"CANCELLED"}
+        if current is None or current.stopped or (event.type in {"ESC", "RET"} and event.value == "PRESS"):
+            self.cancel(context)
+            return {"CANCELLED"} if current is None else self._finish(current)
         if event.type == "TIMER":
-            self._recorder.sample(scene, time.monotonic() - self._start)
+            current.look()
         return {"PASS_THROUGH"}
 
     def cancel(self, context: bpy.types.Context) -> None:
+        """It ends, or Blender closes its window."""
+        _takes.clear()
         context.window_manager.event_timer_remove(self._timer)
         context.workspace.status_text_set(None)
+        _redraw(context)
 
-    def _finish(self, scene: bpy.types.Scene) -> set[str]:
-        from ..unisg_blender.blender import read_scene
+    def _finish(self, current: Take) -> set[str]:
+        current.look()
+        scene = bpy.data.scenes[current.scene]
+        return self._save(scene, current.graph(self.millimetres, self.degrees))
 
-        return self._save(self._recorder.recorded(read_scene(scene), self.millimetres, self.degrees))
-
-    def _save(self, graph: object) -> set[str]:
+    def _save(self, scene: bpy.types.Scene, graph: Any) -> set[str]:
+        from ..unisg_blender.blender import ReadReport
+        from ..unisg_blender.blender.recording import store_recording
         from ..unisg_blender.errors import UniSGError
-        from ..unisg_blender.usd import write_usd
 
-        found = graph.components.get("recording")
-        if found is None:
-            self.report({"WARNING"}, "Nothing moved: no file was written")
+        moved, events = (graph.components.get(name) for name in ("recording", "events"))
+        if (moved is None or not len(moved.rows)) and (events is None or not len(events.rows)):
+            self.report({"WARNING"}, "Nothing moved: nothing was recorded")
             return {"CANCELLED"}
+        report = ReadReport()
         try:
-            write_usd(graph, bpy.path.abspath(self.filepath))
+            if self.filepath:
+                from ..unisg_blender.usd import write_usd
+
+                write_usd(graph, bpy.path.abspath(self.filepath))
+            store_recording(graph, scene, report)
         except UniSGError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
-        self.report({"INFO"}, f"{len(found.rows)} objects recorded")
+        if len(report):
+            self.report({"WARNING"}, f"Not recorded: {report.summary()}")
+        counts = [0 if each is None else len(each.rows) for each in (moved, events)]
+        self.report({"INFO"}, f"{counts[0]} objects and {counts[1]} events recorded")
         return {"FINISHED"}
 
 
-class UNISG_OT_replay(bpy.types.Operator):
-    """Set a recording as keyframes of the objects that it was made of"""
+def _redraw(context: bpy.types.Context) -> None:
+    for window in context.window_manager.windows:
+        for area in window.screen.areas:
+            if area.type == "VIEW_3D":
+                area.tag_redraw()
 
-    bl_idname = "unisg.replay"
-    bl_label = "Replay Recording"
-    bl_options = {"REGISTER", "UNDO"}
 
-    filepath: bpy.props.StringProperty(name="File", subtype="FILE_PATH")
-    filter_glob: bpy.props.StringProperty(default=FILES, options={"HIDDEN"})
+class UNISG_OT_record_stop(bpy.types.Operator):
+    """Stop recording and keep what was recorded"""
+
+    bl_idname = "unisg.record_stop"
+    bl_label = "Stop Recording"
+    bl_options = {"INTERNAL"}
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        return _poll(cls, context)
+        if take() is None:
+            cls.poll_message_set("No recording is being made")
+        return take() is not None
 
-    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        context.window_manager.fileselect_add(self)
-        return {"RUNNING_MODAL"}
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        take().stopped = True
+        return {"FINISHED"}
+
+
+class UNISG_OT_record_clear(bpy.types.Operator):
+    """Forget what was recorded of the objects of this scene"""
+
+    bl_idname = "unisg.record_clear"
+    bl_label = "Clear Recording"
+    bl_options = {"REGISTER", "UNDO"}
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        from ..unisg_blender.blender.recording import clear_recording
+
+        clear_recording(context.scene)
+        return {"FINISHED"}
+
+
+class Replay:
+    """Replays the recording of a file, or of the scene itself."""
+
+    bl_options = {"REGISTER", "UNDO"}
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         from ..unisg_blender.blender.recording import replay
         from ..unisg_blender.errors import UniSGError
-        from ..unisg_blender.usd import read_usd
 
         try:
-            count = replay(read_usd(bpy.path.abspath(self.filepath)), context.scene)
+            count = replay(_recorded(context.scene, self.filepath), context.scene)
         except UniSGError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
@@ -119,4 +210,68 @@ class UNISG_OT_replay(bpy.types.Operator):
         return {"FINISHED"}
 
 
-CLASSES = (UNISG_OT_record, UNISG_OT_replay)
+def _recorded(scene: bpy.types.Scene, path: str) -> Any:
+    from ..unisg_blender.blender import read_scene
+    from ..unisg_blender.errors import UniSGError
+
+    if not path:
+        return read_scene(scene, geometry="none")
+    reason = _missing_usd(path)
+    if reason:
+        raise UniSGError(reason)
+    from ..unisg_blender.usd import read_usd
+
+    return read_usd(bpy.path.abspath(path))
+
+
+class UNISG_OT_replay(Replay, bpy.types.Operator):
+    """Set the recording as keyframes of the objects that it was made of, its events as markers on the timeline"""
+
+    bl_idname = "unisg.replay"
+    bl_label = "Replay Recording"
+
+    filepath: bpy.props.StringProperty(
+        name="File", subtype="FILE_PATH", description="A USD file; the scene's own recording when empty"
+    )
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        if not context.scene.objects:
+            cls.poll_message_set("The scene has no objects")
+        return bool(context.scene.objects)
+
+
+class UNISG_OT_replay_file(Replay, bpy.types.Operator):
+    """Choose a USD file and replay the recording in it"""
+
+    bl_idname = "unisg.replay_file"
+    bl_label = "Replay File"
+
+    filepath: bpy.props.StringProperty(name="File", subtype="FILE_PATH")
+    filter_glob: bpy.props.StringProperty(default=FILES, options={"HIDDEN"})
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        reason = "" if context.scene.objects else "The scene has no objects"
+        reason = reason or _missing_usd("any file")
+        if reason:
+            cls.poll_message_set(reason)
+        return not reason
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        context.window_manager.fileselect_add(self)
+        return {"RUNNING_MODAL"}
+
+
+CLASSES = (
+    UNISG_OT_record,
+    UNISG_OT_record_stop,
+    UNISG_OT_record_clear,
+    UNISG_OT_replay,
+    UNISG_OT_replay_file,
+)
+
+
+def unregister() -> None:
+    """Forget what was being recorded; the running operator ends at its next event."""
+    _takes.clear()

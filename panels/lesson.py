@@ -72,6 +72,7 @@ class UNISG_PT_lesson(SidebarPanel, bpy.types.Panel):
     bl_parent_id = "UNISG_PT_main"
 
     def draw(self, context: bpy.types.Context) -> None:
+        from ..unisg_blender.blender.authoring import lesson_objects
         from ..unisg_blender.blender.behaviour import lesson_of, why_fixed
         from ..unisg_blender.scene.properties import LSA
 
@@ -81,7 +82,12 @@ class UNISG_PT_lesson(SidebarPanel, bpy.types.Panel):
             layout.operator("unisg.lesson_new", icon="ADD")
             return
         row = layout.row(align=True)
-        row.prop_search(context.window_manager, "unisg_lesson", context.scene, "objects", text="", icon="EMPTY_DATA")
+        if len(lesson_objects(context.scene)) > 1:
+            row.prop_search(
+                context.window_manager, "unisg_lesson", context.scene, "objects", text="", icon="EMPTY_DATA"
+            )
+        else:
+            row.label(text=item.name, icon="EMPTY_DATA")
         row.operator("unisg.lesson_new", text="", icon="ADD")
         row.operator("unisg.lesson_check", text="", icon="CHECKMARK")
         reason = why_fixed(item, LSA)
@@ -105,8 +111,10 @@ def _tree(layout: bpy.types.UILayout, node: object, depth: int, active: str) -> 
     current = session()
     line = layout.row(align=True)
     line.alignment = "LEFT"
-    for _ in range(depth):
-        line.label(text="", icon="BLANK1")
+    if depth:
+        indent = line.row()
+        indent.ui_units_x = 0.6 * depth
+        indent.label(text="")
     icon = STATUS_ICONS[current.status(node.uid)] if current is not None else KIND_ICONS[node.kind]
     text = (node.name or node.kind) + (" (optional)" if node.optional else "")
     text += " (any order)" if node.children and not node.ordered else ""

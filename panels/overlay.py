@@ -2,15 +2,29 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass, field
 from typing import Any
 
 import bpy
+from bpy.app.handlers import persistent
 
 from ..operators.action_properties import active_action
 from ..operators.play import session
 from .main import SidebarPanel
 
 _handles: list[Any] = []
+
+
+@dataclass
+class Drawn:
+    """What was drawn last: the actions shown, whether anything has moved since, batches with their colours."""
+
+    key: list[tuple[str, Any, bool]] = field(default_factory=list)
+    stale: bool = True
+    batches: list[tuple[Any, Any]] = field(default_factory=list)
+
+
+_drawn = Drawn()
 
 
 class UNISG_PT_overlay(SidebarPanel, bpy.types.Panel):
@@ -33,46 +47,96 @@ def _shown(context: bpy.types.Context) -> list[tuple[Any, bool]]:
     return [(action, False)] if action is not None else []
 
 
-def _draw() -> None:
-    context = bpy.context
-    if not context.window_manager.unisg_overlay or not context.space_data.overlay.show_overlays:
-        return
+def _batches(context: bpy.types.Context, shader: Any) -> list[tuple[Any, Any]]:
+    """What is drawn, one batch per colour; made again only when something moved or something else is shown."""
     shown = _shown(context)
-    if not shown:
-        return
-    import gpu
+    key = [(context.scene.name, action, holds) for action, holds in shown]
+    same = len(key) == len(_drawn.key) and all(
+        old[0] == new[0] and old[1] is new[1] and old[2] == new[2] for old, new in zip(_drawn.key, key, strict=True)
+    )
+    if not same or _drawn.stale:
+        _drawn.key, _drawn.stale, _drawn.batches = key, False, _made(context, shown, shader)
+    return _drawn.batches
+
+
+def _made(context: bpy.types.Context, shown: list[tuple[Any, bool]], shader: Any) -> list[tuple[Any, Any]]:
+    import numpy as np
     from gpu_extras.batch import batch_for_shader
 
     from ..unisg_blender.blender.overlay import action_lines
 
+    lines: dict[Any, list[Any]] = {}
+    for action, holds in shown:
+        for points, color in action_lines(context.scene, action, holds):
+            lines.setdefault(color, []).append(points)
+    return [
+        (batch_for_shader(shader, "LINES", {"pos": np.concatenate(parts).astype(np.float32)}), color)
+        for color, parts in lines.items()
+    ]
+
+
+@persistent
+def _moved(*_: object) -> None:
+    _drawn.stale = True
+
+
+@persistent
+def _loaded(*_: object) -> None:
+    _drawn.key, _drawn.batches = [], []
+
+
+def _draw() -> None:
+    context = bpy.context
+    if not context.window_manager.unisg_overlay or not context.space_data.overlay.show_overlays:
+        return
+    import gpu
+
     shader = gpu.shader.from_builtin("POLYLINE_UNIFORM_COLOR")
+    batches = _batches(context, shader)
+    if not batches:
+        return
     shader.bind()
     shader.uniform_float("lineWidth", 1.5 * context.preferences.system.ui_scale)
     shader.uniform_float("viewportSize", gpu.state.viewport_get()[2:])
     gpu.state.blend_set("ALPHA")
     gpu.state.depth_test_set("NONE")
-    for action, holds in shown:
-        for points, color in action_lines(context.scene, action, holds):
-            shader.uniform_float("color", color)
-            batch_for_shader(shader, "LINES", {"pos": points.astype("float32")}).draw(shader)
+    for batch, color in batches:
+        shader.uniform_float("color", color)
+        batch.draw(shader)
     gpu.state.blend_set("NONE")
 
 
+def _redraw(manager: bpy.types.WindowManager, context: bpy.types.Context) -> None:
+    for window in manager.windows:
+        for area in window.screen.areas:
+            if area.type == "VIEW_3D":
+                area.tag_redraw()
+
+
+HANDLERS = (
+    ("depsgraph_update_post", _moved), ("frame_change_post", _moved), ("undo_post", _moved), ("redo_post", _moved),
+    ("load_post", _loaded),
+)  # fmt: skip
 CLASSES = (UNISG_PT_overlay,)
 
 
 def register() -> None:
     """Start drawing."""
     bpy.types.WindowManager.unisg_overlay = bpy.props.BoolProperty(
-        name="What Actions Ask For", default=True, options={"SKIP_SAVE"},
+        name="What Actions Ask For", default=True, options={"SKIP_SAVE"}, update=_redraw,
         description="Reference poses, tolerances and links of the active action, or of those a played lesson waits for",
     )  # fmt: skip
+    for name, handler in HANDLERS:
+        getattr(bpy.app.handlers, name).append(handler)
     if not bpy.app.background:
         _handles.append(bpy.types.SpaceView3D.draw_handler_add(_draw, (), "WINDOW", "POST_VIEW"))
 
 
 def unregister() -> None:
     """Stop drawing."""
+    for name, handler in HANDLERS:
+        getattr(bpy.app.handlers, name).remove(handler)
+    _loaded()
     while _handles:
         bpy.types.SpaceView3D.draw_handler_remove(_handles.pop(), "WINDOW")
     del bpy.types.WindowManager.unisg_overlay

@@ -94,6 +94,7 @@ LIBRARY = "library"
 """Entities that come from another file: ``path`` object (str) as the file has it."""
 
 EVENTS = "events"
-"""What happened to actions while a recording was made; rows are the entities that the actions belong to. ``time``
-float64: seconds; ``action`` object (str): uid of the action; ``event`` object (str): one word, such as "started",
-"performed" or "failed"; several per entity."""
+"""What happened while a recording was made. ``time`` float64: seconds; ``event`` object (str): one word; ``action``
+object (str): uid of the action that it is about. Rows are the entities that the actions belong to: "started",
+"performed", "skipped", "early" (before its turn), "failed" (a wrong answer), "answered:0,2" (positions chosen); or
+tools: "pressed" and "released" (the trigger), "force:5" (newtons), with ``action`` "". Several per entity."""

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from ..errors import UniSGError
+from . import recording
 from .actions import ActionData, actions_from_json
 from .graph import SceneGraph, table
 from .lesson import LessonNode, lesson_from_json
@@ -22,7 +23,7 @@ UID = "unisg_uid"
 ACTIONS = "unisg_actions"
 RELATIONS = "unisg_relations"
 LSA = "unisg_lsa"
-NAMES = (CATEGORY, UID, ACTIONS, RELATIONS, LSA)
+NAMES = (CATEGORY, UID, ACTIONS, RELATIONS, LSA, recording.KEY)
 
 
 @dataclass(frozen=True)
@@ -34,6 +35,7 @@ class ObjectProperties:
     actions: tuple[ActionData, ...] = ()
     relations: tuple[Relation, ...] = ()
     lsa: LessonNode | None = None
+    recording: recording.Recorded | None = None
     others: Mapping[str, Any] = field(default_factory=dict)
     problems: tuple[str, ...] = ()
 
@@ -51,6 +53,7 @@ def decode_properties(values: Mapping[str, Any]) -> ObjectProperties:
         "actions": actions_from_json,
         "relations": relations_from_json,
         "lsa": lesson_from_json,
+        "recording": recording.recorded_from_json,
         "category": str.strip,
         "uid": str.strip,
     }
@@ -69,12 +72,12 @@ def decode_properties(values: Mapping[str, Any]) -> ObjectProperties:
 
 
 def property_tables(rows: Sequence[ObjectProperties]) -> dict[str, Any]:
-    """Component tables ``actions``, ``lsa``, ``relations`` and ``properties`` from one record per row."""
+    """The component tables that come from custom properties, from one record per row."""
     actions = [(row, action) for row, record in enumerate(rows) for action in record.actions]
     relations = [(row, relation) for row, record in enumerate(rows) for relation in record.relations]
     lessons = [(row, record.lsa) for row, record in enumerate(rows) if record.lsa is not None]
     others = [(row, record.others) for row, record in enumerate(rows) if record.others]
-    tables = {}
+    tables = dict[str, Any](recording.recording_tables([record.recording for record in rows]))
     if actions:
         tables["actions"] = table([row for row, _ in actions], data=[action for _, action in actions])
     if relations:

@@ -77,17 +77,6 @@ class Motion:
         return (min(times), max(times)) if times else (0.0, 0.0)
 
 
-def recorded_motion(graph: SceneGraph, rate: float = 30.0) -> Motion:
-    """The motion that a scenegraph holds: its recording, and where there is none its animation."""
-    tracks: dict[int, Track] = {}
-    for name in (components.ANIMATION, components.RECORDING):
-        table: Table | None = graph.components.get(name)
-        if table is not None:
-            for row, times, matrices in zip(table.rows, table.columns["times"], table.columns["matrices"], strict=True):
-                tracks[int(row)] = Track(graph.uid[row], times, matrices)
-    return Motion(tuple(tracks.values()), (), rate)
-
-
 def moments(graph: SceneGraph, motion: Motion, rest: float = 0.5) -> Iterator[Moment]:
     """The motion's moments one by one, at its rate, and ``rest`` seconds more after its end.
 

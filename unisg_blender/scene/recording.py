@@ -1,0 +1,108 @@
+"""Recordings: how entities were moved and what was done meanwhile, as tables and as custom properties."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import UniSGError
+from .components import EVENTS, RECORDING
+from .graph import SceneGraph, Table, table
+
+VERSION = 1
+KEY = "unisg_recording"
+"""The custom property that holds what was recorded of an object."""
+
+RecordedEvent = tuple[float, str, str]
+"""Seconds, one word, and the uid of an action ("" where the word is about the entity): see ``components.EVENTS``."""
+
+_NO_TIMES: NDArray[np.float64] = np.zeros(0)
+
+
+@dataclass(frozen=True, eq=False)
+class Recorded:
+    """What was recorded of one entity: ``times`` (T,) in seconds, ``matrices`` (T, 4, 4) local, events."""
+
+    times: NDArray[np.float64] = field(default_factory=lambda: _NO_TIMES)
+    matrices: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 4, 4)))
+    events: tuple[RecordedEvent, ...] = ()
+
+
+def recorded_to_json(recorded: Recorded) -> str:
+    """The value of the custom property: a JSON object with ``times``, ``poses`` (12 numbers each) and ``events``."""
+    record: dict[str, Any] = {"version": VERSION}
+    if len(recorded.times):
+        record["times"] = recorded.times.tolist()
+        record["poses"] = recorded.matrices[:, :3].reshape(-1, 12).tolist()
+    if recorded.events:
+        record["events"] = [list(event) for event in recorded.events]
+    return json.dumps(record, ensure_ascii=False)
+
+
+def recorded_from_json(text: str) -> Recorded:
+    """What was recorded, from the value of the custom property.
+
+    Raises
+    ------
+    UniSGError
+        If the text is no JSON object of that form, or was written by a newer version.
+    """
+    try:
+        record = json.loads(text)
+        version = record.get("version", VERSION)
+        times, poses = np.array(record.get("times", []), np.float64), np.array(record.get("poses", []), np.float64)
+        events = tuple((float(when), str(word), str(uid)) for when, word, uid in record.get("events", []))
+        poses = poses.reshape(len(times), 3, 4)
+    except (ValueError, TypeError, AttributeError, RecursionError) as error:
+        raise UniSGError(f"{KEY} is not of the form that docs/behaviour.md describes: {error}") from None
+    if not isinstance(version, int) or version > VERSION:
+        raise UniSGError(f"this recording has version {version}; this software reads up to {VERSION}: update it")
+    finite = np.isfinite(times).all() and np.isfinite(poses).all() and all(math.isfinite(when) for when, _, _ in events)
+    if not finite or (np.diff(times) <= 0).any():
+        raise UniSGError(f"{KEY} must have finite numbers and ascending times")
+    below = np.broadcast_to([0.0, 0.0, 0.0, 1.0], (len(times), 1, 4))
+    return Recorded(times, np.concatenate([poses, below], axis=1), events)
+
+
+def recorded_of(graph: SceneGraph, row: int) -> Recorded | None:
+    """What was recorded of an entity; None if nothing was."""
+    clips, events = graph.components.get(RECORDING), graph.components.get(EVENTS)
+    clip = None if clips is None else clips.of(row)
+    found = None if events is None else events.of(row)
+    moved, happened = clip is not None and len(clip["times"]) > 0, found is not None and len(found["time"]) > 0
+    if not moved and not happened:
+        return None
+    times, matrices = (clip["times"][0], clip["matrices"][0]) if clip is not None and moved else (_NO_TIMES, None)
+    columns = (found["time"].tolist(), found["event"], found["action"]) if found is not None else ((), (), ())
+    entries = tuple((float(when), str(word), str(uid)) for when, word, uid in zip(*columns, strict=True))
+    return Recorded(times, np.zeros((0, 4, 4)) if matrices is None else matrices, entries)
+
+
+def recording_tables(rows: Sequence[Recorded | None]) -> dict[str, Table]:
+    """Component tables ``recording`` and ``events`` from one record per row, those that have entries."""
+    clips = [(row, each) for row, each in enumerate(rows) if each is not None and len(each.times)]
+    happened = [(row, event) for row, each in enumerate(rows) if each is not None for event in each.events]
+    tables = {EVENTS: event_table(happened)}
+    tables[RECORDING] = table(
+        [row for row, _ in clips],
+        times=[each.times for _, each in clips],
+        matrices=[each.matrices for _, each in clips],
+    )
+    return {name: found for name, found in tables.items() if len(found.rows)}
+
+
+def event_table(happened: Iterable[tuple[int, RecordedEvent]]) -> Table:
+    """The component table ``events`` from pairs of a row and an event."""
+    entries = list(happened)
+    return table(
+        [row for row, _ in entries],
+        time=np.array([event[0] for _, event in entries], np.float64),
+        event=[event[1] for _, event in entries],
+        action=[event[2] for _, event in entries],
+    )
