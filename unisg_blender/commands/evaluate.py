@@ -4,24 +4,21 @@ from __future__ import annotations
 
 import argparse
 import json
-import sys
+import tempfile
+import time
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..errors import DONE, UniSGError
 
 if TYPE_CHECKING:
-    from ..evaluate.generation import Row
-    from ..scene import SceneGraph
+    from collections.abc import Iterator
+
+    from ..evaluate.generation import Plan, Progress
 
 HELP = "Furnish the rooms of a dataset anew with a model, measure the result, and print baselines beside it."
-TRAINING_SCENES = 300
-"""Rooms that the baselines learn from, at most."""
-
-COLUMNS = {
-    "colliding": "collide %", "off_support": "float %", "outside": "outside %", "refused": "refused %",
-    "same_support": "supports %",
-}  # fmt: skip
+QUICK_SCENES, QUICK_TREES = 12, 50
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -29,66 +26,103 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("model", metavar="MODEL", type=Path, help="a trained generator")
     parser.add_argument("--data", metavar="DATASET", type=Path, required=True, help="rooms that it was not trained on")
     parser.add_argument(
-        "--training", metavar="DATASET", type=Path, help="rooms for the baselines: Gaussian, mean, copy"
+        "--training", metavar="DATASET", type=Path,
+        help="rooms that it was trained on: for the Gaussian and copy baselines, and for novelty",
+    )  # fmt: skip
+    parser.add_argument(
+        "--also", metavar="MODEL", type=Path, action="append", default=[], help="another model beside it; repeatable"
     )
-    parser.add_argument("--scenes", metavar="N", type=int, default=100, help="how many rooms at most (default: 100)")
-    parser.add_argument("--seed", type=int, default=0, help="same seed, same result (default: 0)")
-    parser.add_argument("--out", metavar="FILE.json", type=Path, help="write the table there as well")
+    parser.add_argument("--scenes", metavar="N", type=int, default=300, help="how many rooms at most (default: 300)")
+    parser.add_argument("--seeds", metavar="N", type=int, default=3, help="rounds of drawing (default: 3)")
+    parser.add_argument("--seed", type=int, default=0, help="the first of them; same seed, same result (default: 0)")
+    parser.add_argument("--quick", action="store_true", help="12 rooms, one seed and 50 trees, unless told otherwise")
+    parser.add_argument("--jobs", metavar="N", type=int, help="processes (one per processor)")
+    parser.add_argument(
+        "--out", metavar="DIR", type=Path,
+        help="write table.md, .csv, .json and .png there, and keep results: a second run goes on where one stopped",
+    )  # fmt: skip
 
 
 def run(args: argparse.Namespace) -> int:
     """Measure and print the table."""
     from ..evaluate.generation import compare
-    from ..generate import Generator
+    from ..evaluate.generation_report import table, write_report
+    from ..evaluate.poses_report import machine
+    from ..evaluate.work import processes
 
-    if args.scenes < 1:
-        raise UniSGError(f"--scenes must be at least 1, not {args.scenes}")
-    if args.out is not None and not args.out.parent.is_dir():
-        raise UniSGError(f"there is no folder {args.out.parent} to write {args.out.name} to")
-    generator = Generator.load(args.model)
-    tests = _scenes(args.data, args.scenes)
-    training = [] if args.training is None else _scenes(args.training, TRAINING_SCENES)
-    known = {name for graph in tests for name in graph.vocabulary} & set(generator.categories)
-    if not known:
-        raise UniSGError(
-            f"{args.data} has none of the categories that the model knows: {', '.join(generator.categories)}"
-        )
-
-    def progress(name: str) -> None:
-        if not args.quiet:
-            print(f"measuring: {name}", file=sys.stderr)
-
-    rows = compare(generator, tests, training, args.seed, progress)
-    report = {
-        "model": str(args.model), "kind": generator.contract.kind, "data": str(args.data), "seed": args.seed,
-        "rows": [row.to_record() for row in rows],
+    plan = _plan(args)
+    start = time.perf_counter()
+    with _folder(args.out) as folder, _bars(args.quiet) as progress:
+        rows = compare(plan, folder, processes(args.jobs), progress)
+    facts: dict[str, Any] = {
+        "model": args.model.name, "data": str(args.data), "training": str(args.training or ""),
+        "also": [path.name for path in args.also], "scenes": plan.data.scenes, "seeds": plan.seeds,
+        "first_seed": plan.first_seed, "trees": plan.trees, "machine": machine(),
+        "seconds": round(time.perf_counter() - start, 1),
     }  # fmt: skip
+    report = facts | {"rows": [row.to_record() for row in rows]}
     if args.out is not None:
-        args.out.write_text(json.dumps(report, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
+        report = write_report(rows, facts, args.out)
     print(json.dumps(report, ensure_ascii=False) if args.json else table(rows))
     return DONE
 
 
-def _scenes(path: Path, most: int | None) -> list[SceneGraph]:
-    from itertools import islice
-
+def _plan(args: argparse.Namespace) -> Plan:
     from ..dataset.reader import open_dataset
-    from ..dataset.shapes import scenes_with_shapes
+    from ..evaluate.atiss import load_generator
+    from ..evaluate.generation import Plan
+    from ..evaluate.realism import TREES
+    from ..evaluate.rows import Data
 
-    return list(islice(scenes_with_shapes(open_dataset(path)), most))
+    for name in ("scenes", "seeds", "jobs"):
+        value = getattr(args, name)
+        if value is not None and value < 1:
+            raise UniSGError(f"--{name} must be at least 1, not {value}")
+    tests = open_dataset(args.data)
+    training = "" if args.training is None else str(open_dataset(args.training).path)
+    known = set(load_generator(args.model).categories)
+    for path in args.also:
+        known &= set(load_generator(path).categories)
+    if not known & set(tests.categories):
+        raise UniSGError(f"{args.data} has none of the categories that the model knows: {', '.join(sorted(known))}")
+    scenes = min(args.scenes, QUICK_SCENES) if args.quick else args.scenes
+    data = Data(str(tests.path), training, min(scenes, len(tests)))
+    seeds, trees = (1, QUICK_TREES) if args.quick else (args.seeds, TREES)
+    return Plan(args.model, data, tuple(args.also), seeds, args.seed, trees)
 
 
-def table(rows: list[Row]) -> str:
-    """The rows as a Markdown table."""
-    head = ["", "scenes", "objects", *COLUMNS.values(), "ms / object"]
-    lines = [_line(head), _line(["---"] + ["---:"] * (len(head) - 1))]
-    for row in rows:
-        record: dict[str, Any] = row.to_record()
-        shares = [f"{100 * record[name]:.1f}" for name in COLUMNS]
-        spent = f"{row.milliseconds:.1f}" if row.milliseconds else ""
-        lines.append(_line([row.name, str(row.scenes), str(row.objects), *shares, spent]))
-    return "\n".join(lines)
+@contextmanager
+def _folder(out: Path | None) -> Iterator[Path]:
+    """Where results are kept: under the output folder, or nowhere for long."""
+    if out is None:
+        with tempfile.TemporaryDirectory(prefix="unisg-evaluate-") as name:
+            yield Path(name)
+        return
+    try:
+        folder = out / "measured"
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise UniSGError(f"cannot make the folder {out}: {error.strerror}") from None
+    yield folder
 
 
-def _line(cells: list[str]) -> str:
-    return f"| {' | '.join(cells)} |"
+@contextmanager
+def _bars(quiet: bool) -> Iterator[Progress]:
+    """A progress bar per step."""
+    from ..progress import Progress as Bar
+
+    bars: dict[str, Bar] = {}
+
+    def progress(step: str, done: int, total: int) -> None:
+        if step not in bars:
+            for bar in bars.values():
+                bar.close()
+            bars.clear()
+            bars[step] = Bar(total, step, quiet)
+        bars[step].update(done)
+
+    try:
+        yield progress
+    finally:
+        for bar in bars.values():
+            bar.close()

@@ -8,10 +8,14 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from ..generate.context import ground_of, room_middle
 from ..generate.pieces import Piece
 from ..generate.proposals import Proposals, Scene
+from ..scene import SceneGraph
+from ..scene.outline import FLOOR, room_outline
 
 SPREAD_FLOOR = 0.005
+_NOWHERE = (np.zeros(4), np.ones(4))
 
 
 class GaussianProposer:
@@ -61,8 +65,65 @@ class GaussianProposer:
             places[row] += (*scene.center[thing, :2], scene.center[thing, 2] - scene.half[thing, 2], scene.yaw[thing])
         return Proposals(supports.astype(np.int64), places)
 
+    def log_density(self, scene: Scene, category: int, piece: Piece, support: int, place: NDArray[np.float64]) -> float:
+        """Of a position and heading on a known support, nats (metres, radians)."""
+        kind = int(scene.category[support]) if support >= 0 else -2
+        mean, deviation = self.fits.get((category, kind), _NOWHERE)
+        origin = np.zeros(4)
+        if support >= 0:
+            origin[:] = *scene.center[support], scene.yaw[support]
+        cos, sin = np.cos(origin[3]), np.sin(origin[3])
+        x, y = place[:2] - origin[:2]
+        offset = np.array([cos * x + sin * y, cos * y - sin * x])
+        return _log_normal(offset, place[3] - origin[3], mean, deviation)
 
-_NOWHERE = (np.zeros(4), np.ones(4))
+
+class WorldGaussianProposer:
+    """One Gaussian per category over position and heading in the room, whose middle is the origin.
+
+    What carries the thing is found afterwards, see :func:`carrier_of`.
+    """
+
+    def __init__(self, scenes: Sequence[Scene]) -> None:
+        found: dict[int, list[NDArray[np.float64]]] = defaultdict(list)
+        for scene in scenes:
+            origin = np.array([*room_middle(scene), ground_of(scene)])
+            bottom = scene.center - scene.half * (0, 0, 1)
+            for thing in np.flatnonzero(scene.category >= 0):
+                found[int(scene.category[thing])].append(np.append(bottom[thing] - origin, scene.yaw[thing]))
+        self.fits = {key: _fit(np.array(values)) for key, values in found.items()}
+
+    def propose(
+        self, scene: Scene, category: int, piece: Piece, count: int, rng: np.random.Generator,
+        allowed: NDArray[np.bool_], coming: Mapping[int, int],
+    ) -> Proposals:  # fmt: skip
+        """See :class:`~unisg_blender.generate.proposals.Proposer`."""
+        mean, deviation = self.fits.get(category, _NOWHERE)
+        places = mean + deviation * rng.standard_normal((count, 4))
+        places[:, :3] += (*room_middle(scene), ground_of(scene))
+        return Proposals(np.array([carrier_of(scene, place, allowed) for place in places], np.int64), places)
+
+    def log_density(self, scene: Scene, category: int, piece: Piece, support: int, place: NDArray[np.float64]) -> float:
+        """Of a position and heading, whatever the support, nats (metres, radians)."""
+        mean, deviation = self.fits.get(category, _NOWHERE)
+        return _log_normal(place[:2] - room_middle(scene), place[3], mean, deviation)
+
+
+def carrier_of(scene: Scene, place: NDArray[np.float64], allowed: NDArray[np.bool_]) -> int:
+    """Which of the allowed things a bottom at a place (4,) is nearest to: apart from its top, and beside it, metres.
+
+    -1 where none is allowed.
+    """
+    things = np.flatnonzero(allowed)
+    if not len(things):
+        return -1
+    offset = place[:2] - scene.center[things, :2]
+    cos, sin = np.cos(scene.yaw[things]), np.sin(scene.yaw[things])
+    local = np.column_stack([cos * offset[:, 0] + sin * offset[:, 1], cos * offset[:, 1] - sin * offset[:, 0]])
+    aside = np.linalg.norm(np.maximum(np.abs(local) - scene.half[things, :2], 0), axis=1)
+    low, high = scene.center[things, 2] - scene.half[things, 2], scene.center[things, 2] + scene.half[things, 2]
+    apart = np.maximum(place[2] - high, 0) + np.maximum(low - place[2], 0) + 0.1 * np.abs(place[2] - high)
+    return int(things[np.argmin(aside + apart)])
 
 
 def offsets(scene: Scene) -> NDArray[np.float64]:
@@ -86,14 +147,27 @@ def _fit(values: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.f
     return mean, np.append(np.maximum(values[:, :3].std(axis=0), SPREAD_FLOOR), max(turn, 0.01))
 
 
-def nearest_scene(scene: Scene, training: Sequence[Scene], categories: int) -> int:
-    """Number of the training scene whose counts of categories and room size are nearest."""
-    wanted = _signature(scene, categories)
-    return int(np.argmin([np.abs(_signature(other, categories) - wanted).sum() for other in training]))
+def _log_normal(
+    offset: NDArray[np.float64], turn: float, mean: NDArray[np.float64], deviation: NDArray[np.float64]
+) -> float:
+    """Log density of x, y and a heading (wrapped around the circle) under a Gaussian over x, y, z, heading."""
+    z = (offset - mean[:2]) / deviation[:2]
+    place = -0.5 * z @ z - np.log(deviation[:2]).sum() - np.log(2 * np.pi)
+    images = turn - mean[3] + 2 * np.pi * np.arange(-3, 4)
+    around = -0.5 * (images / deviation[3]) ** 2 - np.log(deviation[3]) - 0.5 * np.log(2 * np.pi)
+    return float(place + np.logaddexp.reduce(around))
 
 
-def _signature(scene: Scene, categories: int) -> NDArray[np.float64]:
-    counts = np.bincount(scene.category[scene.category >= 0], minlength=categories).astype(float)
-    roots = np.flatnonzero(scene.support < 0)
-    size = scene.half[roots, :2].max(axis=0, initial=0) if len(roots) else np.zeros(2)
+def signature(graph: SceneGraph, vocabulary: Sequence[str]) -> NDArray[np.float64]:
+    """Counts of the categories, and four times half the size of the room, to find similar rooms by."""
+    names = [graph.category_name(row) for row in range(len(graph))]
+    counts = np.array([names.count(name) for name in vocabulary], np.float64)
+    size = np.zeros(2)
+    if FLOOR in graph.vocabulary:
+        size = np.ptp(room_outline(graph), axis=0) / 2
     return np.append(counts, 4 * size)
+
+
+def nearest_room(wanted: NDArray[np.float64], signatures: NDArray[np.float64]) -> NDArray[np.int64]:
+    """Numbers of the rooms with signatures (S, W), the nearest to the wanted one first."""
+    return np.abs(signatures - wanted).sum(axis=1).argsort(kind="stable")

@@ -1,210 +1,180 @@
-"""How good are generated scenes: rooms furnished anew by a model and by simple rules, and measured.
+"""The generator's table: rooms furnished anew and completed by a model, by other models and by simple rules.
 
 Every test room is emptied down to its structure (floor, walls, doors, windows)
-and furnished again with the same things in the same shapes. What results is
-measured by :mod:`.scene_metrics`; category pairs that overlap in the real rooms
-are left out of the collisions.
+and furnished again with the same things in the same shapes; see :mod:`.measure`
+for what is measured, :mod:`.rows` for the lines.
 """
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, replace
+import hashlib
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from ..dataset.assets import STRUCTURE, Asset, thing_of
-from ..generate import Generator
-from ..generate.extend import Addition, Names, extend, uid_maker
-from ..generate.pieces import Piece
-from ..generate.proposals import Proposer, Scene
-from ..generate.things import things_of
-from ..scene import SceneGraph, take, world_matrices
-from .baselines import GaussianProposer, nearest_scene
-from .scene_metrics import measure_scene, overlapping_categories, summarise
+from ..dataset.reader import open_dataset
+from .measure import VERSION, Arrays, features_of, joined, measure_rooms, split_ragged, training_layouts
+from .realism import FOLDS, LEVELS, NOISES, TREES, c2st
+from .realism_features import VERSION as FEATURES_VERSION
+from .rows import LEARNED, Data, RowSpec, table_rows, training_rooms, vocabulary_of
+from .scene_metrics import overlapping_categories
+from .summary import Measured, Row, row_of
+from .variety import Rooms, mean_pairwise, nearest_distances
+from .work import Task, run_all
 
+LOT, LAYOUT_LOT = 20, 200
+"""Rooms that are measured, and training rooms that are read, at a time."""
 
-@dataclass(frozen=True, eq=False)
-class Case:
-    """A room to furnish: the real one, its shell, and the things to put in, by category."""
-
-    real: SceneGraph
-    shell: SceneGraph
-    assets: dict[str, list[Asset]]
-    wanted: dict[str, int]
+Progress = Callable[[str, int, int], None]
+"""Told what is being done, and how much of how much of it is finished."""
 
 
 @dataclass(frozen=True)
-class Row:
-    """One line of the table: shares of objects in 0..1, milliseconds per object (median), support accuracy."""
+class Plan:
+    """What to measure: the model, other models beside it, on which data, how many seeds, first of them, trees."""
 
-    name: str
-    scenes: int
-    objects: int
-    colliding: float
-    off_support: float
-    outside: float
-    refused: float
-    same_support: float
-    milliseconds: float
+    model: Path
+    data: Data
+    others: tuple[Path, ...] = ()
+    seeds: int = 3
+    first_seed: int = 0
+    trees: int = TREES
 
-    def to_record(self) -> dict[str, Any]:
-        """JSON-ready."""
-        return {name: round(value, 4) if isinstance(value, float) else value for name, value in self.__dict__.items()}
+    def rows(self) -> list[RowSpec]:
+        """The lines of the table."""
+        return table_rows(self.model, self.others, bool(self.data.training))
+
+    def seeds_of(self, spec: RowSpec) -> range:
+        """Seeds of a row: one where nothing is drawn."""
+        return range(self.first_seed, self.first_seed + (self.seeds if spec.makes else 1))
 
 
-def case_of(graph: SceneGraph, known: Sequence[str]) -> Case | None:
-    """The test case of a room, None if there is nothing to move; what the model does not know stays where it is."""
-    names = np.array([graph.category_name(row) for row in range(len(graph))])
-    movable = np.isin(names, known) & ~np.isin(names, STRUCTURE) & (graph.mesh >= 0)
-    gone = movable.copy()
-    for row in range(len(graph)):
-        above = graph.parent[row]
-        gone[row] |= above >= 0 and gone[above]
-    if not movable.any():
+def compare(plan: Plan, folder: Path, jobs: int, progress: Progress = lambda *_: None) -> list[Row]:
+    """The whole table; ``folder`` keeps results, and a second run with the same plan goes on there."""
+    rows = plan.rows()
+    sums = {path: _sum_of(path) for path in {row.model for row in rows} | {plan.data.tests, plan.data.training} if path}
+    depends = {"version": VERSION, "features": FEATURES_VERSION, "data": _named(asdict(plan.data), sums)}
+    found = _measured(plan, rows, depends, sums, folder, jobs, progress)
+    judged = _judged(plan, rows, found, depends, sums, folder, jobs, progress)
+    layouts = _training_layouts(plan, depends, folder, jobs, progress)
+    progress("comparing layouts", 0, 1)
+    real = next(spec for spec in rows if spec.kind == "real")
+    variety = {key: _variety(arrays, layouts, len(vocabulary_of(plan.data))) for key, arrays in found.items()}
+    measured = {key: Measured(found[key], judged.get(key, {}), *variety[key]) for key in found}
+    progress("comparing layouts", 1, 1)
+    best = next((spec for spec in rows if spec.kind == "model" and spec.settle), real)
+    reference, ours = measured[real, plan.first_seed], [measured[best, seed] for seed in plan.seeds_of(best)]
+    return [row_of(spec.name, [measured[spec, seed] for seed in plan.seeds_of(spec)], reference, ours) for spec in rows]
+
+
+Key = tuple[RowSpec, int]
+
+
+def _measured(
+    plan: Plan, rows: Sequence[RowSpec], depends: dict[str, Any], sums: dict[str, str], folder: Path, jobs: int,
+    progress: Progress,
+) -> dict[Key, Arrays]:  # fmt: skip
+    """The rooms of all rows and seeds."""
+    allowed = _allowed(plan.data, depends, folder)
+    count = min(plan.data.scenes, len(open_dataset(plan.data.tests)))
+    lots = [range(start, min(start + LOT, count)) for start in range(0, count, LOT)]
+    keys = [(spec, seed) for spec in rows for seed in plan.seeds_of(spec)]
+    tasks = [
+        Task(
+            measure_rooms, (spec, plan.data, seed, tuple(lot), allowed),
+            depends | {"row": _named(asdict(replace(spec, name="")), sums), "seed": seed, "lot": list(lot)},
+        )
+        for spec, seed in keys
+        for lot in lots
+    ]  # fmt: skip
+    results = run_all(tasks, folder, jobs, lambda done: progress("furnishing rooms", done, len(tasks)))
+    each = len(lots)
+    return {key: joined(results[each * number : each * (number + 1)]) for number, key in enumerate(keys)}
+
+
+def _allowed(data: Data, depends: dict[str, Any], folder: Path) -> frozenset[tuple[str, str]]:
+    """Category pairs that overlap in real rooms."""
+    task = Task(_overlapping, (data,), depends)
+    names = vocabulary_of(data)
+    (found,) = run_all([task], folder, 1)
+    return frozenset((names[int(a)], names[int(b)]) for a, b in found["pairs"])
+
+
+def _overlapping(data: Data) -> Arrays:
+    from .rows import test_rooms
+
+    names = vocabulary_of(data)
+    pairs = overlapping_categories(training_rooms(data, LEARNED) or test_rooms(data), parts=True)
+    known = [(names.index(a), names.index(b)) for a, b in sorted(pairs) if a in names and b in names]
+    return {"pairs": np.array(known, np.float64).reshape(-1, 2)}
+
+
+def _judged(
+    plan: Plan, rows: Sequence[RowSpec], found: dict[Key, Arrays], depends: dict[str, Any], sums: dict[str, str],
+    folder: Path, jobs: int, progress: Progress,
+) -> dict[Key, dict[str, NDArray[np.float64]]]:  # fmt: skip
+    """Shares of right answers per scene of the classifiers, by row and by "level noise"."""
+    real = found[rows[0], plan.first_seed]
+    keys = [(spec, seed) for spec in rows[1:] for seed in plan.seeds_of(spec)]
+    judges = [(level, noise) for level in LEVELS for noise in NOISES]
+    tasks = [
+        Task(
+            told_apart, (real, found[key], level, noise, vocabulary_of(plan.data), key[1], plan.trees),
+            depends | {
+                "row": _named(asdict(replace(key[0], name="")), sums), "seed": key[1], "level": level, "noise": noise,
+                "trees": plan.trees, "folds": FOLDS, "real": plan.first_seed, "scenes": len(real["counts"]),
+            },
+        )
+        for key in keys
+        for level, noise in judges
+    ]  # fmt: skip
+    results = iter(run_all(tasks, folder, jobs, lambda done: progress("training classifiers", done, len(tasks))))
+    return {key: {f"{level} {noise}": next(results)["right"] for level, noise in judges} for key in keys}
+
+
+def told_apart(
+    real: Arrays, made: Arrays, level: str, noise: float, vocabulary: tuple[str, ...], seed: int, trees: int
+) -> Arrays:
+    """:func:`~.realism.c2st` of measured rooms."""
+    right = c2st(features_of(real), features_of(made), level, noise, vocabulary, seed, trees)
+    return {"right": right}
+
+
+def _training_layouts(plan: Plan, depends: dict[str, Any], folder: Path, jobs: int, progress: Progress) -> Rooms | None:
+    """Layouts of all training rooms."""
+    if not plan.data.training:
         return None
-    assets: dict[str, list[Asset]] = {}
-    for row in np.flatnonzero(movable):
-        assets.setdefault(str(names[row]), []).append(thing_of(graph, int(row)))
-    shell = take(graph, np.flatnonzero(~gone))
-    kept = {name: value for name, value in shell.components.items() if name == "relations"}
-    return Case(graph, shell.replace(components=kept), assets, {name: len(group) for name, group in assets.items()})
+    count = len(open_dataset(plan.data.training))
+    lots = [tuple(range(start, min(start + LAYOUT_LOT, count))) for start in range(0, count, LAYOUT_LOT)]
+    tasks = [Task(training_layouts, (plan.data, lot), depends | {"lot": list(lot)}) for lot in lots]
+    parts = run_all(tasks, folder, jobs, lambda done: progress("reading training rooms", done, len(tasks)))
+    layouts = [layout for part in parts for layout in _layouts(part)]
+    return Rooms(layouts, len(vocabulary_of(plan.data)))
 
 
-Furnish = Callable[[Case, int], tuple[SceneGraph, int, list[float]]]
-"""Furnishes a case with a seed: the scene, objects refused, milliseconds of each object."""
+def _layouts(found: Arrays) -> list[NDArray[np.float32]]:
+    return [layout.astype(np.float32) for layout in split_ragged(found["layout"], len(found["counts"]))]
 
 
-def by_model(model: Generator, proposer: Proposer | None = None, settle: bool = True) -> Furnish:
-    """Furnish with a generator, its model's proposals replaced by another ``proposer`` if there is one."""
-    generator = model if proposer is None else Generator(model.model, proposer)
-
-    def furnish(case: Case, seed: int) -> tuple[SceneGraph, int, list[float]]:
-        result = generator.add(case.shell, case.wanted, seed, settle=settle, assets=case.assets)
-        return result.scene, len(result.refused), [placement.milliseconds for placement in result.objects]
-
-    return furnish
+def _variety(found: Arrays, training: Rooms | None, categories: int) -> tuple[NDArray[np.float64], float]:
+    """Distances to the nearest training rooms, and the mean distance between the rooms themselves."""
+    layouts = _layouts(found)
+    near = np.full(len(layouts), np.nan) if training is None else nearest_distances(layouts, training)
+    return near, mean_pairwise(layouts, categories)
 
 
-def by_copying(training: Sequence[SceneGraph], vocabulary: Sequence[str], jitter: float = 0.0) -> Furnish:
-    """Furnish as the most similar training room: its k-th scalpel's place for the k-th scalpel here.
-
-    Things that it has fewer of are refused; ``jitter`` metres of normal noise are added to x and y.
-    """
-    scenes = [_scene_of(graph, vocabulary) for graph in training]
-
-    def furnish(case: Case, seed: int) -> tuple[SceneGraph, int, list[float]]:
-        start, rng = time.perf_counter(), np.random.default_rng(seed)
-        best = nearest_scene(_scene_of(case.real, vocabulary), scenes, len(vocabulary))
-        graph, refused = _copied(case, training[best], jitter, rng)
-        return graph, refused, [1e3 * (time.perf_counter() - start) / max(sum(case.wanted.values()), 1)]
-
-    return furnish
+def _sum_of(path: str) -> str:
+    """What a model's file or a dataset holds, as a checksum."""
+    if Path(path).is_dir():
+        shards = [shard["sha256"] for shard in open_dataset(path).manifest["shards"]]
+        return hashlib.sha256("".join(shards).encode()).hexdigest()
+    return hashlib.sha256(Path(path).read_bytes()).hexdigest()
 
 
-def _scene_of(graph: SceneGraph, vocabulary: Sequence[str]) -> Scene:
-    things = things_of(graph, vocabulary)
-    return Scene.of(things, world_matrices(graph)[things.row])
-
-
-def _copied(case: Case, model: SceneGraph, jitter: float, rng: np.random.Generator) -> tuple[SceneGraph, int]:
-    things = things_of(model, model.vocabulary)
-    names, make_uid = Names(case.shell.name), uid_maker(case.shell, 0)
-    floor = next((uid for row, uid in enumerate(case.shell.uid) if case.shell.category_name(row) == "Floor"), "")
-    additions, refused = [], 0
-    made: dict[int, str] = {}
-    for name, shapes in case.assets.items():
-        rows = np.flatnonzero(things.category == model.vocabulary.index(name)) if name in model.vocabulary else ()
-        refused += max(len(shapes) - len(rows), 0)
-        for thing, shape in zip(rows, shapes, strict=False):
-            made[int(thing)] = make_uid(name)
-            shift = rng.normal(0, jitter, 2) if jitter else np.zeros(2)
-            place = np.array([*(things.center[thing, :2] + shift), things.bottom[thing], things.yaw[thing]])
-            world, own = Piece(shape).world(place), names.new(name)
-            relation = things.relation[thing]
-            additions.append((int(thing), Addition(shape, made[int(thing)], own, "", world, name, relation)))
-    order = np.argsort([_depth(things.support, thing) for thing, _ in additions], kind="stable")
-    parented = []
-    for position in order:
-        thing, addition = additions[position]
-        above = made.get(int(things.support[thing]), floor)
-        parented.append(replace(addition, parent=above))
-    return extend(case.shell, parented, names, make_uid), refused
-
-
-def _depth(support: np.ndarray, thing: int) -> int:
-    depth = 0
-    while (thing := int(support[thing])) >= 0 and depth < 32:
-        depth += 1
-    return depth
-
-
-def measure(name: str, cases: Sequence[Case], furnish: Furnish, allowed: Iterable[tuple[str, str]], seed: int) -> Row:
-    """Furnish all cases and measure what comes out."""
-    allowed, reports, refused, spent, same = set(allowed), [], 0, [], []
-    for number, case in enumerate(cases):
-        scene, missing, times = furnish(case, seed + number)
-        reports.append(measure_scene(scene, allowed=allowed))
-        refused += missing
-        spent += times
-        same.append(same_supports(scene, case))
-    table = summarise(reports)
-    asked = sum(sum(case.wanted.values()) for case in cases)
-    return Row(
-        name, len(cases), int(table["objects"]), table["colliding"], table["off_support"], table["outside"],
-        refused / max(asked, 1), float(np.mean(same)), float(np.median(spent)) if spent else 0.0,
-    )  # fmt: skip
-
-
-def same_supports(scene: SceneGraph, case: Case) -> float:
-    """How far the numbers of (category, category of its support) agree with the real room: overlap in 0..1."""
-    one, two = _support_counts(scene), _support_counts(case.real)
-    shared = sum(min(one[key], two[key]) for key in one.keys() & two.keys())
-    return shared / max(sum(two.values()), 1)
-
-
-def _support_counts(graph: SceneGraph) -> dict[tuple[str, str], int]:
-    things = things_of(graph, graph.vocabulary)
-    found: dict[tuple[str, str], int] = {}
-    for thing, row in enumerate(things.row):
-        above = things.support[thing]
-        kind = graph.category_name(int(things.row[above])) if above >= 0 else ""
-        key = (graph.category_name(int(row)), kind)
-        if key[0] not in STRUCTURE:
-            found[key] = found.get(key, 0) + 1
-    return found
-
-
-def compare(
-    generator: Generator,
-    tests: Sequence[SceneGraph],
-    training: Sequence[SceneGraph],
-    seed: int,
-    progress: Callable[[str], None] = lambda _: None,
-) -> list[Row]:
-    """The table: real rooms, the model raw and settled, and (with ``training`` rooms) the baselines."""
-    vocabulary = generator.categories
-    cases = [case for graph in tests if (case := case_of(graph, vocabulary)) is not None]
-    allowed = overlapping_categories(training or tests, parts=True)
-    runs: list[tuple[str, Furnish]] = [
-        ("real", lambda case, seed: (case.real, 0, [])),
-        ("model, raw", by_model(generator, settle=False)),
-        ("model, settled", by_model(generator)),
-    ]
-    if training:
-        scenes = [_scene_of(graph, vocabulary) for graph in training]
-        gaussian = GaussianProposer(scenes)
-        runs += [
-            ("category mean, raw", by_model(generator, GaussianProposer(scenes, 0.0), settle=False)),
-            ("category Gaussian, raw", by_model(generator, gaussian, settle=False)),
-            ("category Gaussian, settled", by_model(generator, gaussian)),
-            ("nearest room copied", by_copying(training, vocabulary)),
-            ("nearest room copied, 10 cm jitter", by_copying(training, vocabulary, 0.1)),
-        ]
-    rows = []
-    for name, furnish in runs:
-        progress(name)
-        rows.append(measure(name, cases, furnish, allowed, seed))
-    return rows
+def _named(record: dict[str, Any], sums: dict[str, str]) -> dict[str, Any]:
+    """The record with checksums for paths."""
+    return {name: sums.get(value, value) if isinstance(value, str) else value for name, value in record.items()}

@@ -2,8 +2,10 @@
 
 Formulas and limits follow the table of the project's generator benchmark: a
 collision is deeper than 2 cm, or 1 cm where one of the two is smaller than 10
-cm; floating or sunk is more than 2 cm off the support. Structure (:data:`STRUCTURE`)
-is what others stand on or bump into; it is not counted itself.
+cm; floating or sunk is more than 2 cm off the support. Beside the collisions
+stands a stricter count, in which flat things collide from half their thickness
+on. Structure (:data:`STRUCTURE`) is what others stand on or bump into; it is not
+counted itself.
 """
 
 from __future__ import annotations
@@ -33,18 +35,25 @@ CategoryPair = tuple[str, str]
 
 @dataclass(frozen=True, eq=False)
 class Collisions:
-    """Pairs (K, 2) of rows that overlap, first < second, and how deep each does, metres (K,)."""
+    """Pairs (K, 2) of rows that overlap, first < second, how deep each does, metres (K,), and which do beyond the
+    plain limits, bool (K,): the others are flat things.
+    """
 
     pairs: NDArray[np.int64]
     depth: NDArray[np.float64]
+    deep: NDArray[np.bool_]
 
 
 @dataclass(frozen=True, eq=False)
 class SceneReport:
-    """What was measured in one scene; bool (N,) columns are False where ``counted`` is."""
+    """What was measured in one scene; bool (N,) columns are False where ``counted`` is.
+
+    ``colliding`` is by the plain limits, ``overlapping`` by the stricter ones.
+    """
 
     counted: NDArray[np.bool_]
     colliding: NDArray[np.bool_]
+    overlapping: NDArray[np.bool_]
     off_support: NDArray[np.bool_]
     outside: NDArray[np.bool_]
     level: NDArray[np.int64]
@@ -52,8 +61,8 @@ class SceneReport:
 
     @property
     def faults(self) -> NDArray[np.bool_]:
-        """Objects with any fault."""
-        return self.colliding | self.off_support | self.outside
+        """Objects with any fault, by the stricter limits."""
+        return self.overlapping | self.off_support | self.outside
 
 
 def counted_objects(graph: SceneGraph) -> NDArray[np.bool_]:
@@ -70,9 +79,10 @@ def find_collisions(
 
     The depth of a pair is the largest penetration (separating axes, exact) over the
     boxes of their connected parts, or of the whole things with ``parts=False``. The
-    limit is 2 cm; 1 cm if either's longest edge is under 10 cm; and never more than
-    half the thinnest edge of the two boxes that meet, since two scalpels 6 mm high
-    in one place reach only 6 mm into each other.
+    plain limit is 2 cm, and 1 cm if either's longest edge is under 10 cm; pairs
+    beyond it are ``deep``. The stricter limit, which all pairs exceed, is also never
+    more than half the thinnest edge of the two boxes that meet, since two scalpels
+    6 mm high in one place reach only 6 mm into each other.
 
     Left out are pairs where one stands on, stands in or hangs from the other (parent
     and child, and the relations on_top_of, inside and hangs_from), pairs of two
@@ -91,22 +101,27 @@ def find_collisions(
     longest = 2 * oriented_boxes(graph).half.max(axis=1)
     limit = np.where(longest[owners].min(axis=1) < SMALL, DEEP_SMALL, DEEP)
     thinnest = 2 * boxes.boxes.half.min(axis=1)
-    limit = np.minimum(limit, thinnest[near].min(axis=1) / 2)
-    deep = depth > np.maximum(limit, 1e-6)
-    found, index = np.unique(np.sort(owners[deep], axis=1), axis=0, return_inverse=True)
-    deepest = np.zeros(len(found))
-    np.maximum.at(deepest, index.reshape(-1), depth[deep])
+    strict = np.maximum(np.minimum(limit, thinnest[near].min(axis=1) / 2), 1e-6)
+    hit = depth > strict
+    found, index = np.unique(np.sort(owners[hit], axis=1), axis=0, return_inverse=True)
+    deepest, deep = np.zeros(len(found)), np.zeros(len(found), bool)
+    np.maximum.at(deepest, index.reshape(-1), depth[hit])
+    np.logical_or.at(deep, index.reshape(-1), (depth > limit)[hit])
     banned = {tuple(sorted(pair)) for pair in allowed}
     names = [tuple(sorted((graph.category_name(a), graph.category_name(b)))) for a, b in found]
     keep = np.array([pair not in banned for pair in names], bool)
-    return Collisions(found[keep], deepest[keep])
+    return Collisions(found[keep], deepest[keep], deep[keep])
 
 
 def overlapping_categories(graphs: Iterable[SceneGraph], *, parts: bool = False) -> set[CategoryPair]:
-    """Category pairs that overlap in real scenes (chairs under tables), to be ``allowed`` in generated ones."""
+    """Category pairs that overlap in real scenes (chairs under tables) by more than the plain limits.
+
+    They are to be ``allowed`` in generated ones.
+    """
     found = set()
     for graph in graphs:
-        for first, second in find_collisions(graph, parts=parts).pairs:
+        collisions = find_collisions(graph, parts=parts)
+        for first, second in collisions.pairs[collisions.deep]:
             low, high = sorted((graph.category_name(first), graph.category_name(second)))
             found.add((low, high))
     return found
@@ -199,13 +214,14 @@ def measure_scene(graph: SceneGraph, *, parts: bool = True, allowed: Iterable[Ca
     counted = counted_objects(graph)
     boxes = part_boxes(graph)
     collisions = find_collisions(graph, parts=parts, allowed=allowed, boxes=boxes if parts else None)
-    colliding = np.zeros(len(graph), bool)
-    colliding[collisions.pairs.reshape(-1)] = True
+    colliding, overlapping = np.zeros(len(graph), bool), np.zeros(len(graph), bool)
+    overlapping[collisions.pairs.reshape(-1)] = True
+    colliding[collisions.pairs[collisions.deep].reshape(-1)] = True
     gap = support_gaps(graph, counted, boxes)
     outside = np.nan_to_num(outside_room(graph, boxes)) > OUTSIDE
     return SceneReport(
-        counted, colliding & counted, np.abs(np.nan_to_num(gap, posinf=np.inf)) > OFF_SUPPORT, outside & counted,
-        support_levels(graph), collisions,
+        counted, colliding & counted, overlapping & counted, np.abs(np.nan_to_num(gap, posinf=np.inf)) > OFF_SUPPORT,
+        outside & counted, support_levels(graph), collisions,
     )  # fmt: skip
 
 
@@ -219,7 +235,7 @@ def summarise(reports: Iterable[SceneReport]) -> dict[str, float]:
     objects = sum(int(report.counted.sum()) for report in reports)
     share = {
         name: sum(int(getattr(report, name).sum()) for report in reports) / max(objects, 1)
-        for name in ("colliding", "off_support", "outside", "faults")
+        for name in ("colliding", "overlapping", "off_support", "outside", "faults")
     }
     clean = np.mean([not report.faults.any() for report in reports]) if reports else np.nan
     level = np.mean([report.level.max(initial=0) for report in reports]) if reports else np.nan

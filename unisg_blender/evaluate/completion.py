@@ -1,0 +1,150 @@
+"""Completion: a thing is put back into a half-emptied room. How far from where it was does it come to stand?
+
+Error of a draw: the horizontal distance of its middle from the place of that
+removed thing of its category which is nearest (they are interchangeable), in
+centimetres, and the turn against that thing, in degrees. Best of :data:`DRAWS`
+draws; rows are compared by Wilcoxon's signed-rank test on the same holes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..generate.pieces import Piece
+from ..generate.proposals import Proposer, Scene
+from ..generate.things import thing_rows, things_of
+from ..scene import SceneGraph, world_matrices
+from .cases import Hole, place_of
+from .furnish import ByCopying, ByModel
+from .realism_features import wrapped
+from .requested import Requested, is_beside, is_on
+
+DRAWS = 5
+TEST_LEVEL = 0.05
+
+
+@dataclass(frozen=True, eq=False)
+class Completed:
+    """What became of one hole; NaN where it does not apply.
+
+    Attributes
+    ----------
+    centimetres, degrees
+        Of the best of :data:`DRAWS` draws.
+    same_support, same_kind
+        Whether the support named most often is that of a removed thing, or of its category.
+    on_top, beside
+        Whether a request was satisfied, 0 or 1.
+    nll
+        Negative log-density of the true position and heading on the true support, nats (metres, radians).
+    """
+
+    centimetres: float
+    degrees: float
+    same_support: float
+    same_kind: float
+    on_top: float
+    beside: float
+    nll: float
+
+    FIELDS = ("centimetres", "degrees", "same_support", "same_kind", "on_top", "beside", "nll")
+
+    def values(self) -> list[float]:
+        """All of them in the order of FIELDS."""
+        return [float(getattr(self, name)) for name in self.FIELDS]
+
+
+NOTHING = Completed(*[np.nan] * 7)
+
+
+def complete(way: ByModel | ByCopying, hole: Hole, seed: int) -> Completed:
+    """Measure one hole."""
+    if isinstance(way, ByCopying):
+        found = way.places(hole, DRAWS, seed)
+        if not found:
+            return NOTHING
+        centimetres, degrees = pose_error([place for place, _ in found], hole.places)
+        kind = most_common([kind for _, kind in found])
+        kinds = {hole.real.category_name(hole.real.row_of_uid[uid]) for uid in hole.supports}
+        return Completed(centimetres, degrees, np.nan, float(kind in kinds), np.nan, np.nan, np.nan)
+    places, supports = [], []
+    for draw in range(DRAWS):
+        graph, row = way.fill(hole, DRAWS * seed + draw)
+        if row >= 0:
+            places.append(place_of(graph, row))
+            supports.append(graph.uid[graph.parent[row]] if graph.parent[row] >= 0 else "")
+    if not places:
+        return NOTHING
+    centimetres, degrees = pose_error(places, hole.places)
+    named = most_common(supports)
+    kinds = {hole.real.category_name(hole.real.row_of_uid[uid]) for uid in hole.supports}
+    kind = hole.real.category_name(hole.real.row_of_uid[named]) if named else ""
+    on_top, beside = _requests(way, hole, seed)
+    nll = -log_density(way.generator._proposer, way.generator.categories, hole)
+    return Completed(centimetres, degrees, float(named in hole.supports), float(kind in kinds), on_top, beside, nll)
+
+
+def pose_error(drawn: Sequence[NDArray[np.float64]], true: NDArray[np.float64]) -> tuple[float, float]:
+    """Centimetres and degrees of the best of places (4,) each against places (K, 4): the smallest distance."""
+    places = np.array(drawn)
+    far = np.linalg.norm(places[:, None, :2] - true[:, :2], axis=-1)
+    best, nearest = np.unravel_index(far.argmin(), far.shape)
+    turn = wrapped(places[best, 3] - true[nearest, 3])
+    return 100 * float(far.min()), float(np.degrees(abs(turn)))
+
+
+def most_common(names: Sequence[str]) -> str:
+    """The most frequent of some names; the first of several."""
+    return max(names, key=list(names).count)
+
+
+def _requests(way: ByModel, hole: Hole, seed: int) -> tuple[float, float]:
+    """Whether the thing comes to stand on its old support, and beside its old neighbour, when that is asked for."""
+    place = {uid: number for number, uid in enumerate(_uids(hole.rest))}
+    found = []
+    for target, beside in ((hole.support, False), (hole.neighbour, True)):
+        if target not in place:
+            found.append(np.nan)
+            continue
+        near = {"beside": place[target], "on": place.get(hole.support, -1)} if beside else {"on": place[target]}
+        graph, row = way.fill(hole, seed, Requested(way.generator._proposer, **near))
+        test = is_beside if beside else is_on
+        found.append(float(row >= 0 and test(graph, row, target)))
+    return found[0], found[1]
+
+
+def _uids(graph: SceneGraph) -> list[str]:
+    """uids of the scene's things in the order in which a proposer sees them."""
+    rows = thing_rows(graph)
+    return [graph.uid[row] for row in np.unique(rows[rows >= 0])]
+
+
+def log_density(proposer: Proposer, vocabulary: tuple[str, ...], hole: Hole) -> float:
+    """Log-density of where the thing was, given what it stood on, nats; NaN for proposers without a density."""
+    of = getattr(proposer, "log_density", None)
+    if of is None:
+        return np.nan
+    things = things_of(hole.rest, vocabulary)
+    scene = Scene.of(things, world_matrices(hole.rest)[things.row])
+    uids = _uids(hole.rest)
+    if hole.support not in uids:
+        return np.nan
+    category = vocabulary.index(hole.category)
+    return float(of(scene, category, Piece(hole.asset), uids.index(hole.support), hole.places[0]))
+
+
+def paired_test(model: NDArray[np.float64], other: NDArray[np.float64]) -> float:
+    """p of Wilcoxon's signed-rank test that the model's errors (N,) are smaller than another row's; NaN under 10 pairs.
+
+    Source: Wilcoxon, "Individual comparisons by ranking methods" (1945); one-sided.
+    """
+    from scipy.stats import wilcoxon
+
+    both = np.isfinite(model) & np.isfinite(other)
+    if both.sum() < 10 or not (model[both] != other[both]).any():
+        return float("nan")
+    return float(wilcoxon(model[both], other[both], alternative="less").pvalue)

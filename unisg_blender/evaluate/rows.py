@@ -1,0 +1,143 @@
+"""The lines of the generator's table, and the data that each of them is measured on, loaded once per process."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache
+from itertools import islice
+from pathlib import Path
+from typing import Any
+
+from ..dataset.assets import STRUCTURE
+from ..dataset.reader import open_dataset
+from ..dataset.shapes import scenes_with_shapes
+from ..generate import Generator
+from ..generate.proposals import Proposer, Scene
+from ..generate.things import things_of
+from ..scene import SceneGraph, world_matrices
+from .atiss import load_generator
+from .baselines import GaussianProposer, WorldGaussianProposer
+from .cases import Case, Hole, case_of, hole_of
+from .furnish import ByCopying, ByModel, Real, Way
+
+LEARNED = 300
+"""Training rooms that the Gaussians and the copies learn from, at most."""
+
+JITTER = 0.1
+KINDS = ("real", "training", "model", "mean", "gaussian", "world", "copy", "jitter")
+"""real: the test rooms; training: as many training rooms; the others furnish the test rooms."""
+
+
+@dataclass(frozen=True)
+class RowSpec:
+    """One line: its name, one of :data:`KINDS`, whether what it makes is settled, and the model's file.
+
+    Of the baselines only the habits and the library of the model are used.
+    """
+
+    name: str
+    kind: str
+    model: str
+    settle: bool = True
+
+    @property
+    def makes(self) -> bool:
+        """Whether it draws rooms, which differ by seed."""
+        return self.kind not in ("real", "training", "copy")
+
+    @property
+    def completes(self) -> bool:
+        """Whether it is asked to complete rooms."""
+        return self.settle and self.kind not in ("real", "training")
+
+
+@dataclass(frozen=True)
+class Data:
+    """Test rooms and training rooms ("" for none) and how many of the former."""
+
+    tests: str
+    training: str
+    scenes: int
+
+
+def table_rows(model: Path, others: Sequence[Path], training: bool) -> list[RowSpec]:
+    """All lines of the table: real rooms, the model, other models, and with training rooms the simple baselines."""
+    own = str(model)
+    rows = [RowSpec("real rooms", "real", own)]
+    if training:
+        rows.append(RowSpec("other real rooms (training)", "training", own))
+    for name, path in (("model", model), *((other.stem, other) for other in others)):
+        rows += [RowSpec(f"{name}, raw", "model", str(path), False), RowSpec(f"{name}, settled", "model", str(path))]
+    if training:
+        for name, kind in (("category Gaussian, world", "world"), ("category Gaussian, on its support", "gaussian")):
+            rows += [RowSpec(f"{name}, raw", kind, own, False), RowSpec(f"{name}, settled", kind, own)]
+        rows.append(RowSpec("category mean, raw", "mean", own, False))
+        rows.append(RowSpec("nearest training room copied", "copy", own))
+        rows.append(RowSpec("... with 10 cm jitter", "jitter", own))
+    return rows
+
+
+@cache
+def generator_of(path: str) -> Generator:
+    """The model of a file, opened once."""
+    return load_generator(path)
+
+
+@cache
+def test_rooms(data: Data) -> tuple[SceneGraph, ...]:
+    """The test rooms."""
+    return _rooms(data.tests, data.scenes)
+
+
+@cache
+def training_rooms(data: Data, most: int = LEARNED) -> tuple[SceneGraph, ...]:
+    """The first training rooms; none without a training set."""
+    return _rooms(data.training, most) if data.training else ()
+
+
+@cache
+def vocabulary_of(data: Data) -> tuple[str, ...]:
+    """The categories that features are numbered by: all of the training rooms, or else of the test rooms."""
+    dataset = open_dataset(data.training or data.tests)
+    counts = dataset.manifest["category_counts"]
+    return tuple(sorted(name for name, count in zip(dataset.categories, counts, strict=True) if count))
+
+
+def _rooms(path: str, most: int) -> tuple[SceneGraph, ...]:
+    return tuple(islice(scenes_with_shapes(open_dataset(path)), most))
+
+
+@cache
+def _proposer(kind: str, data: Data, vocabulary: tuple[str, ...]) -> Proposer:
+    scenes = []
+    for graph in training_rooms(data):
+        things = things_of(graph, vocabulary)
+        scenes.append(Scene.of(things, world_matrices(graph)[things.row]))
+    if kind == "world":
+        return WorldGaussianProposer(scenes)
+    return GaussianProposer(scenes, 0.0 if kind == "mean" else 1.0)
+
+
+@cache
+def way_of(spec: RowSpec, data: Data) -> Way:
+    """How a row furnishes rooms."""
+    if spec.kind in ("real", "training"):
+        return Real()
+    generator = generator_of(spec.model)
+    if spec.kind in ("copy", "jitter"):
+        known = [name for name in generator.categories if name not in STRUCTURE]
+        return ByCopying(training_rooms(data), known, JITTER if spec.kind == "jitter" else 0.0)
+    proposer: Any = None if spec.kind == "model" else _proposer(spec.kind, data, generator.categories)
+    return ByModel(generator, spec.settle, proposer)
+
+
+def case_number(spec: RowSpec, data: Data, number: int) -> Case | None:
+    """The room that a row is asked to furnish; None past the end, or if there is nothing in it."""
+    rooms = training_rooms(data, data.scenes) if spec.kind == "training" else test_rooms(data)
+    return case_of(rooms[number], generator_of(spec.model).categories) if number < len(rooms) else None
+
+
+def hole_number(spec: RowSpec, data: Data, number: int, seed: int) -> Hole | None:
+    """The half-emptied room that a row is asked to complete; it differs from seed to seed, not from row to row."""
+    return hole_of(test_rooms(data)[number], generator_of(spec.model).categories, 1000 * seed + number)
