@@ -99,6 +99,40 @@ def test_broken_references_are_told(tmp_path: Path, body: str) -> None:
     assert told
 
 
+def test_references_that_unfold_without_end_are_refused(tmp_path: Path) -> None:
+    """Ten references to ten references to ...: a small file that stands for millions of prims."""
+    levels = []
+    for level in range(8):
+        below = "".join(f'def "c{number}" (references = </p{level + 1}>) {{\n}}\n' for number in range(10))
+        levels.append(f'def "p{level}" {{\n{below}}}\n')
+    path = text_file(tmp_path, "".join(levels) + 'def "p8" {\n}\n')
+    with pytest.raises(UniSGError, match="unfold into"):
+        read_usd(path)
+
+
+def test_numbers_that_are_none(tmp_path: Path) -> None:
+    body = """def Xform "a" {
+        matrix4d xformOp:transform = ((nan, 0, 0, 0), (0, inf, 0, 0), (0, 0, 1, 0), (0, 0, 0, 1))
+        uniform token[] xformOpOrder = ["xformOp:transform"]
+        def Sphere "s" {
+            double radius = inf
+        }
+    }
+    """
+    graph, lines = read_quietly(text_file(tmp_path, body))
+    assert np.isfinite(graph.local).all()
+    assert any("/a: its transform" in line for line in lines)
+    assert any("/a/s: some points" in line for line in lines)
+
+
+def test_bytes_that_are_no_text(tmp_path: Path) -> None:
+    path = tmp_path / "scene.usda"
+    write_usd(small_scene().build(), path)
+    path.write_bytes(path.read_bytes().replace(b"matrix4d", b"mat\x92\xffd"))
+    with pytest.raises(UniSGError, match="not a readable USD file"):
+        read_usd(path)
+
+
 def test_a_prototype_of_itself(tmp_path: Path) -> None:
     body = INSTANCER.format(name="p", target="/p")
     with pytest.raises(UniSGError, match="prototype of itself"):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import json
+import time
 import warnings
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -20,6 +21,7 @@ BLENDER = (".blend", ".glb", ".gltf", ".fbx", ".obj")
 READABLE = (*BLENDER, *USD)
 WRITABLE = (".blend", ".json", *USD)
 Progress = Callable[[int, int], None]
+MOMENT = 1.0  # seconds
 
 
 def check_kinds(source: Path, target: Path | None) -> None:
@@ -42,13 +44,15 @@ def check_kinds(source: Path, target: Path | None) -> None:
 
 @contextmanager
 def shown(quiet: bool, unit: str) -> Iterator[Progress]:
-    """A progress bar on stderr that appears when there is something to tell."""
+    """A progress bar on stderr, for work that takes longer than a moment."""
     bars: list[Bar] = []
+    begin = time.monotonic()
 
     def tell(done: int, total: int) -> None:
-        if not bars:
+        if not bars and time.monotonic() - begin > MOMENT and done < total:
             bars.append(Bar(total, unit, quiet))
-        bars[0].update(done)
+        for bar in bars:
+            bar.update(done)
 
     try:
         yield tell

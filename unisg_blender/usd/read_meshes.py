@@ -56,6 +56,8 @@ class MeshShelf:
         topology = read_topology(prim) if prim.IsA(UsdGeom.Mesh) else shape_arrays(prim)
         slots, material_index = self._slots(prim, material, len(topology.offsets) - 1)
         points, normals = self._turned(topology)
+        if not np.isfinite(points).all():
+            warnings.warn(f"{prim.GetPath()}: some points are not finite numbers", stacklevel=2)
         return Mesh(
             name=name,
             points=points,

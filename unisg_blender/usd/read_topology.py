@@ -54,8 +54,6 @@ def read_topology(prim: Any) -> Topology:
     if len(edges) and (edges.min() < 0 or edges.max() >= len(points)):
         warnings.warn(f"{prim.GetPath()}: loose edges name points that are not there; left out", stacklevel=2)
         edges = edges[:0]
-    if not np.isfinite(points).all():
-        warnings.warn(f"{prim.GetPath()}: some points are not finite numbers", stacklevel=2)
     normals, uvs = _read_normals(mesh, corners, offsets), _read_uvs(prim, corners, offsets)
     if turn is not None:
         corners = corners[turn]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -49,6 +50,9 @@ def read_transforms(found: Entities, frame: NDArray[np.float64]) -> Frames:
     count = len(found.prim)
     read = [local_transform(prim) for prim in found.prim]
     local = from_usd([matrix for matrix, _ in read])
+    for row in np.flatnonzero(~np.isfinite(local).all(axis=(1, 2))).tolist():
+        warnings.warn(f"{found.prim[row].GetPath()}: its transform is no finite matrix; left out", stacklevel=2)
+        local[row] = np.eye(4)
     parent = np.array(found.parent, np.int64)
     own = np.broadcast_to(frame, (count, 4, 4)).copy()
     size = np.cbrt(np.linalg.det(frame[:3, :3]))

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from pxr import Sdf, Tf, Usd, UsdGeom, UsdUtils
 
 from ..errors import UniSGError
+from .unfold import check_size
 
 DEEPEST = 500
 """Nesting that is still read; USD's text reader recurses and would end the whole process far beyond."""
@@ -33,7 +34,10 @@ def open_stage(path: Path) -> Any:
             known = Sdf.Layer.Find(str(path))
             if known is not None:
                 known.Reload()
-            stage = Usd.Stage.Open(str(path))
+            layer = known or Sdf.Layer.FindOrOpen(str(path))
+            if layer is not None:
+                check_size(layer, path)
+            stage = Usd.Stage.Open(str(path) if layer is None else layer)
     except Tf.ErrorException as error:
         raise UniSGError(f"{path}: not a readable USD file: {_first_reason(error)}") from None
     if stage is None:
@@ -51,12 +55,15 @@ def quiet() -> Iterator[list[str]]:
     try:
         yield messages
     finally:
-        messages += [item.commentary.strip() for item in delegate.TakeUncoalescedDiagnostics()]
+        messages += [" ".join(item.commentary.split()) for item in delegate.TakeUncoalescedDiagnostics()]
         del delegate
 
 
 def _first_reason(error: Exception) -> str:
-    lines = [line.strip() for line in str(error).splitlines() if line.strip()]
+    try:
+        lines = [line.strip() for line in str(error).splitlines() if line.strip()]
+    except UnicodeDecodeError:  # USD quotes bytes of the damaged file
+        lines = ["it holds bytes that are no text"]
     reason = lines[0] if lines else "unknown error"
     return reason.split(" : ", 1)[-1].strip("'")[:300]
 
