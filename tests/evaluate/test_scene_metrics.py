@@ -224,3 +224,20 @@ def test_things_that_carry_each_other_end():
     scene.box("a", (0.3, 0.3, 0.3), (0, 0, 0), relation=("on_top_of", "b"))
     scene.box("b", (0.3, 0.3, 0.3), (0, 0, 0.3), relation=("on_top_of", "a"))
     assert measure_scene(scene.build()).level.max() >= 1
+
+
+def test_flat_things_collide_by_the_stricter_limit_only():
+    scene = Scene()
+    scene.box("scalpel", (0.01, 0.16, 0.006), (0, 0, 0))
+    scene.box("forceps", (0.16, 0.01, 0.006), (0, 0, 0))
+    scene.box("crate", (0.5, 0.5, 0.5), (2, 0, 0))
+    scene.box("other crate", (0.5, 0.5, 0.5), (2.4, 0, 0))
+    graph = scene.build()
+    report = measure_scene(graph)
+    crates = [graph.row("crate"), graph.row("other crate")]
+    tools = [graph.row("scalpel"), graph.row("forceps")]
+    assert report.colliding[crates].all()
+    assert not report.colliding[tools].any()
+    assert report.overlapping[crates + tools].all()
+    row = summarise([report])
+    assert (row["colliding"], row["overlapping"], row["faults"]) == (0.5, 1.0, 1.0)
