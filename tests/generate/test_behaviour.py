@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from unisg_blender.errors import UniSGError
-from unisg_blender.evaluate.behaviour import behaviour_cases, is_sound, measure_behaviour, plays_to_the_end
+from unisg_blender.evaluate.behaviour import behaviour_cases, by_chooser, is_sound, measure_behaviour, plays_to_the_end
 from unisg_blender.evaluate.behaviour_removal import without_behaviour
 from unisg_blender.generate.behaviour.acts import read_acts
 from unisg_blender.generate.behaviour.add import Behaviour, add_behaviour
@@ -222,14 +222,17 @@ def test_the_measures_of_a_perfect_and_of_an_idle_chooser() -> None:
         def scores(self, play):
             return Scores(*([np.zeros(len(self.kinds.kinds))] * 4))
 
-    idle = measure_behaviour("idle", cases, Idle(kinds()), play=1)
+    idle = measure_behaviour("idle", cases, by_chooser(Idle(kinds())), kinds(), play=1)
     assert (idle.recall, idle.exact, idle.sound) == (0.0, 0.0, 1.0)
-    rule = measure_behaviour("rule", cases, LackingChooser(kinds()), play=1)
+    rule = measure_behaviour("rule", cases, by_chooser(LackingChooser(kinds())), kinds(), play=1)
     assert rule.recall > 0.6
     assert rule.sound == 1.0
     assert rule.played == 1.0
     assert rule.stage == 1.0
-    assert rule.recall >= measure_behaviour("frequency", cases, FrequencyChooser(kinds()), play=0).recall
+    assert (
+        rule.recall
+        >= measure_behaviour("frequency", cases, by_chooser(FrequencyChooser(kinds())), kinds(), play=0).recall
+    )
 
 
 def test_damaged_and_newer_metadata_are_told(tmp_path: Path) -> None:

@@ -22,62 +22,29 @@ where it is, with a new uid. Then behaviour is generated for it and compared:
 from __future__ import annotations
 
 import time
-from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..dataset.assets import STRUCTURE, thing_of
 from ..errors import UniSGError
-from ..generate.behaviour.acts import Act, read_acts
-from ..generate.behaviour.add import Behaviour, add_behaviour
+from ..generate.behaviour.acts import read_acts
+from ..generate.behaviour.add import add_behaviour
 from ..generate.behaviour.choice import Chooser
 from ..generate.behaviour.kinds import Kinds
+from ..generate.behaviour.rules import FrequencyChooser, LackingChooser
 from ..generate.extend import uid_maker
-from ..scene import SceneGraph, Thresholds
+from ..scene import SceneGraph, subtree, take
 from ..scene.behaviour import check_scene, moments, operations, prepare, rehearse, simulate
 from .behaviour_removal import without_behaviour
+from .behaviour_tally import BehaviourCase, BehaviourRow, Tally
 
-USUAL = 0.9
+if TYPE_CHECKING:
+    from ..generate import Generator
+
 RATE = 2.0
 """Frames per second of the rehearsal."""
-
-
-@dataclass(frozen=True)
-class BehaviourRow:
-    """Measures of one chooser, see the module; shares in 0..1, milliseconds of processor time per thing (median)."""
-
-    name: str
-    scenes: int
-    actions: int
-    recall: float
-    precision: float
-    exact: float
-    entities: float
-    usual_recall: float
-    stage: float
-    order: float
-    thresholds: float
-    pose_cm: float
-    pose_degrees: float
-    answers: float
-    sound: float
-    played: float
-    milliseconds: float
-
-    def to_record(self) -> dict[str, float | int | str]:
-        """JSON-ready."""
-        return {key: round(value, 4) if isinstance(value, float) else value for key, value in self.__dict__.items()}
-
-
-@dataclass(frozen=True, eq=False)
-class BehaviourCase:
-    """A scene without the actions of one thing: ``bare``, with the thing's uid there; ``real`` is the scene before."""
-
-    real: SceneGraph
-    bare: SceneGraph
-    uid: str
-    gone: tuple[Act, ...]
 
 
 def behaviour_cases(graphs: Iterable[SceneGraph], seed: int, acting: bool = True) -> list[BehaviourCase]:
@@ -97,21 +64,86 @@ def behaviour_cases(graphs: Iterable[SceneGraph], seed: int, acting: bool = True
     return cases
 
 
+Make = Callable[[BehaviourCase, int], tuple[SceneGraph, str]]
+"""Gives the thing of a case its behaviour, with a seed: the scene and the thing's uid there."""
+
+
+def by_chooser(chooser: Chooser) -> Make:
+    """The thing stays where it is and gets the actions that a chooser wants."""
+
+    def make(case: BehaviourCase, seed: int) -> tuple[SceneGraph, str]:
+        return add_behaviour(case.bare, [case.uid], chooser, uid_maker(case.bare, seed)).scene, case.uid
+
+    return make
+
+
+def by_generator(generator: Generator) -> Make:
+    """The thing goes, and the generator adds one of its category with the same shape where it thinks fit.
+
+    For things on which nothing stands; where it is refused, the scene comes back without it.
+    """
+
+    def make(case: BehaviourCase, seed: int) -> tuple[SceneGraph, str]:
+        row = case.bare.row_of_uid[case.uid]
+        name, asset = case.bare.category_name(row), thing_of(case.bare, row)
+        left = take(case.bare, np.setdiff1d(np.arange(len(case.bare)), subtree(case.bare, row)))
+        made = generator.add(left, {name: 1}, seed, assets={name: [asset]})
+        return made.scene, made.objects[0].uid
+
+    return make
+
+
+def compare_behaviour(
+    generator: Generator, graphs: Sequence[SceneGraph], seed: int = 0, play: int | None = None,
+    progress: Callable[[str], None] = lambda name: None,
+) -> list[BehaviourRow]:  # fmt: skip
+    """The table: the model's network and two simple rules in the same scenes, and the whole generator.
+
+    Empty if the model has no behaviour beside it, or no scene has actions. The rules
+    know what the model's training scenes taught, see :mod:`..generate.behaviour.rules`;
+    ``play`` limits the scenes whose lessons are played.
+    """
+    network = generator.behaviour
+    cases = behaviour_cases(graphs, seed) if network is not None else []
+    if network is None or not cases:
+        return []
+    kinds, others = network.kinds, behaviour_cases(graphs, seed, acting=False)
+    free = [case for case in cases if _is_free(case, generator)]
+    runs: list[tuple[str, Sequence[BehaviourCase], Make]] = [
+        ("network", cases, by_chooser(network)),
+        ("what the lesson lacks, nearest", cases, by_chooser(LackingChooser(kinds))),
+        ("most frequent, nearest", cases, by_chooser(FrequencyChooser(kinds))),
+        ("network, placed by the generator", free, by_generator(generator)),
+        ("network, things that had no actions", others, by_chooser(network)),
+        ("what the lesson lacks, things that had none", others, by_chooser(LackingChooser(kinds))),
+    ]
+    rows = []
+    for name, some, make in runs:
+        progress(name)
+        rows.append(measure_behaviour(name, some, make, kinds, seed, play))
+    return rows
+
+
+def _is_free(case: BehaviourCase, generator: Generator) -> bool:
+    """Whether the generator knows the thing, nothing with a category hangs below it, and it is no part of the shell."""
+    row = case.bare.row_of_uid[case.uid]
+    name, below = case.bare.category_name(row), subtree(case.bare, row)
+    return name in generator.categories and name not in STRUCTURE and (case.bare.category[below] >= 0).sum() == 1
+
+
 def measure_behaviour(
-    name: str, cases: Sequence[BehaviourCase], chooser: Chooser, seed: int = 0, play: int | None = None,
-    progress: Callable[[int], None] = lambda done: None,
-) -> BehaviourRow:  # fmt: skip
-    """Generate behaviour for the thing of each case and compare; ``play`` limits the cases that are played."""
-    tally, spent = _Tally(chooser.kinds), []
+    name: str, cases: Sequence[BehaviourCase], make: Make, kinds: Kinds, seed: int = 0, play: int | None = None
+) -> BehaviourRow:
+    """Give the thing of each case its behaviour and compare; ``play`` limits the cases that are played."""
+    tally, spent = Tally(kinds), []
     for number, case in enumerate(cases):
         start = time.process_time()
-        result = add_behaviour(case.bare, [case.uid], chooser, uid_maker(case.bare, seed + number))
+        scene, uid = make(case, seed + number)
         spent.append(1e3 * (time.process_time() - start))
-        tally.add(case, result)
-        tally.sound.append(is_sound(case.bare, result.scene))
+        tally.add(case, scene, uid)
+        tally.sound.append(is_sound(case.bare, scene))
         if play is None or number < play:
-            tally.played.append(plays_to_the_end(result.scene))
-        progress(number)
+            tally.played.append(plays_to_the_end(scene))
     return tally.row(name, len(cases), float(np.median(spent)) if spent else 0.0)
 
 
@@ -131,116 +163,3 @@ def plays_to_the_end(graph: SceneGraph) -> bool:
     except UniSGError:
         return False
     return True
-
-
-class _Tally:
-    """Counts over cases."""
-
-    def __init__(self, kinds: Kinds) -> None:
-        self.kinds = kinds
-        self.counts: Counter[str] = Counter()
-        self.thresholds: list[float] = []
-        self.poses: list[tuple[float, float]] = []
-        self.sound: list[bool] = []
-        self.played: list[bool] = []
-
-    def add(self, case: BehaviourCase, result: Behaviour) -> None:
-        """Compare what was made with what had been there."""
-        real, scene = case.real, result.scene
-        uids = {action.uid for action in case.bare.components["actions"].columns["data"]} if _has(case.bare) else set()
-        made = [act for act in read_acts(scene) if act.action.uid not in uids]
-        moved = {case.uid: next(iter(set(real.uid) - set(case.bare.uid)), case.uid)}
-        wanted, got = Counter(_cast(real, act) for act in case.gone), Counter(_cast(scene, act) for act in made)
-        right = sum((wanted & got).values())
-        exact = Counter(_things(real, act, {}) for act in case.gone) & Counter(
-            _things(scene, act, moved) for act in made
-        )
-        usual = Counter(cast for act in case.gone if self._usual(act) for cast in [_cast(real, act)])
-        self.counts += Counter(
-            wanted=sum(wanted.values()), made=sum(got.values()), right=right, entities=sum(exact.values()),
-            exact=int(wanted == got), usual=sum(usual.values()), usual_right=sum((usual & got).values()),
-        )  # fmt: skip
-        self._pairs(case, scene, made)
-
-    def _usual(self, act: Act) -> bool:
-        number = self.kinds.number_of.get(act.key, -1)
-        return number >= 0 and self.kinds.kinds[number].chance >= USUAL
-
-    def _pairs(self, case: BehaviourCase, scene: SceneGraph, made: Sequence[Act]) -> None:
-        """Compare place, limits and poses of the right ones."""
-        left = list(made)
-        for act in case.gone:
-            twin = next((other for other in left if _cast(scene, other) == _cast(case.real, act)), None)
-            if twin is None:
-                continue
-            left.remove(twin)
-            if act.stage is not None:
-                self.counts["placed"] += 1
-                self.counts["stage"] += twin.stage is not None and twin.stage.name == act.stage.name
-                self._order(act, twin)
-            if act.action.type == "Question":
-                self.counts["asked"] += 1
-                self.counts["answered"] += _answer(act) == _answer(twin)
-            for limit in fields(Thresholds):
-                true, value = (getattr(each.action.thresholds, limit.name) for each in (act, twin))
-                if true:
-                    self.thresholds.append(abs((value or 0.0) - true) / true)
-            self._pose(act, twin)
-
-    def _order(self, act: Act, twin: Act) -> None:
-        if act.stage is None or twin.stage is None or not act.stage.ordered or act.leaf is None:
-            return
-        before = [leaf.name for leaf in act.stage.children]
-        after = [leaf.name for leaf in twin.stage.children]
-        if before.count(act.action.name) != 1 or after.count(twin.action.name) != 1:
-            return
-        for name in set(before) & set(after) - {act.action.name}:
-            self.counts["pairs"] += 1
-            same = before.index(name) < before.index(act.action.name)
-            self.counts["ordered"] += same == (after.index(name) < after.index(twin.action.name))
-
-    def _pose(self, act: Act, twin: Act) -> None:
-        true, pose = act.action.reference_matrix, twin.action.reference_matrix
-        if true is not None and pose is not None:
-            apart = 100 * float(np.linalg.norm(true[:3, 3] - pose[:3, 3]))
-            turn = np.clip((np.trace(true[:3, :3].T @ pose[:3, :3]) - 1) / 2, -1, 1)
-            self.poses.append((apart, float(np.degrees(np.arccos(turn)))))
-
-    def row(self, name: str, scenes: int, milliseconds: float) -> BehaviourRow:
-        """The measures."""
-        n = self.counts
-        poses = np.mean(self.poses, axis=0).tolist() if self.poses else (0.0, 0.0)
-        return BehaviourRow(
-            name, scenes, n["wanted"], _share(n["right"], n["wanted"]), _share(n["right"], n["made"]),
-            _share(n["exact"], scenes), _share(n["entities"], n["wanted"]), _share(n["usual_right"], n["usual"]),
-            _share(n["stage"], n["placed"]), _share(n["ordered"], n["pairs"]),
-            float(np.mean(self.thresholds)) if self.thresholds else 0.0, poses[0], poses[1],
-            _share(n["answered"], n["asked"]), _mean(self.sound), _mean(self.played), milliseconds,
-        )  # fmt: skip
-
-
-def _has(graph: SceneGraph) -> bool:
-    return "actions" in graph.components
-
-
-def _cast(graph: SceneGraph, act: Act) -> tuple[object, ...]:
-    """What has to agree for an action to be right."""
-    return *act.key[:3], *(graph.category_name(row) if row >= 0 else "" for row in act.slots)
-
-
-def _things(graph: SceneGraph, act: Act, moved: dict[str, str]) -> tuple[object, ...]:
-    """The same with the things themselves."""
-    uids = (graph.uid[row] if row >= 0 else "" for row in act.slots)
-    return *act.key[:3], *(moved.get(uid, uid) for uid in uids)
-
-
-def _answer(act: Act) -> set[str]:
-    return {act.action.answers[place] for place in act.action.correct}
-
-
-def _share(part: float, whole: float) -> float:
-    return part / whole if whole else 1.0
-
-
-def _mean(flags: Sequence[bool]) -> float:
-    return float(np.mean(flags)) if flags else 1.0
