@@ -243,7 +243,7 @@ def test_another_form_is_read_anew(tmp_path: Path, put: Callable[..., Path]) -> 
 
 
 def test_large_exports_go_in_windows(tmp_path: Path, put: Callable[..., Path], monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("unisg_blender.dataset.export.WINDOW", 3)
+    monkeypatch.setattr("unisg_blender.dataset.pool.WINDOW", 3)
     for number in range(20):
         put(f"{number:02}.obj", seed=number)
     export_dataset([tmp_path / "in"], tmp_path / "ds", OPTIONS, jobs=2)

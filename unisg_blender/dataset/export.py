@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 import os
-import queue
 import shutil
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from concurrent.futures import BrokenExecutor, Executor, Future, ThreadPoolExecutor
+from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
+from concurrent.futures import Executor
 from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import partial
-from itertools import islice
 from pathlib import Path
-from typing import Any, Literal
+from typing import Literal
 
 from .. import __version__
 from ..errors import UniSGError
@@ -21,17 +18,13 @@ from .asset_file import Assets
 from .columns import mesh_checksums
 from .encode import known_form
 from .mapping import Patterns, scene_label
+from .pool import Record, borrowed, own_executor, run_files
 from .reader import Dataset, open_dataset
 from .schema import VERSION
 from .shards import DiskFullError
-from .sources import find_sources
-from .supervise import close_children, export_file, read_part
+from .sources import find_sources, largest_first
+from .supervise import read_part
 from .writer import PARTS, DatasetWriter, dataset_folder, read_manifest
-
-WINDOW = 1000
-"""How many files an executor is given at a time."""
-
-Record = dict[str, Any]
 
 
 @dataclass(frozen=True)
@@ -116,19 +109,47 @@ def export_dataset(
     UniSGError
         If the inputs or the folder cannot be used, no file can be read, or the disk is full.
     """
+    steps = export_steps(inputs, out, options, executor=executor, jobs=jobs, resume=resume, overwrite=overwrite)
+    total = 0
+    while True:
+        try:
+            record, files = next(steps)
+        except StopIteration as end:
+            return end.value
+        if started is not None and files != total:
+            started(total := files)
+        if finished is not None and record is not None:
+            finished(record)
+
+
+def export_steps(
+    inputs: Iterable[str | os.PathLike[str]],
+    out: str | os.PathLike[str],
+    options: ExportOptions = ExportOptions(),
+    *,
+    executor: Executor | None = None,
+    jobs: int | None = None,
+    resume: bool = False,
+    overwrite: bool = False,
+    wait: float | None = None,
+) -> Generator[tuple[Record | None, int], None, list[Record]]:
+    """:func:`export_dataset` step by step; closing the generator stops it, to be resumed.
+
+    Yields the record of each file as it is done, or None, and the number of files;
+    None at the start, and whenever ``wait`` seconds pass without a file.
+    """
     known_form(options.form)
     sources = find_sources(inputs)
     with dataset_folder(out, overwrite, resume) as folder, _parts_folder(folder) as parts:
         before = _Before(folder if resume else None)
-        work = (_job(path, options, parts, before) for path in sources)
-        if started is not None:
-            started(len(sources))
+        work = (_job(path, options, parts, before) for path in largest_first(sources))
+        yield None, len(sources)
         records: dict[str, Record] = {}
-        with _own_executor(jobs) if executor is None else _borrowed(executor) as pool:
-            for record in _run(pool, work):
-                records[record["source"]] = record
-                if finished is not None:
-                    finished(record)
+        with own_executor(jobs) if executor is None else borrowed(executor) as pool:
+            for record in run_files(pool, work, wait):
+                if record is not None:
+                    records[record["source"]] = record
+                yield record, len(sources)
         ordered = [records[path.as_posix()] for path in sources]
         _check_some_read(ordered)
         return _merge(folder, parts, options.form, ordered, before)
@@ -198,70 +219,6 @@ def _parts_folder(folder: Path) -> Iterator[Path]:
             parts.rmdir()
         raise
     shutil.rmtree(parts, ignore_errors=True)
-
-
-@contextmanager
-def _own_executor(jobs: int | None) -> Iterator[Executor]:
-    pool = ThreadPoolExecutor(jobs or _processors())
-    try:
-        yield pool
-    finally:
-        pool.shutdown(wait=False, cancel_futures=True)
-        close_children()  # what still reads is of no use: the threads behind see it end
-        pool.shutdown(wait=True)
-        close_children()
-
-
-@contextmanager
-def _borrowed(executor: Executor) -> Iterator[Executor]:
-    try:
-        yield executor
-    finally:
-        close_children()
-
-
-def _processors() -> int:
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-
-
-def _run(executor: Executor, work: Iterator[Record]) -> Iterator[Record]:
-    """The records of all files, as they are done; never more than :data:`WINDOW` files under way."""
-    done: queue.SimpleQueue[tuple[str, Future[Record]]] = queue.SimpleQueue()
-    waiting: set[Future[Record]] = set()
-
-    def submit(job: Record) -> None:
-        future = executor.submit(export_file, job)
-        waiting.add(future)
-        future.add_done_callback(partial(_put, done, job["source"]))
-
-    try:
-        for job in islice(work, WINDOW):
-            submit(job)
-        while waiting:
-            source, future = done.get()
-            waiting.discard(future)
-            yield _result(source, future)
-            for job in islice(work, 1):
-                submit(job)
-    finally:
-        for future in waiting:
-            future.cancel()
-
-
-def _put(done: queue.SimpleQueue[tuple[str, Future[Record]]], source: str, future: Future[Record]) -> None:
-    done.put((source, future))
-
-
-def _result(source: str, future: Future[Record]) -> Record:
-    try:
-        record = future.result()
-    except BrokenExecutor as error:
-        raise UniSGError(f"the executor broke down ({error}): run the export again with --resume") from None
-    except Exception as error:  # the worker of a cluster died over it
-        return {"source": source, "status": "failed", "reason": f"{type(error).__name__}: {error}".splitlines()[0]}
-    if record["status"] == "full":
-        raise DiskFullError(f"{record['reason']}; make room, then run the export again with --resume")
-    return record
 
 
 def _merge(folder: Path, parts: Path, form: str, records: list[Record], before: _Before) -> list[Record]:

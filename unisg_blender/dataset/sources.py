@@ -39,6 +39,18 @@ def find_sources(inputs: Iterable[str | os.PathLike[str]], suffixes: tuple[str, 
     return sorted(found.values(), key=lambda path: path.as_posix())
 
 
+def largest_first(paths: Iterable[Path]) -> list[Path]:
+    """The files in an order in which several jobs end at about the same time."""
+    return sorted(paths, key=_size, reverse=True)
+
+
+def _size(path: Path) -> int:
+    try:
+        return path.stat().st_size
+    except OSError:
+        return 0
+
+
 def _files(item: Path, suffixes: tuple[str, ...]) -> Iterator[Path]:
     if item.is_dir():
         yield from _below(item, suffixes)
