@@ -14,7 +14,12 @@ NUMBERS = {"BOOLEAN": np.bool_, "INT": np.int32, "FLOAT": np.float32, "ENUM": np
 NO_SETTINGS = frozenset({"rna_type", "name", "tag", "use_fake_user", "use_extra_user", "is_runtime_data", "use_nodes"})
 SAME = 1e-5
 NEW: dict[str, dict[str, Any]] = {
-    "Object": {"use_grease_pencil_lights": False},
+    "Object": {
+        "use_grease_pencil_lights": False, "show_empty_image_perspective": True, "show_empty_image_orthographic": True,
+        "visible_diffuse": True, "visible_glossy": True, "visible_transmission": True, "visible_volume_scatter": True,
+        "visible_shadow": True,
+    },
+    "Armature": {"show_bone_custom_shapes": True},
     "Bone": {
         "display_type": "ARMATURE_DEFINED", "use_inherit_rotation": True, "use_local_location": True,
         "use_cyclic_offset": True, "envelope_distance": 0.25, "envelope_weight": 1.0, "head_radius": 0.1,
@@ -26,14 +31,23 @@ NEW: dict[str, dict[str, Any]] = {
         "lock_rotations_4d": True,
     },
     "Collection": {"color_tag": "NONE"},
-    "Material": {"blend_method": "HASHED"},
-    "Scene": {"sync_mode": "NONE", "use_audio": True, "audio_distance_model": "INVERSE_CLAMPED"},
+    "Material": {
+        "blend_method": "HASHED", "use_transparency_overlap": True, "show_transparent_back": True,
+        "use_backface_culling_lightprobe_volume": True,
+    },
+    "Scene": {
+        "sync_mode": "NONE", "use_audio": True, "audio_distance_model": "INVERSE_CLAMPED",
+        "show_keys_from_selected_only": True,
+    },
     "RenderSettings": {
-        "use_stamp_memory": False, "simplify_subdivision_render": 6, "simplify_child_particles_render": 1.0,
+        "use_overwrite": True, "use_stamp_labels": True, "simplify_gpencil_antialiasing": True,
+        "simplify_gpencil_view_fill": True, "simplify_gpencil_modifier": True, "simplify_gpencil_shader_fx": True,
+        "simplify_gpencil_tint": True, "use_stamp_memory": False,
+        "simplify_subdivision_render": 6, "simplify_child_particles_render": 1.0,
     },
     "ColorManagedViewSettings": {"look": "None", "view_transform": "AgX"},
 }  # fmt: skip
-"""What a new file has where Blender gives another number as the default."""
+"""What a new file has where Blender (in all or some versions) names another default."""
 
 
 def changed_settings(owner: bpy.types.bpy_struct, held: Collection[str] = (), *, inner: bool = True) -> list[str]:
