@@ -19,6 +19,7 @@ BENCHMARKS = {
     "poses": ("exactness and speed of the representation forms", "..evaluate.poses_report:write_poses_report"),
     "motion": ("keyframe reduction beside Blender's own", "..evaluate.motion_report:write_motion_report"),
     "meshes": ("mesh features, decoded meshes and proposed categories", "..evaluate.meshes_report:write_meshes_report"),
+    "rooms": ("the frozen rooms to train and measure generators on", "..evaluate.rooms_benchmark:write_rooms"),
     "paper": ("the paper's experiments, and a fair comparison of forms", "..evaluate.paper.report:write_paper_report"),
 }
 

@@ -8,22 +8,18 @@ import os
 import sys
 import tempfile
 import time
-from collections import deque
-from collections.abc import Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
-from itertools import islice
-from multiprocessing import get_context
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..errors import DONE, UniSGError
+from ..worlds.many import make_many
 
 if TYPE_CHECKING:
     from ..progress import Progress
     from ..scene.graph import SceneGraph
 
 HELP = "Make procedural scenes."
-BATCH = 10
 FORMATS = ("blend", "usda", "dataset", "json")
 
 
@@ -63,39 +59,11 @@ def run(args: argparse.Namespace) -> int:
     return DONE
 
 
-def make_scenes(name: str, seeds: Sequence[int]) -> list[SceneGraph]:
-    """Scenes of a world, for a process of its own."""
-    from ..worlds import WORLDS
-
-    return [WORLDS[name](seed) for seed in seeds]
-
-
 def _scenes(args: argparse.Namespace, bar: Progress) -> Iterator[SceneGraph]:
     seeds = range(args.seed, args.seed + args.count)
-    batches = [seeds[start : start + BATCH] for start in range(0, args.count, BATCH)]
-    jobs = min(_jobs(args.jobs), len(batches))
-    done = 0
-    for scenes in _in_processes(args.name, batches, jobs) if jobs > 1 else _here(args.name, seeds):
-        for graph in scenes:
-            yield graph
-            done += 1
-            bar.update(done)
-
-
-def _here(name: str, seeds: Sequence[int]) -> Iterator[list[SceneGraph]]:
-    for seed in seeds:
-        yield make_scenes(name, [seed])
-
-
-def _in_processes(name: str, batches: Sequence[Sequence[int]], jobs: int) -> Iterator[list[SceneGraph]]:
-    """The batches in order; no more than a few are made ahead, so that memory stays small."""
-    waiting = iter(batches)
-    with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool:
-        ahead = deque(pool.submit(make_scenes, name, batch) for batch in islice(waiting, 2 * jobs))
-        while ahead:
-            scenes = ahead.popleft().result()
-            ahead.extend(pool.submit(make_scenes, name, batch) for batch in islice(waiting, 1))
-            yield scenes
+    for done, graph in enumerate(make_many(args.name, seeds, _jobs(args.jobs)), start=1):
+        yield graph
+        bar.update(done)
 
 
 def _jobs(asked: int | None) -> int:

@@ -59,11 +59,12 @@ def c2st(
     truth = owner >= len(real)
     pair = np.where(truth, owner - len(real), owner)
     fold = rng.permutation(max(len(real), len(made)))[pair] % FOLDS
-    right = np.zeros(len(owner))
+    right = np.full(len(owner), np.nan)
     for number in range(FOLDS):
-        forest = RandomForestClassifier(TREES if trees is None else trees, random_state=seed, n_jobs=1)
-        forest.fit(values[fold != number], truth[fold != number])
-        right[fold == number] = forest.predict(values[fold == number]) == truth[fold == number]
+        told, asked = fold != number, fold == number
+        if asked.any() and truth[told].any() and not truth[told].all():  # else there are fewer scenes than folds
+            forest = RandomForestClassifier(trees, random_state=seed, n_jobs=1)
+            right[asked] = forest.fit(values[told], truth[told]).predict(values[asked]) == truth[asked]
     count = np.bincount(owner, minlength=len(parts))
     with np.errstate(invalid="ignore"):
         return np.bincount(owner, weights=right, minlength=len(parts)) / count
