@@ -24,6 +24,17 @@ TYPE_ITEMS = (
 )
 
 
+_items: list[tuple[str, str, str]] = []
+
+
+def type_items(self: object, context: bpy.types.Context | None) -> list[tuple[str, str, str]]:
+    """The types that an action can have, those of the user's own too."""
+    from ..unisg_blender.scene.behaviour.own_types import OWN_CONDITIONS
+
+    _items[:] = [*TYPE_ITEMS, *((name, name, "A type of your own") for name in OWN_CONDITIONS)]
+    return _items  # Blender needs the strings kept alive
+
+
 def active_place(context: bpy.types.Context, item: bpy.types.Object) -> int:
     """Which of an object's actions is the active one; -1 without actions."""
     return min(context.window_manager.unisg_action, len(readable_actions(item)) - 1)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import bpy
 
-from .action_properties import ANSWERS, TYPE_ITEMS, active_action, active_place, readable_actions
+from .action_properties import ANSWERS, active_action, active_place, readable_actions, type_items
 
 SLOT_ITEMS = (
     ("targets", "Targets", "What the action is about"),
@@ -58,7 +58,7 @@ class UNISG_OT_action_add(ActionOperator, bpy.types.Operator):
     bl_label = "Add Action"
     needs_action = False
 
-    type: bpy.props.EnumProperty(name="Type", items=TYPE_ITEMS)
+    type: bpy.props.EnumProperty(name="Type", items=type_items)
 
     def act(self, context, item, place):
         from ..unisg_blender.blender.authoring import add_action, link_objects
@@ -68,6 +68,33 @@ class UNISG_OT_action_add(ActionOperator, bpy.types.Operator):
         others = [other for other in context.selected_objects if other != item]
         if others and self.type in ("Use", "Tool"):
             link_objects(context.scene, item, place, "tools", others)
+
+
+class UNISG_OT_load_types(bpy.types.Operator):
+    """Run a Python file that defines action types of your own; they are known until Blender ends"""
+
+    bl_idname = "unisg.load_types"
+    bl_label = "Load Action Types"
+    bl_options = {"REGISTER"}
+
+    filepath: bpy.props.StringProperty(name="File", subtype="FILE_PATH")
+    filter_glob: bpy.props.StringProperty(default="*.py", options={"HIDDEN"})
+
+    def invoke(self, context, event):
+        context.window_manager.fileselect_add(self)
+        return {"RUNNING_MODAL"}
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        from ..unisg_blender.errors import UniSGError
+        from ..unisg_blender.scene.behaviour.own_types import load_types
+
+        try:
+            names = load_types(bpy.path.abspath(self.filepath))
+        except UniSGError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        self.report({"INFO"}, f"Action types: {', '.join(names)}")
+        return {"FINISHED"}
 
 
 class UNISG_OT_action_remove(ActionOperator, bpy.types.Operator):
@@ -270,6 +297,7 @@ class UNISG_OT_action_answers(ActionOperator, bpy.types.Operator):
 
 CLASSES = (
     UNISG_OT_action_add,
+    UNISG_OT_load_types,
     UNISG_OT_action_remove,
     UNISG_OT_action_duplicate,
     UNISG_OT_action_select,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import bpy
 
-from ..operators.action_properties import ANSWERS, TYPES, active_place, readable_actions
+from ..operators.action_properties import ANSWERS, TYPES, active_place, readable_actions, type_items
 from .main import SidebarPanel
 
 ICONS = {
@@ -16,7 +16,11 @@ LIMITS = {
     "Remove": ("distance", "angle", "hold"),
     "Use": ("distance", "hold", "hits", "force"),
     "Tool": ("distance", "angle", "hold", "hits", "force"),
+    "Question": (),
+    "Parallel": (),
 }
+OWN_LIMITS = LIMITS["Tool"]
+"""A type of the user's own may ask for anything."""
 
 
 class UNISG_PT_actions(SidebarPanel, bpy.types.Panel):
@@ -74,6 +78,7 @@ def _list(layout: bpy.types.UILayout, context: bpy.types.Context, item: bpy.type
         names.label(text="No actions yet")
     buttons = row.column(align=True)
     buttons.operator_menu_enum("unisg.action_add", "type", text="", icon="ADD")
+    buttons.operator("unisg.load_types", text="", icon="FILE_SCRIPT")
     if active >= 0:
         buttons.operator("unisg.action_remove", text="", icon="REMOVE")
         buttons.operator("unisg.action_duplicate", text="", icon="DUPLICATE")
@@ -88,16 +93,20 @@ def _fields(layout: bpy.types.UILayout, context: bpy.types.Context, item: bpy.ty
     if action.type in TYPES:
         column.prop(item, "unisg_action_type")
     else:
-        column.label(text=f"Type {action.type!r} is one of your own", icon="SCRIPT")
-    if action.type in LIMITS:
+        known = action.type in {name for name, _, _ in type_items(None, context)}
+        text = f"{action.type}: a type of your own" if known else f"{action.type}: unknown, load its file"
+        column.label(text=text, icon="SCRIPT" if known else "ERROR")
+    own = action.type not in TYPES
+    limits = OWN_LIMITS if own else LIMITS[action.type]
+    if limits:
         _objects(layout, context, action, "targets", "Target")
-    if action.type in ("Use", "Tool"):
+    if own or action.type in ("Use", "Tool"):
         _objects(layout, context, action, "tools", "Tool")
-        if action.type == "Use":
+        if action.type != "Tool":
             layout.prop(item, "unisg_action_trigger")
-    if action.type in ("Insert", "Remove", "Tool"):
+    if own or action.type in ("Insert", "Remove", "Tool"):
         _reference(layout, context, action)
-    for name in LIMITS.get(action.type, ()):
+    for name in limits:
         _limit(layout, item, action, name)
     if action.type == "Question":
         _answers(layout, item, action)
@@ -129,7 +138,8 @@ def _reference(layout: bpy.types.UILayout, context: bpy.types.Context, action: o
 
     box = layout.box().column(align=True)
     missing = {"Insert": "no reference pose yet", "Remove": "from where it stands now", "Tool": "none: contact"}
-    box.label(text="Reference pose" if action.reference else f"Reference pose: {missing[action.type]}")
+    without = missing.get(action.type, "none")
+    box.label(text="Reference pose" if action.reference else f"Reference pose: {without}")
     row = box.row(align=True)
     row.operator("unisg.action_reference", text="From Current Pose", icon="PINNED")
     row.operator("unisg.action_go_to_reference", text="", icon="VIEWZOOM")

@@ -30,14 +30,14 @@ class UNISG_PT_play(SidebarPanel, bpy.types.Panel):
         layout.operator("unisg.play_stop", icon="SNAP_FACE")
         if current.state.finished:
             layout.label(text="Played to the end", icon="CHECKMARK")
+        for action, holds in current.open_actions():
+            _open_action(layout, current, action, holds)
         told = current.message()
         if told is not None:
             text = told.why if told.kind != "done" else f"Done: {told.name}"
             column = layout.column()
             column.alert = told.kind != "done"
             _wrapped(column, text, context.region.width)
-        for action, holds in current.open_actions():
-            _open_action(layout, current, action, holds)
 
 
 def _operation_uid(item: bpy.types.Object) -> str:

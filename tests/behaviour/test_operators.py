@@ -30,10 +30,12 @@ def extension():
         "operators.lesson",
         "operators.play",
         "operators.copied",
+        "operators.recording",
         "panels.main",
         "panels.lesson",
         "panels.actions",
         "panels.overlay",
+        "panels.recording",
     )
     modules = [importlib.import_module(f"unisg_extension.{name}") for name in parts]
     registration = importlib.import_module("unisg_extension.operators.registration")
@@ -279,6 +281,88 @@ def test_play_steps_through_the_open_scene():
     played.step(0.2)
     assert played.state.finished
     assert played.status(played.lesson.outline.nodes[-1].uid) == "done"
+
+
+def test_a_recording_of_a_lesson_is_kept_replayed_and_played_as_an_animation():
+    """As the modal operator does it, without its clock: moves, a trigger, an answer; then from the scene itself."""
+    recording = importlib.import_module("unisg_extension.operators.recording")
+    play = importlib.import_module("unisg_extension.operators.play")
+    from unisg_extension.unisg_blender.blender.play import open_session
+    from unisg_extension.unisg_blender.blender.recording import Recorder, scene_recording
+
+    knee, scalpel, scene = bpy.data.objects["Knee"], bpy.data.objects["Scalpel"], bpy.context.scene
+    activate("Knee", "Scalpel")
+    bpy.ops.unisg.action_add(type="Use")
+    knee.unisg_action_name, knee.unisg_action_trigger, knee.unisg_action_ask_hold = "Cut", True, False
+    bpy.ops.unisg.lesson_new(name="Surgery")
+    activate("Knee")
+    bpy.ops.unisg.lesson_add_action()
+    bpy.ops.unisg.action_add(type="Question")
+    knee.unisg_action_name = "Ready?"
+    bpy.ops.unisg.lesson_add_action()
+    uid = scalpel["unisg_uid"]
+
+    take = recording.Take(scene.name, 0.0, Recorder())
+    played = open_session(scene)
+    played.started = 0.5
+    play._sessions[:] = [played]
+    for at, x, pressed in ((0.0, 2.0, False), (1.0, 0.1, False), (2.0, 0.1, True), (3.0, 0.1, True), (4.0, 1.0, False)):
+        scalpel.location.x = x
+        played.pressed = {uid} if pressed else set()
+        if at == 3.0:
+            played.chosen = {actions_of(knee)[1].uid: (0,)}
+            played.answer(actions_of(knee)[1].uid)
+        bpy.context.view_layer.update()
+        played.step(at)
+        take.lesson = play.session()
+        take.recorder.sample(scene, at + 0.5)
+    play._sessions.clear()
+    assert played.state.finished
+    assert recording.UNISG_OT_record._save(Reports(), scene, take.graph(0.5, 0.1)) == {"FINISHED"}
+    found = scene_recording(scene)
+    words = ["started", "performed", "started", "answered:0", "performed"]
+    assert [word for _, word, _ in found["Knee"].events] == words
+    assert [(time, word) for time, word, _ in found["Scalpel"].events][1:] == [(2.5, "pressed"), (4.5, "released")]
+
+    assert bpy.ops.unisg.replay() == {"FINISHED"}
+    assert sorted(marker.name for marker in scene.timeline_markers) == ["Ready? = Yes", "done: Cut", "done: Ready?"]
+    scene.frame_set(30)
+    assert not scalpel["unisg_trigger"]
+    assert scalpel.location.x == pytest.approx(0.3, abs=0.3)
+    scene.frame_set(70)
+    assert scalpel["unisg_trigger"]
+    graph = read_scene()
+    timeline = simulate(prepare(graph), scene_moments(scene, graph))
+    assert [event.name for event in timeline.performed()] == ["Cut", "Ready?"]
+    assert bpy.ops.unisg.replay() == {"FINISHED"}  # again: nothing is there twice
+    assert len(scene.timeline_markers) == 3
+    assert bpy.ops.unisg.record() == {"FINISHED"}  # the playback, lesson and all
+    assert [word for _, word, _ in scene_recording(scene)["Knee"].events].count("performed") == 2
+    assert bpy.ops.unisg.record_clear() == {"FINISHED"}
+    assert scene_recording(scene) == {}
+
+
+class Reports:
+    """Stands for an operator that saves into the scene alone."""
+
+    filepath = ""
+
+    def report(self, kind, text):
+        assert kind == {"INFO"}, text
+
+
+def test_types_of_a_users_own_are_in_the_menu(tmp_path):
+    from unisg_extension.unisg_blender.scene.behaviour import remove_type
+
+    path = tmp_path / "types.py"
+    path.write_text("CONDITIONS = {'Lift': lambda batch, moment: moment.world[batch.target, 2, 3] > batch.distance}")
+    assert bpy.ops.unisg.load_types(filepath=str(path)) == {"FINISHED"}
+    assert bpy.ops.unisg.action_add(type="Lift") == {"FINISHED"}
+    assert knee_action().type == "Lift"
+    assert knee_action().targets == (bpy.data.objects["Knee"]["unisg_uid"],)
+    remove_type("Lift")
+    with pytest.raises(RuntimeError, match="no file"):
+        bpy.ops.unisg.load_types(filepath=str(tmp_path / "missing.py"))
 
 
 def test_every_edit_is_one_undo_step():

@@ -45,7 +45,7 @@ def add_action(scene: bpy.types.Scene, item: bpy.types.Object, kind: str) -> int
     """Give an object a new action, the object itself its target; returns the action's place."""
     own = identity_of(scene, item)
     action = ActionData(new_uid(), kind, f"{kind} {item.name}", thresholds=STARTS.get(kind, Thresholds()))
-    if kind in ("Insert", "Remove", "Use", "Tool"):
+    if kind not in ("Question", "Parallel"):
         action = replace(action, targets=(own,), names={own: item.name})
     if kind == "Question":
         action = replace(action, answers=("Yes", "No"), correct=(0,), name="A question?")

@@ -25,7 +25,6 @@ HELP = (
     "Play the lesson of a scene: against the animation or recording in the file, a scripted motion (--motion), or a "
     "rehearsal that performs every action in its turn (--rehearse). Says which action was performed, when and why."
 )
-USD = (".usd", ".usda", ".usdc", ".usdz")
 FILM_FRAMES = 60
 
 
@@ -41,6 +40,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--lesson", metavar="NAME", help="which lesson, where the scene has several")
     parser.add_argument("--rate", type=float, help="frames per second (default: 30, the file's own for an animation)")
+    parser.add_argument(
+        "--types", metavar="PY", type=Path, action="append", default=[],
+        help="a Python file with action types of your own (it is run): see docs/behaviour.md",
+    )  # fmt: skip
+    parser.add_argument(
+        "--record",
+        metavar="FILE",
+        type=Path,
+        help="write the scene with what was played as its recording",
+    )
     parser.add_argument("--out", metavar="DIR", type=Path, help="write timeline.json and timeline.png here")
     parser.add_argument("--render", action="store_true", help="with --out: write film.gif too (needs Blender)")
 
@@ -54,23 +63,24 @@ def run(args: argparse.Namespace) -> int:
         print("unisg simulate: --rate must be above 0 and at most 1000 frames per second", file=sys.stderr)
         return MISUSE
     from ..scene.behaviour import prepare, simulate, timeline_record
-    from ..scene.behaviour.progress import STATUSES
+    from ..scene.behaviour.own_types import load_types
+    from .scene_files import check_kinds, read_scene_file, shown, write_scene_file
 
-    graph = _read(args.file)
+    check_kinds(args.file, args.record)
+    for path in args.types:
+        load_types(path)
+    with shown(args.quiet, "entities") as tell:
+        graph, _ = read_scene_file(args.file, tell)
     lesson = prepare(graph, _chosen(graph, args.lesson))
-    leaves = [place for place, node in enumerate(lesson.outline.nodes) if node.kind == "action"]
-    frames: list[Any] = []
-
-    def watch(now: Moment, state: Any) -> None:
-        states = [(_name(lesson, place), STATUSES[state.status[place]]) for place in leaves]
-        frames.append((now.time, now.world, states))
-
+    take = Take(lesson)
     played, script = _moments(args, graph, lesson)
     bar = tqdm(played, desc="simulate", unit="frame", disable=args.quiet, file=sys.stderr)
-    timeline = simulate(lesson, bar, watch if args.render else None)
+    timeline = simulate(lesson, bar, take.watch if args.render or args.record else None)
     record = timeline_record(timeline)
     if args.out is not None:
-        _write(args, graph, record, frames, script)
+        _write(args, graph, record, take.frames, script)
+    if args.record is not None:
+        write_scene_file(take.recorded(timeline.events), args.record)
     if args.json:
         print(json.dumps(record, ensure_ascii=False))
     elif not args.quiet:
@@ -78,14 +88,39 @@ def run(args: argparse.Namespace) -> int:
     return DONE
 
 
-def _read(path: Path) -> SceneGraph:
-    if path.suffix.lower() in USD:
-        from ..usd import read_usd
+class Take:
+    """What a film and a recording need of every moment of a lesson that is played."""
 
-        return read_usd(path)
-    from ..blender.files import read_file
+    def __init__(self, lesson: Any) -> None:
+        from ..scene.behaviour import Recorder
 
-    return read_file(path)[0]
+        self.lesson, self.recorder = lesson, Recorder()
+        self.frames: list[Any] = []
+        self._inputs: list[Any] = []
+        self._before: Moment | None = None
+        self._leaves = [place for place, node in enumerate(lesson.outline.nodes) if node.kind == "action"]
+
+    def watch(self, now: Moment, state: Any) -> None:
+        """Take down a moment."""
+        from ..scene.behaviour import local_matrices
+        from ..scene.behaviour.progress import STATUSES
+        from ..scene.behaviour.recorded import new_inputs
+
+        states = [(_name(self.lesson, place), STATUSES[state.status[place]]) for place in self._leaves]
+        self.frames.append((now.time, now.world, states))
+        graph = self.lesson.graph
+        self.recorder.look(graph.uid, local_matrices(graph, now.world), now.time)
+        self._inputs += new_inputs(self.lesson, self._before, now)
+        self._before = now
+
+    def recorded(self, events: Iterable[Any]) -> SceneGraph:
+        """The scene with all of it as its recording."""
+        from ..scene.behaviour import with_events
+        from ..scene.components import ANIMATION
+
+        graph = self.recorder.recorded(self.lesson.graph)
+        components = {name: found for name, found in graph.components.items() if name != ANIMATION}
+        return with_events(graph.replace(components=components), events, self._inputs)
 
 
 def _chosen(graph: SceneGraph, name: str | None) -> LessonNode | None:
@@ -105,6 +140,7 @@ def _moments(args: argparse.Namespace, graph: SceneGraph, lesson: Any) -> tuple[
     from dataclasses import replace
 
     from ..scene.behaviour import moments, motion_from_json, motion_to_json, recorded_motion, rehearse
+    from .scene_files import BLENDER
 
     if args.rehearse:
         motion = rehearse(lesson, args.rate or 30.0)
@@ -116,9 +152,9 @@ def _moments(args: argparse.Namespace, graph: SceneGraph, lesson: Any) -> tuple[
             raise UniSGError(f"cannot read {args.motion}: {error}") from None
         return list(moments(graph, replace(motion, rate=args.rate or motion.rate))), None
     motion = recorded_motion(graph, args.rate or 30.0)
-    if motion.tracks:
+    if motion.tracks or motion.inputs:
         return list(moments(graph, motion)), None
-    if args.file.suffix.lower() not in USD:
+    if args.file.suffix.lower() in BLENDER:
         import bpy
 
         from ..blender.behaviour import has_animation, scene_moments
@@ -151,8 +187,9 @@ def _render(args: argparse.Namespace, graph: SceneGraph, path: Path, frames: lis
 
     from ..blender import new_file, write_scene
     from ..blender.film import write_film
+    from .scene_files import BLENDER
 
-    if args.file.suffix.lower() in USD:
+    if args.file.suffix.lower() not in BLENDER:
         new_file()
         write_scene(graph, bpy.context.scene)
     chosen = frames[:: max(1, -(-len(frames) // FILM_FRAMES))]

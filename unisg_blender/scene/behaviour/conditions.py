@@ -8,7 +8,7 @@ in :mod:`.state`. A type of your own is such a function, given by name::
     def lift(batch, moment):
         return moment.world[batch.target, 2, 3] >= batch.distance
 
-    checks = compile_actions(graph, conditions={"Lift": lift})
+    add_type("Lift", lift)
 """
 
 from __future__ import annotations

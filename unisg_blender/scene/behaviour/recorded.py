@@ -29,15 +29,16 @@ PRESSED, RELEASED, FORCE, ANSWERED = "pressed", "released", "force:", "answered:
 def with_events(graph: SceneGraph, events: Iterable[Event], inputs: Iterable[Input]) -> SceneGraph:
     """The scenegraph with the component ``events``: of the actions of a lesson, and the user's inputs."""
     owner = {action.uid: int(row) for row, action in _owned(graph)}
-    found = [
+    found: list[tuple[int, RecordedEvent]] = []
+    for each in inputs:  # before what they bring about in the same moment
+        row = graph.row_of_uid.get(each.uid, owner.get(each.uid))
+        if row is not None:
+            found += [(row, entry) for entry in _entries(each)]
+    found += [
         (owner[event.action], (event.time, WORDS[event.kind], event.action))
         for event in events
         if event.action in owner and event.kind in WORDS
     ]
-    for each in inputs:
-        row = graph.row_of_uid.get(each.uid, owner.get(each.uid))
-        if row is not None:
-            found += [(row, entry) for entry in _entries(each)]
     return graph.with_component(EVENTS, event_table(sorted(found, key=lambda pair: pair[1][0])))
 
 

@@ -16,6 +16,7 @@ from .gestures import away_goal, place_goal, touch_goals
 from .hand import Hand
 from .moment import moment
 from .motion import Motion
+from .own_types import OWN_GESTURES
 from .player import Lesson
 from .progress import OPEN
 
@@ -45,7 +46,8 @@ def rehearse(lesson: Lesson, rate: float = 10.0) -> Motion:
     if not hand.state.finished:
         stuck = next(place for place in _open_leaves(hand) if lesson.outline.mandatory[place])
         kind = lesson.checks.actions[lesson.task[stuck]].type
-        raise UniSGError(f"{lesson.outline.label(stuck)} ({kind}) is not performed by doing what it asks for")
+        hint = "" if kind in GESTURES or kind in OWN_GESTURES else ": give its type a gesture"
+        raise UniSGError(f"{lesson.outline.label(stuck)} ({kind}) is not performed by doing what it asks for{hint}")
     return hand.motion()
 
 
@@ -64,8 +66,9 @@ def _perform(hand: Hand, task: int) -> None:
     elif action.type == "Question":
         hand.answer(action.uid, action.correct)
         hand.wait(1.0)
-    elif action.type in GESTURES:
-        GESTURES[action.type](hand, make_batch(hand.lesson.graph, [action], [0]))
+    else:
+        gesture = GESTURES.get(action.type) or OWN_GESTURES.get(action.type, _place_or_touch)
+        gesture(hand, make_batch(hand.lesson.graph, [action], [0]))
 
 
 def _place(hand: Hand, batch: Batch) -> None:
@@ -76,6 +79,11 @@ def _place(hand: Hand, batch: Batch) -> None:
         pair = int(np.argmin(distance))
         hand.move(int(batch.poses.row[pair]), goal(batch, pair, hand.world))
         hand.wait(batch.hold[0] + 2 / hand.rate)
+
+
+def _place_or_touch(hand: Hand, batch: Batch) -> None:
+    """What most types of a user's own may ask for."""
+    (_place if len(batch.poses.row) else _touch)(hand, batch)
 
 
 def _work(hand: Hand, batch: Batch) -> None:

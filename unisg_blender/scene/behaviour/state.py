@@ -18,6 +18,7 @@ from .batch import Batch, make_batch
 from .conditions import CONDITIONS, Condition
 from .contact import EPSILON
 from .moment import Moment
+from .own_types import OWN_CONDITIONS
 from .places import all_actions
 
 
@@ -94,7 +95,7 @@ def compile_actions(
         The actions themselves instead, which may repeat, and for each the places of
         its members in that list; members are found by uid when omitted.
     conditions
-        Types of your own, ``{"Lift": lift}``: see :mod:`.conditions`.
+        Types of your own, ``{"Lift": lift}``, besides those of :mod:`.own_types`: see :mod:`.conditions`.
     """
     if actions is None:
         actions = all_actions(graph)
@@ -104,7 +105,7 @@ def compile_actions(
     if members is None:
         place_of = {action.uid: place for place, action in reversed(list(enumerate(actions)))}
         members = [[place_of[uid] for uid in action.members if uid in place_of] for action in actions]
-    known = {**CONDITIONS, **(conditions or {})}
+    known = {**CONDITIONS, **OWN_CONDITIONS, **(conditions or {})}
     places: dict[str, list[int]] = {}
     for place, action in enumerate(actions):
         places.setdefault(action.type, []).append(place)

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping
 from ..actions import ActionData
 from ..graph import SceneGraph
 from .conditions import CONDITIONS, Condition
+from .own_types import OWN_CONDITIONS
 
 
 def action_problems(
@@ -24,8 +25,8 @@ def action_problems(
     name = repr(action.name or f"{action.type} {action.uid}")
     if action.type in CHECKS:
         texts += [f"has the action {name}, which {text}" for text in CHECKS[action.type](action, by_uid)]
-    elif action.type not in (conditions or {}):
-        texts.append(f"has the action {name} of the type {action.type!r}, for which there is no condition")
+    elif action.type not in {**OWN_CONDITIONS, **(conditions or {})}:
+        texts.append(f"has the action {name} of the unknown type {action.type!r}: load the file that defines it")
     return texts
 
 
