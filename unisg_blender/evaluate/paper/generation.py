@@ -20,7 +20,7 @@ from ...learn.train_cgvae import KL_WEIGHT
 from ...poses import FORMS
 from ..pose_metrics import pose_report, r_squared
 
-HIDDEN, EMBEDDING, LATENT = 32, 8, 16
+HIDDEN, EMBEDDING, LATENT = 16, 8, 8
 RATE, BATCH, NEGATIVES = 3e-3, 100, 1
 HELD_OUT = 0.1
 

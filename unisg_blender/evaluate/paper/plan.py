@@ -21,6 +21,9 @@ ALL_FORMS = (
 NARROW_FORMS = tuple(form for form in ALL_FORMS if form not in ("pga", "cga"))
 """Without those whose further channels are constant: with constants dropped they are the even forms exactly."""
 
+FEW_FORMS = ("trs_matrix", "axis_angle", "sixd", "dual_quaternion", "cga_even")
+"""One of each kind, for the larger tables."""
+
 DOUBLE_FORMS = ("axis_angle", "quaternion", "dual_quaternion", "pga_even", "cga_even")
 """Forms that have two features for each pose."""
 
@@ -28,21 +31,25 @@ TARGET = {"task": "target", "poses": "full", "translation": "medium", "sign": "c
 INPUT = TARGET | {"task": "input"}
 POSE_FACTORS: dict[str, tuple[dict[str, str], tuple[str, ...]]] = {
     "target, base case": (TARGET, ALL_FORMS),
-    "target, not standardised": (TARGET | {"scaling": "raw"}, ALL_FORMS),
+    "input, base case": (INPUT, NARROW_FORMS),
+    "child seen from parent, two world poses": (INPUT | {"poses": "two poses"}, NARROW_FORMS),
+    "child seen from parent, composed": (INPUT | {"poses": "composed"}, NARROW_FORMS),
+    "target, large translations": (TARGET | {"translation": "large"}, NARROW_FORMS),
     "target, random sign": (TARGET | {"sign": "random"}, DOUBLE_FORMS),
+    "in and out, parent-relative": (TARGET | {"task": "both", "poses": "relative"}, NARROW_FORMS),
+    "in and out, absolute": (TARGET | {"task": "both", "poses": "absolute"}, NARROW_FORMS),
+    "target, not standardised": (TARGET | {"scaling": "raw"}, ALL_FORMS),
     "target, yaw only": (TARGET | {"poses": "yaw"}, NARROW_FORMS),
     "target, small translations": (TARGET | {"translation": "small"}, NARROW_FORMS),
-    "target, large translations": (TARGET | {"translation": "large"}, NARROW_FORMS),
-    "input, base case": (INPUT, ALL_FORMS),
     "input, random sign": (INPUT | {"sign": "random"}, DOUBLE_FORMS),
     "input, yaw only": (INPUT | {"poses": "yaw"}, NARROW_FORMS),
     "input, large translations": (INPUT | {"translation": "large"}, NARROW_FORMS),
-    "in and out, parent-relative": (TARGET | {"task": "both", "poses": "relative"}, NARROW_FORMS),
-    "in and out, absolute": (TARGET | {"task": "both", "poses": "absolute"}, NARROW_FORMS),
-    "child seen from parent, two world poses": (INPUT | {"poses": "two poses"}, NARROW_FORMS),
-    "child seen from parent, composed": (INPUT | {"poses": "composed"}, NARROW_FORMS),
 }
 """One factor at a time from the base cases: settings and forms."""
+
+
+FIRST = sum(len(forms) for _, forms in list(POSE_FACTORS.values())[:6])
+"""How many trainings the first six settings are."""
 
 
 @dataclass(frozen=True)
@@ -52,14 +59,17 @@ class Plan:
     sizes: Sizes = FULL
     seeds: int = 10
     classification: int = 20
-    few: int = 60
+    few: int = 40
     topology: int = 100
     generation: int = 100
     links: int = 60
-    steps: int = 600
+    steps: int = 300
+    most_cubes: int = 1_000_000
 
 
-QUICK_PLAN = Plan(QUICK, seeds=2, classification=10, few=20, topology=15, generation=5, links=15, steps=60)
+QUICK_PLAN = Plan(
+    QUICK, seeds=2, classification=10, few=20, topology=15, generation=5, links=15, steps=60, most_cubes=10_000
+)
 
 
 def paper_runs(plan: Plan) -> list[Run]:
@@ -85,17 +95,22 @@ def pose_runs(plan: Plan) -> dict[tuple[str, str], Run]:
 def pair_runs(plan: Plan) -> dict[tuple[str, str, str], Run]:
     """By rotation, what is shown of the poses, and form."""
     size = {"seeds": plan.seeds, "steps": plan.steps}
-    shown = [*product(("absolute", "relative"), NARROW_FORMS), ("shipped", "")]
+    forms = {"full": NARROW_FORMS, "yaw": FEW_FORMS}
     return {
         (rotation, poses, form): Run("pairs", {"rotation": rotation, "poses": poses, "form": form, **size})
-        for rotation in ("full", "yaw")
-        for poses, form in shown
+        for rotation, known in forms.items()
+        for poses, form in (*product(("absolute", "relative"), known), ("shipped", ""))
     }
 
 
 def rule_runs() -> dict[str, Run]:
     """By rotation."""
     return {rotation: Run("rules", {"rotation": rotation}) for rotation in ("full", "yaw")}
+
+
+def scale_runs(plan: Plan) -> list[Run]:
+    """By number of cubes, tenfold each time."""
+    return [Run("scale", {"cubes": count}) for count in (10_000, 100_000, 1_000_000) if count <= plan.most_cubes]
 
 
 def link_runs(plan: Plan) -> dict[str, list[Run]]:
@@ -113,7 +128,7 @@ def few_runs(plan: Plan) -> dict[tuple[str, int, str], list[Run]]:
     """Classification from few scenes: by what the network sees, number of scenes and form, one run per seed."""
     found = {}
     for see, count, form in (
-        *product(["poses"], (4, 8, 16), NARROW_FORMS),
+        *product(["poses"], (4, 8, 16), FEW_FORMS),
         *product(["all components"], (4,), PAPER_FORMS.values()),
     ):
         components = ["trs"] if see == "poses" else ["info", "trs", "mesh", "action"]
@@ -125,9 +140,11 @@ def few_runs(plan: Plan) -> dict[tuple[str, int, str], list[Run]]:
 
 
 def all_runs(plan: Plan) -> list[Run]:
-    """Everything: first what trains all seeds side by side, then seed by seed, so that what is there is balanced."""
-    tables = [*rule_runs().values(), *pose_runs(plan).values(), *pair_runs(plan).values()]
+    """Everything, the main questions first, then seed by seed: what is there when it is stopped is balanced."""
+    poses, pairs = list(pose_runs(plan).values()), list(pair_runs(plan).values())
     seeds: list[list[Run]] = [[] for _ in range(plan.seeds)]
+    slow: list[list[Run]] = [[] for _ in range(plan.seeds)]
     for run in (*paper_runs(plan), *chain(*link_runs(plan).values()), *chain(*few_runs(plan).values())):
-        seeds[run.settings["seed"]].append(run)
-    return [*tables, *chain(*seeds)]
+        (slow if run.experiment == "generation" else seeds)[run.settings["seed"]].append(run)
+    main = [*rule_runs().values(), *poses[:FIRST], *pairs, *seeds[0], *poses[FIRST:], *scale_runs(plan), *slow[0]]
+    return [*main, *chain(*seeds[1:]), *chain(*slow[1:])]

@@ -26,7 +26,7 @@ from ...worlds import WORLDS
 from ..pose_metrics import angles, decoded, distances, folds_of, invalidity, r_squared, summary
 
 RATES = (3e-3, 1e-2, 3e-2)
-COUNTS = {"train": 2048, "validation": 256, "test": 1024}
+COUNTS = {"train": 2048, "validation": 128, "test": 512}
 LANDMARKS = np.array([[0.3, 0.0, 0.0], [0.0, 0.2, 0.0], [0.0, 0.0, 0.25], [-0.1, -0.15, -0.2]])
 """Four points of an object without symmetry, metres: a pose as twelve coordinates that belong to no form."""
 

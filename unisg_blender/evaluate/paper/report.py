@@ -48,6 +48,10 @@ MARKDOWN: dict[str, tuple[str, dict[str, str]]] = {
         "rotation": "rotation", "method": "method", "form": "form", "seeds": "seeds", "parameters": "parameters",
         "average_precision": "average precision", "f1": "F1",
     }),
+    "topology_scale": ("The shipped topology network on fields of cubes, one thread", {
+        "cubes": "cubes", "candidates": "pairs", "seconds_candidates": "s, candidates", "seconds_network": "s, network",
+        "megabytes": "MB of arrays", "missed": "missed by candidates", "f1": "F1",
+    }),
     "classification_few": ("Classification from few scenes: accuracy (95 % intervals)", {
         "sees": "sees", "training_scenes": "scenes", "form": "form", "seeds": "seeds", "parameters": "parameters",
         "same noise": "same noise", "unseen noise": "unseen noise", "turned": "turned", "tumbled": "tumbled",

@@ -24,6 +24,7 @@ EXPERIMENTS = {
     "poses": (1, ".poses:run"),
     "pairs": (1, ".pairs:run"),
     "rules": (1, ".pairs:run_rules"),
+    "scale": (1, ".scale:run"),
     "link_prediction": (1, ".links:run"),
 }
 """Version of the code (another one makes results anew) and "module:function": (settings, data folder) -> result."""

@@ -10,7 +10,7 @@ import numpy as np
 from ...errors import UniSGError
 from ..pose_metrics import interval
 from .data import TESTS
-from .plan import PAPER_FORMS, Plan, few_runs, link_runs, pair_runs, paper_runs, pose_runs, rule_runs
+from .plan import PAPER_FORMS, Plan, few_runs, link_runs, pair_runs, paper_runs, pose_runs, rule_runs, scale_runs
 from .runs import Run
 
 Results = Mapping[str, Mapping[str, Any]]
@@ -39,6 +39,7 @@ def make_tables(results: Results, plan: Plan) -> dict[str, Table]:
         "generation_decoded": decoded_table(results, plan),
         "poses": pose_table(results, plan),
         "topology_unseen": unseen_table(results, plan),
+        "topology_scale": scale_table(results, plan),
         "classification_few": few_table(results, plan),
     }
 
@@ -151,6 +152,11 @@ def unseen_table(results: Results, plan: Plan) -> Table:
             row = {"method": name, "form": form, "rotation": rotation, "parameters": result["parameters"]}
             table.append(row | with_intervals(result["rows"], ("average_precision", "f1")))
     return table
+
+
+def scale_table(results: Results, plan: Plan) -> Table:
+    """What a field of cubes costs."""
+    return [{"cubes": run.settings["cubes"], **result} for run in scale_runs(plan) for result in _there([run], results)]
 
 
 def few_table(results: Results, plan: Plan) -> Table:
