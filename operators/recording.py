@@ -60,7 +60,7 @@ class UNISG_OT_record(bpy.types.Operator):
 
     bl_idname = "unisg.record"
     bl_label = "Record Motion"
-    bl_options = {"REGISTER", "UNDO"}
+    bl_options = {"UNDO"}  # no REGISTER: to adjust it afterwards would record the playback in its place
 
     filepath: bpy.props.StringProperty(
         name="File", subtype="FILE_PATH", description="A USD file to write as well; the scene alone keeps it when empty"

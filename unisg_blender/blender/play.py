@@ -58,6 +58,8 @@ class Session:
         self.time, self.answers, self._before = time, {}, now
         self.state, events = play(self.lesson, self.state, now)
         self.events += events
+        if any(event.kind == "done" for event in events):  # what is no longer asked for can no longer be released
+            self.pressed &= {uid for action, _ in self.open_actions() for uid in action.tools}
         return events
 
     def face(self) -> tuple[bytes, ...]:

@@ -49,12 +49,14 @@ class Lesson:
 class PlayState:
     """How far a lesson has come: ``status`` int8 (M,) of the nodes, and the state of the actions.
 
-    ``began`` is the time of the first moment in seconds, None before it.
+    ``began`` is the time of the first moment in seconds, None before it; ``first``
+    bool (A,): the conditions that held then.
     """
 
     status: NDArray[np.int8]
     actions: ActionState
     began: float | None = None
+    first: NDArray[np.bool_] | None = None
 
     @property
     def finished(self) -> bool:
@@ -146,10 +148,11 @@ def play(lesson: Lesson, state: PlayState, moment: Moment) -> tuple[PlayState, t
     if len(performed):
         status, changes = advance(lesson.outline, state.status, performed.tolist())
     began = moment.time if state.began is None else state.began
+    first = actions.met if state.first is None else state.first
     events = [*_opened_at_start(lesson, state, moment)] if state.began is None else []
-    events += _feedback(lesson, state, actions, moment, began)
+    events += _feedback(lesson, state, actions, moment, first)
     events += [_event(lesson, change, moment) for change in changes]
-    return PlayState(status, actions, began), tuple(events)
+    return PlayState(status, actions, began, first), tuple(events)
 
 
 def _opened_at_start(lesson: Lesson, state: PlayState, moment: Moment) -> Iterator[Event]:
@@ -167,13 +170,18 @@ def _event(lesson: Lesson, change: Change, moment: Moment) -> Event:
     return Event(moment.time, KINDS[change.status], node.uid, node.kind, name or node.uid, node.action, why)
 
 
-def _feedback(lesson: Lesson, state: PlayState, new: ActionState, moment: Moment, began: float) -> Iterator[Event]:
-    """What the learner should hear: wrong answers, and actions that were performed before their turn."""
+def _feedback(
+    lesson: Lesson, state: PlayState, new: ActionState, moment: Moment, first: NDArray[np.bool_]
+) -> Iterator[Event]:
+    """What the learner should hear: wrong answers, and actions that were performed before their turn.
+
+    What was so from the ``first`` moment was not performed, nor what is put back to be so again.
+    """
     actions, old = lesson.checks.actions, state.actions
     succeeding = new.active & (new.met | new.done & ~old.done)
     busy = {uid for place in np.flatnonzero(succeeding) for uid in _about(actions[place])}
     in_hand = {uid for place in np.flatnonzero(new.active) for uid in _about(actions[place])}
-    early = (new.hits > old.hits) & (new.hits >= lesson.checks.hits) & ~new.active & ~old.active & (new.since > began)
+    early = (new.hits > old.hits) & (new.hits >= lesson.checks.hits) & ~new.active & ~old.active & ~first
     for leaf in np.flatnonzero(lesson.task >= 0):
         node, tasks = lesson.outline.nodes[leaf], _with_members(lesson.checks, int(lesson.task[leaf]))
         for place in tasks:
