@@ -1,4 +1,4 @@
-"""Write the open scenes as a dataset for learning."""
+"""Write the open scenes, or a folder of scene files, as a dataset for learning."""
 
 from __future__ import annotations
 
@@ -6,6 +6,10 @@ from collections.abc import Iterator
 
 import bpy
 
+WAIT = 0.05
+"""Seconds that a step may wait for a file: the window stays responsive."""
+
+FAILURES = "files-*.jsonl"
 _form_items: list[tuple[str, str, str]] = []
 
 
@@ -23,8 +27,24 @@ class DatasetSettings:
     filepath: bpy.props.StringProperty(
         name="Folder", description="Folder of the dataset; // is the folder of this file", subtype="DIR_PATH"
     )
+    inputs: bpy.props.StringProperty(
+        name="Files",
+        description="Folder with scene files, searched with all below it; empty writes what is open here",
+        subtype="DIR_PATH",
+    )
     form: bpy.props.EnumProperty(name="Form", description="How poses are represented in the dataset", items=_forms)
+    instances: bpy.props.EnumProperty(
+        name="Instances",
+        description="What collections, geometry nodes and particles show",
+        items=(
+            ("realize", "As Objects", "Every copy is an object of the dataset"),
+            ("keep", "Leave Out", "Copies are not in the dataset"),
+        ),
+    )
     all_scenes: bpy.props.BoolProperty(name="All Scenes", description="Every scene of this file, not only this one")
+    resume: bpy.props.BoolProperty(
+        name="Resume", description="Go on with an export of files that was stopped, or bring its dataset up to date"
+    )
     overwrite: bpy.props.BoolProperty(name="Replace", description="Replace a dataset that is in that folder already")
 
 
@@ -33,7 +53,7 @@ class UNISG_DatasetSettings(DatasetSettings, bpy.types.PropertyGroup):
 
 
 class UNISG_OT_export_dataset(DatasetSettings, bpy.types.Operator):
-    """Write the open scene as a dataset that networks can be trained on; the scene is not changed"""
+    """Write the open scene, or a folder of files, as a dataset to train networks on; no scene is changed"""
 
     bl_idname = "unisg.export_dataset"
     bl_label = "Export Dataset"
@@ -43,9 +63,6 @@ class UNISG_OT_export_dataset(DatasetSettings, bpy.types.Operator):
     def poll(cls, context: bpy.types.Context) -> bool:
         if context.mode != "OBJECT":
             cls.poll_message_set("Leave edit mode first")
-            return False
-        if not any(scene.objects for scene in bpy.data.scenes):
-            cls.poll_message_set("There are no objects to write")
             return False
         return True
 
@@ -71,9 +88,10 @@ class UNISG_OT_export_dataset(DatasetSettings, bpy.types.Operator):
         from ..unisg_blender.errors import UniSGError
 
         if event.type == "ESC":
-            self._work.close()  # what it wrote goes away with it
+            self._work.close()  # what it wrote goes away with it, but what is read of files
             self._end(context)
-            self.report({"INFO"}, "Stopped; nothing was written")
+            words = "tick Resume to go on" if self.inputs else "nothing was written"
+            self.report({"INFO"}, f"Stopped; {words}")
             return {"CANCELLED"}
         if event.type != "TIMER":
             return {"RUNNING_MODAL"}
@@ -91,30 +109,57 @@ class UNISG_OT_export_dataset(DatasetSettings, bpy.types.Operator):
         return {"RUNNING_MODAL"}
 
     def _steps(self, context: bpy.types.Context) -> Iterator[tuple[float, str]]:
-        """Read scene by scene, then write; yields how much is done, 0 to 1, and in words."""
+        """Yields how much is done, 0 to 1, and in words."""
+        return self._file_steps() if self.inputs else self._scene_steps(context)
+
+    def _scene_steps(self, context: bpy.types.Context) -> Iterator[tuple[float, str]]:
+        """Read what is open scene by scene, then write."""
         from ..unisg_blender.blender import read_scene
         from ..unisg_blender.dataset import Sample
+        from ..unisg_blender.dataset.realized import realize_objects
         from ..unisg_blender.dataset.writer import write_steps
+        from ..unisg_blender.errors import UniSGError
 
-        folder = self._folder()
+        folder = self._absolute(self.filepath)
         names = [scene.name for scene in (bpy.data.scenes if self.all_scenes else [context.scene]) if scene.objects]
+        if not names:
+            raise UniSGError("there are no objects to write")
         samples = []
         for number, name in enumerate(names):
             yield number / (2 * len(names)), f"Reading {name}"
-            samples.append(Sample(read_scene(bpy.data.scenes[name]), bpy.path.basename(bpy.data.filepath) or name))
+            graph = read_scene(bpy.data.scenes[name])
+            if self.instances == "realize":
+                graph, _ = realize_objects(graph)
+            samples.append(Sample(graph, bpy.path.basename(bpy.data.filepath) or name))
         yield 0.5, "Writing"
         for done in write_steps(samples, folder, self.form, overwrite=self.overwrite):
             yield 0.5 + done / (2 * len(names)), "Writing"
         self._summary = f"{len(names)} scenes with {sum(len(item.graph) for item in samples)} entities in {folder}"
 
-    def _folder(self) -> str:
+    def _file_steps(self) -> Iterator[tuple[float, str]]:
+        """Have files read by Blenders of their own; what is open here is not touched."""
+        from ..unisg_blender.dataset.export import ExportOptions, export_steps
+
+        folder, inputs = self._absolute(self.filepath), self._absolute(self.inputs)
+        options = ExportOptions(form=self.form, instances=self.instances)
+        done = failed = 0
+        steps = export_steps([inputs], folder, options, resume=self.resume, overwrite=self.overwrite, wait=WAIT)
+        for record, total in steps:
+            done += record is not None
+            failed += record is not None and record["status"] == "failed"
+            yield done / total, f"{done} of {total} files" + (f", {failed} could not be read" if failed else "")
+        self._summary = f"{done - failed} of {done} files are in {folder}"
+        if failed:
+            self._summary += f"; {FAILURES} there says why {failed} could not be read"
+
+    def _absolute(self, path: str) -> str:
         from ..unisg_blender.errors import UniSGError
 
-        if not self.filepath:
+        if not path:
             raise UniSGError("choose a folder for the dataset")
-        if self.filepath.startswith("//") and not bpy.data.filepath:
+        if path.startswith("//") and not bpy.data.filepath:
             raise UniSGError("save this file first, or choose a folder that does not begin with //")
-        return bpy.path.abspath(self.filepath)
+        return bpy.path.abspath(path)
 
     def _end(self, context: bpy.types.Context) -> None:
         context.window_manager.event_timer_remove(self._timer)

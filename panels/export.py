@@ -1,4 +1,4 @@
-"""The Dataset panel: where to, in which form, and a button."""
+"""The Dataset panel: from where, where to, in which form, and a button."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from .main import SidebarPanel
 
 
 class UNISG_PT_dataset(SidebarPanel, bpy.types.Panel):
-    """Write the open scene for training"""
+    """Write the open scene, or a folder of files, for training"""
 
     bl_idname = "UNISG_PT_dataset"
     bl_label = "Dataset"
@@ -17,16 +17,20 @@ class UNISG_PT_dataset(SidebarPanel, bpy.types.Panel):
 
     def draw(self, context: bpy.types.Context) -> None:
         layout, settings = self.layout, context.window_manager.unisg_dataset
-        layout.prop(settings, "filepath")
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        layout.prop(settings, "inputs", text="Files", placeholder="this file")
+        layout.prop(settings, "filepath", text="Dataset")
         layout.prop(settings, "form")
-        row = layout.row()
-        row.prop(settings, "all_scenes")
-        row.prop(settings, "overwrite")
+        layout.prop(settings, "instances")
+        column = layout.column(align=True)
+        column.prop(settings, "resume" if settings.inputs else "all_scenes")
+        column.prop(settings, "overwrite")
         column = layout.column()
         column.enabled = bool(settings.filepath)
         text = "Export Dataset" if settings.filepath else "Choose a folder above to export"
         button = column.operator("unisg.export_dataset", text=text, icon="EXPORT")
-        for name in ("filepath", "form", "all_scenes", "overwrite"):
+        for name in ("filepath", "inputs", "form", "instances", "all_scenes", "resume", "overwrite"):
             setattr(button, name, getattr(settings, name))
 
 

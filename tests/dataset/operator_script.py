@@ -22,6 +22,7 @@ def main(out: Path) -> dict:
     spec.loader.exec_module(extension)
     extension.register()
     seen: dict = {}
+    (out / "files").mkdir()
     bpy.data.objects["Cube"]["unisg_category"] = "Box"
     before = sorted(item.name for item in bpy.data.objects)
     export = bpy.ops.unisg.export_dataset
@@ -34,6 +35,9 @@ def main(out: Path) -> dict:
     other = bpy.data.scenes.new("Second")
     other.collection.objects.link(bpy.data.objects.new("Empty", None))
     seen["all"] = sorted(export(filepath=str(out / "ds"), all_scenes=True, overwrite=True))
+    bpy.ops.wm.save_as_mainfile(filepath=str(out / "files" / "one.blend"), copy=True)
+    seen["files"] = sorted(export(filepath=str(out / "batch"), inputs=str(out / "files")))
+    seen["resumed"] = sorted(export(filepath=str(out / "batch"), inputs=str(out / "files"), resume=True))
     seen["default"] = bpy.context.window_manager.unisg_dataset.form
     seen["untouched"] = before == sorted(item.name for item in bpy.data.scenes["Scene"].objects)
     extension.unregister()

@@ -25,6 +25,10 @@ def test_operator_writes_the_open_scenes(tmp_path: Path) -> None:
     assert "save this file first" in seen["unsaved"]
     assert seen["untouched"]
     assert seen["default"] == "quaternion"
+    assert seen["files"] == seen["resumed"] == ["FINISHED"]
+    batch = open_dataset(tmp_path / "batch")
+    assert [scene.title for scene in batch] == ["Scene", "Second"]
+    assert [record["status"] for record in batch.files()] == ["ok"]
     dataset = open_dataset(tmp_path / "ds")
     assert [scene.title for scene in dataset] == ["Scene", "Second"]
     assert dataset.form == "quaternion"

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from ..progress import Progress
 
 HELP = "Turn scene files into a dataset for learning."
-ENCODERS = {"atlasnet": f"{__package__.rpartition('.')[0]}.meshes.feature:atlasnet_feature"}
+ENCODERS = {"atlasnet": "unisg_blender.meshes.feature:atlasnet_feature"}
 """Mesh encoders that have a name of their own."""
 
 EPILOG = "A file that crashes, hangs or cannot be read costs only itself; the dataset's list of files says why."

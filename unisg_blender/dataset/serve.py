@@ -156,6 +156,7 @@ def _left_out(graphs: Iterable[SceneGraph]) -> str:
     return f"not kept in datasets: {', '.join(sorted(found))}" if found else ""
 
 
-if __name__ == "__main__":
-    serve(int(sys.argv[1]))
+def main(memory: int) -> None:
+    """Serve, and end the process."""
+    serve(memory)
     os._exit(0)  # Blender may hang when Python ends

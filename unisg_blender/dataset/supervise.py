@@ -26,6 +26,9 @@ from .columns import Columns
 from .serve import ASSETS, MARK
 from .shards import DamagedError, checksum, checksum_of, map_shard
 
+ROOT = Path(__file__).parents[2]
+"""Folder that the library lies in."""
+
 START_LIMIT = 180.0
 FILES_PER_CHILD = 200
 SETTINGS = ("source", "label", "form", "mapping", "instances", "reader", "mesh_encoder", "software")
@@ -115,12 +118,17 @@ _busy: set[Child] = set()
 
 
 def child_command(memory: int) -> list[str]:
-    """How to start a process that serves; inside Blender, another Blender."""
-    module = f"{__package__}.serve"
+    """How to start a process that serves; inside Blender, another Blender.
+
+    There the library is ``unisg_blender``, whatever it is called here, and finds
+    its packages where this process does: an extension has them in a place of its own.
+    """
     application = getattr(getattr(sys.modules.get("bpy"), "app", None), "binary_path", "")
+    paths = [str(ROOT), *filter(None, sys.path)]
+    code = f"import sys; sys.path += [path for path in {paths!r} if path not in sys.path]; "
+    code += f"from unisg_blender.dataset.serve import main; main({memory})"
     if not application:
-        return [sys.executable, "-m", module, str(memory)]
-    code = f"import importlib, os; importlib.import_module({module!r}).serve({memory}); os._exit(0)"
+        return [sys.executable, "-c", code]
     return [application, "--background", "--factory-startup", "--python-expr", code]
 
 
