@@ -35,7 +35,10 @@ Progress = Callable[[str, int, int], None]
 
 @dataclass(frozen=True)
 class Plan:
-    """What to measure: the model, other models beside it, on which data, how many seeds, first of them, trees."""
+    """What to measure: the model, other models beside it, on which data, how many seeds, first of them, trees.
+
+    The model itself is measured with all seeds, what stands beside it with the first one.
+    """
 
     model: Path
     data: Data
@@ -49,15 +52,23 @@ class Plan:
         return table_rows(self.model, self.others, bool(self.data.training))
 
     def seeds_of(self, spec: RowSpec) -> range:
-        """Seeds of a row: one where nothing is drawn."""
-        return range(self.first_seed, self.first_seed + (self.seeds if spec.makes else 1))
+        """Seeds of a row."""
+        return range(self.first_seed, self.first_seed + (self.seeds if spec.model == str(self.model) else 1))
 
 
 def compare(plan: Plan, folder: Path, jobs: int, progress: Progress = lambda *_: None) -> list[Row]:
     """The whole table; ``folder`` keeps results, and a second run with the same plan goes on there."""
     rows = plan.rows()
-    sums = {path: _sum_of(path) for path in {row.model for row in rows} | {plan.data.tests, plan.data.training} if path}
-    depends = {"version": VERSION, "features": FEATURES_VERSION, "data": _named(asdict(plan.data), sums)}
+    sums = {
+        path: _sum_of(path)
+        for path in {row.model for row in rows if row.model} | {plan.data.tests, plan.data.training}
+        if path
+    }
+    depends = {
+        "version": VERSION,
+        "features": FEATURES_VERSION,
+        "data": [sums[plan.data.tests], sums.get(plan.data.training)],
+    }
     found = _measured(plan, rows, depends, sums, folder, jobs, progress)
     judged = _judged(plan, rows, found, depends, sums, folder, jobs, progress)
     layouts = _training_layouts(plan, depends, folder, jobs, progress)

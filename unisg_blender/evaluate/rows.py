@@ -7,13 +7,15 @@ from dataclasses import dataclass
 from functools import cache
 from itertools import islice
 from pathlib import Path
-from typing import Any
 
 from ..dataset.assets import STRUCTURE
 from ..dataset.reader import open_dataset
 from ..dataset.shapes import scenes_with_shapes
 from ..generate import Generator
-from ..generate.proposals import Proposer, Scene
+from ..generate.contract import Contract
+from ..generate.habits import Habits, learn_habits
+from ..generate.model import Model
+from ..generate.proposals import Scene
 from ..generate.things import things_of
 from ..scene import SceneGraph, world_matrices
 from .atiss import load_generator
@@ -31,20 +33,12 @@ KINDS = ("real", "training", "model", "mean", "gaussian", "world", "copy", "jitt
 
 @dataclass(frozen=True)
 class RowSpec:
-    """One line: its name, one of :data:`KINDS`, whether what it makes is settled, and the model's file.
-
-    Of the baselines only the habits and the library of the model are used.
-    """
+    """One line: its name, one of :data:`KINDS`, whether what it makes is settled, and the file of its model, if any."""
 
     name: str
     kind: str
-    model: str
+    model: str = ""
     settle: bool = True
-
-    @property
-    def makes(self) -> bool:
-        """Whether it draws rooms, which differ by seed."""
-        return self.kind not in ("real", "training", "copy")
 
     @property
     def completes(self) -> bool:
@@ -63,18 +57,17 @@ class Data:
 
 def table_rows(model: Path, others: Sequence[Path], training: bool) -> list[RowSpec]:
     """All lines of the table: real rooms, the model, other models, and with training rooms the simple baselines."""
-    own = str(model)
-    rows = [RowSpec("real rooms", "real", own)]
+    rows = [RowSpec("real rooms", "real")]
     if training:
-        rows.append(RowSpec("other real rooms (training)", "training", own))
+        rows.append(RowSpec("other real rooms (training)", "training"))
     for name, path in (("model", model), *((other.stem, other) for other in others)):
         rows += [RowSpec(f"{name}, raw", "model", str(path), False), RowSpec(f"{name}, settled", "model", str(path))]
     if training:
         for name, kind in (("category Gaussian, world", "world"), ("category Gaussian, on its support", "gaussian")):
-            rows += [RowSpec(f"{name}, raw", kind, own, False), RowSpec(f"{name}, settled", kind, own)]
-        rows.append(RowSpec("category mean, raw", "mean", own, False))
-        rows.append(RowSpec("nearest training room copied", "copy", own))
-        rows.append(RowSpec("... with 10 cm jitter", "jitter", own))
+            rows += [RowSpec(f"{name}, raw", kind, settle=False), RowSpec(f"{name}, settled", kind)]
+        rows.append(RowSpec("category mean, raw", "mean", settle=False))
+        rows.append(RowSpec("nearest training room copied", "copy"))
+        rows.append(RowSpec("... with 10 cm jitter", "jitter"))
     return rows
 
 
@@ -109,14 +102,23 @@ def _rooms(path: str, most: int) -> tuple[SceneGraph, ...]:
 
 
 @cache
-def _proposer(kind: str, data: Data, vocabulary: tuple[str, ...]) -> Proposer:
-    scenes = []
-    for graph in training_rooms(data):
-        things = things_of(graph, vocabulary)
-        scenes.append(Scene.of(things, world_matrices(graph)[things.row]))
-    if kind == "world":
-        return WorldGaussianProposer(scenes)
-    return GaussianProposer(scenes, 0.0 if kind == "mean" else 1.0)
+def _baseline(kind: str, data: Data) -> Generator:
+    """A generator without a network: what is usual for the categories, and the Gaussians, from the training rooms."""
+    vocabulary = vocabulary_of(data)
+    things = [things_of(graph, vocabulary) for graph in training_rooms(data)]
+    contract = Contract("anchors", vocabulary, _habits(data))
+    scenes = [
+        Scene.of(found, world_matrices(graph)[found.row])
+        for found, graph in zip(things, training_rooms(data), strict=True)
+    ]
+    proposer = GaussianProposer(scenes, 0.0 if kind == "mean" else 1.0) if kind != "world" else None
+    return Generator(Model(Path("baseline.onnx"), None, contract), proposer or WorldGaussianProposer(scenes))
+
+
+@cache
+def _habits(data: Data) -> Habits:
+    vocabulary = vocabulary_of(data)
+    return learn_habits((things_of(graph, vocabulary) for graph in training_rooms(data)), vocabulary)
 
 
 @cache
@@ -124,20 +126,22 @@ def way_of(spec: RowSpec, data: Data) -> Way:
     """How a row furnishes rooms."""
     if spec.kind in ("real", "training"):
         return Real()
-    generator = generator_of(spec.model)
     if spec.kind in ("copy", "jitter"):
-        known = [name for name in generator.categories if name not in STRUCTURE]
+        known = [name for name in vocabulary_of(data) if name not in STRUCTURE]
         return ByCopying(training_rooms(data), known, JITTER if spec.kind == "jitter" else 0.0)
-    proposer: Any = None if spec.kind == "model" else _proposer(spec.kind, data, generator.categories)
-    return ByModel(generator, spec.settle, proposer)
+    return ByModel(generator_of(spec.model) if spec.kind == "model" else _baseline(spec.kind, data), spec.settle)
+
+
+def _known(spec: RowSpec, data: Data) -> tuple[str, ...]:
+    return generator_of(spec.model).categories if spec.model else vocabulary_of(data)
 
 
 def case_number(spec: RowSpec, data: Data, number: int) -> Case | None:
     """The room that a row is asked to furnish; None past the end, or if there is nothing in it."""
     rooms = training_rooms(data, data.scenes) if spec.kind == "training" else test_rooms(data)
-    return case_of(rooms[number], generator_of(spec.model).categories) if number < len(rooms) else None
+    return case_of(rooms[number], _known(spec, data)) if number < len(rooms) else None
 
 
 def hole_number(spec: RowSpec, data: Data, number: int, seed: int) -> Hole | None:
     """The half-emptied room that a row is asked to complete; it differs from seed to seed, not from row to row."""
-    return hole_of(test_rooms(data)[number], generator_of(spec.model).categories, 1000 * seed + number)
+    return hole_of(test_rooms(data)[number], _known(spec, data), 1000 * seed + number)

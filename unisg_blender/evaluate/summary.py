@@ -89,7 +89,7 @@ def _values(one: Measured, real: Measured) -> dict[str, float]:
     spent = one.found["milliseconds"]
     values["milliseconds"] = float(np.nanmedian(spent)) if np.isfinite(spent).any() else np.nan
     values |= {f"c2st_{key.replace(' ', '_')}": float(np.nanmean(right)) for key, right in one.judged.items()}
-    if np.isfinite(real.nearest).all():
+    if np.isfinite(real.nearest).all() and (one.nearest > 0).any():  # not of the training rooms themselves
         values["novelty"] = float((one.nearest > novelty_limit(real.nearest)).mean())
     values["diversity"] = one.pairwise / real.pairwise
     for place, name in enumerate(Completed.FIELDS):
