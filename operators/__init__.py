@@ -10,6 +10,7 @@ from . import (
     action_properties,
     actions,
     categories,
+    classify,
     command_line,
     convert,
     copied,
@@ -48,6 +49,7 @@ MODULES: tuple = (
     copied,
     convert,
     relations,
+    classify,
     recording,
 )
 

@@ -2,8 +2,14 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import bpy
 
+if TYPE_CHECKING:
+    from ..unisg_blender.scene import SceneGraph
+
+SHIPPED = "shipped"
 NAME_OF: dict[str, str] = {}
 """Names of the objects by uid when relations were last computed, for the panel."""
 
@@ -26,6 +32,13 @@ class UNISG_OT_relations(bpy.types.Operator):
         subtype="DISTANCE",
     )
 
+    model: bpy.props.StringProperty(
+        name="Model",
+        description="Tell what is on top of what by this network ('shipped' for the one of the extension); "
+        "empty: all relations by geometry",
+        subtype="FILE_PATH",
+    )
+
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         if any(item.type == "MESH" for item in context.scene.objects):
@@ -36,12 +49,19 @@ class UNISG_OT_relations(bpy.types.Operator):
     def execute(self, context: bpy.types.Context) -> set[str]:
         from ..unisg_blender.blender import objects_by_uid, read_scene
         from ..unisg_blender.blender.identity import repair_identities
+        from ..unisg_blender.errors import UniSGError
         from ..unisg_blender.scene.properties import RELATIONS, relations_of
         from ..unisg_blender.scene.relate import RelationTolerances, relate
         from ..unisg_blender.scene.relations import relations_to_json
 
         repair_identities(context.scene)  # relations name their targets by uid
-        graph = relate(read_scene(context.scene), RelationTolerances(gap=self.gap, beside=self.beside))
+        graph = read_scene(context.scene)
+        try:
+            tolerances = RelationTolerances(gap=self.gap, beside=self.beside)
+            graph = _predicted(graph, self.model) if self.model else relate(graph, tolerances)
+        except UniSGError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
         items = objects_by_uid(context.scene)
         NAME_OF.clear()
         NAME_OF.update(zip(graph.uid, graph.name, strict=True))
@@ -57,6 +77,13 @@ class UNISG_OT_relations(bpy.types.Operator):
                 del item[RELATIONS]
         self.report({"INFO"}, f"{count} relations")
         return {"FINISHED"}
+
+
+def _predicted(graph: SceneGraph, model: str) -> SceneGraph:
+    from ..unisg_blender.predict.topology import TopologyModel, with_relations
+
+    path = None if model == SHIPPED else bpy.path.abspath(model)
+    return with_relations(graph, TopologyModel(path).find(graph))
 
 
 CLASSES = (UNISG_OT_relations,)

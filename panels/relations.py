@@ -6,7 +6,8 @@ import json
 
 import bpy
 
-from ..operators.relations import NAME_OF
+from ..operators.classify import KINDS_OF
+from ..operators.relations import NAME_OF, SHIPPED
 from .main import SidebarPanel
 
 SHOWN = 12
@@ -21,7 +22,12 @@ class UNISG_PT_relations(SidebarPanel, bpy.types.Panel):
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: bpy.types.Context) -> None:
-        self.layout.operator("unisg.relations", icon="LINKED")
+        column = self.layout.column(align=True)
+        column.operator("unisg.relations", icon="LINKED").model = ""
+        column.operator("unisg.relations", text="Predict What Is on What", icon="EXPERIMENTAL").model = SHIPPED
+        column.operator("unisg.classify", icon="SCENE_DATA")
+        if kinds := KINDS_OF.get(context.scene.name):
+            column.label(text=kinds)
         lines = _lines(context)
         column = self.layout.column(align=True)
         for line in lines[:SHOWN]:

@@ -25,6 +25,7 @@ VERBS = {
     "evaluate": "measure what a model makes, beside baselines and real scenes",
     "generate": "add objects to an empty or an existing scene with a trained model",
     "relations": "tell which thing stands on, in or beside which",
+    "classify": "tell what kind of scene a file holds",
     "label": "propose categories for objects that have none",
     "simulate": "play a scene's lesson against its animation, a recording, a script or a rehearsal",
     "benchmark": "measure and write tables and figures",

@@ -1,4 +1,4 @@
-"""``unisg relations``: which thing stands on, in, beside which, by geometry."""
+"""``unisg relations``: which thing stands on, in, beside which, by geometry; or on which, by a trained network."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from ..scene.graph import SceneGraph
 from ..scene.relate import KINDS, RelationTolerances, find_relations, relate
 from .scene_files import check_kinds, read_scene_file, shown, write_scene_file
 
-HELP = "Tell which thing stands on, in, above or beside which other, from the geometry of a scene."
+HELP = "Tell which thing stands on, in, above or beside which other, from geometry, or what is on what by a network."
 LENGTHS = {
     "gap": "largest distance at which surfaces touch, metres",
     "overlap": "largest depth at which surfaces touch, metres",
@@ -26,6 +26,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """What the verb takes."""
     parser.add_argument("path", metavar="FILE", type=Path, help="a scene file")
     parser.add_argument("--kind", action="append", choices=KINDS, metavar="KIND", help=f"only this: {', '.join(KINDS)}")
+    parser.add_argument(
+        "--model",
+        nargs="?",
+        const="",
+        metavar="M.onnx",
+        help="tell what is on top of what by a network (the shipped one)",
+    )
     parser.add_argument("--out", type=Path, metavar="FILE", help="write the scene with its relations to this file")
     for name, text in LENGTHS.items():
         default = getattr(RelationTolerances(), name)
@@ -34,6 +41,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Print one line per relation, or with ``--json`` all of them as one JSON object."""
+    if args.model is not None:
+        return _run_model(args)
     check_kinds(args.path, args.out)
     values = {field.name: getattr(args, field.name) for field in fields(RelationTolerances) if field.name in LENGTHS}
     for name in ("gap", "overlap", "beside", "above"):
@@ -50,6 +59,29 @@ def run(args: argparse.Namespace) -> int:
     elif not args.quiet:
         for subject, kind, target in found:
             print(f"{graph.name[subject]}  {kind.replace('_', ' ')}  {graph.name[target]}")
+    return DONE
+
+
+def _run_model(args: argparse.Namespace) -> int:
+    """The same by a trained network; with ``--out`` it replaces what the scene says about what is on top of what."""
+    from ..predict.topology import KIND, TopologyModel, with_relations
+
+    if args.kind not in (None, [KIND]):
+        raise UniSGError(f"the network knows {KIND!r} only: leave out --kind, or --model")
+    model = TopologyModel(args.model or None)
+    check_kinds(args.path, args.out)
+    with shown(args.quiet or args.json, "entities read") as tell:
+        graph, _ = read_scene_file(args.path, tell)
+    found = model.find(graph)
+    if args.out is not None:
+        write_scene_file(with_relations(graph, found), args.out)
+    if args.json:
+        records = _records(graph, [entry[:3] for entry in found])
+        chances = [record | {"chance": entry[3]} for record, entry in zip(records, found, strict=True)]
+        print(json.dumps({"file": str(args.path), "relations": chances}, ensure_ascii=False))
+    elif not args.quiet:
+        for subject, kind, target, chance in found:
+            print(f"{graph.name[subject]}  {kind.replace('_', ' ')}  {graph.name[target]}  {chance:.0%}")
     return DONE
 
 

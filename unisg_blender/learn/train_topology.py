@@ -27,7 +27,7 @@ from .publish import provenance
 from .settings import Settings
 from .topology import PairNetwork
 
-EPOCHS, BATCH = 40, 512
+EPOCHS, BATCH = 20, 1024
 FEWEST_SCENES, HELD_OUT = 10, 0.1
 
 
