@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -27,9 +28,12 @@ from .fit import Schedule, fit
 from .publish import provenance
 from .settings import Settings
 
-EPOCHS = 30
+EPOCHS = 20
 PER_EPOCH = 480
-BATCH = 12
+BATCH = 16
+MOST_SCENES = 600
+"""Scenes learned from, at most."""
+
 HELD_OUT = 0.1
 FEWEST = 10
 """Scenes with actions, without which none are learned."""
@@ -44,7 +48,8 @@ def train(dataset: Dataset, model: Path, settings: Settings) -> dict[str, Any]:
     is removed, and the returned ``notes`` say so.
     """
     out = behaviour_path(model)
-    graphs = [graph for graph in scenes_with_shapes(dataset) if "actions" in graph.components]
+    acting = (graph for graph in scenes_with_shapes(dataset) if "actions" in graph.components)
+    graphs = list(islice(acting, MOST_SCENES))
     if len(graphs) < FEWEST:
         out.unlink(missing_ok=True)
         few = f"{len(graphs)} scenes have actions, {FEWEST} are needed at least"

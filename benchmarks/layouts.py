@@ -1,0 +1,45 @@
+"""Support prediction in rooms that others designed: average precision and F1 of each method, as Markdown and JSON.
+
+    python benchmarks/layouts.py FOLDER --model MODEL.onnx --out docs/results/layouts.json
+
+FOLDER has ithor/objects.json, virtualhome/*_graph.json, tdw/floorplan_layouts.json and models_core.json.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+from pathlib import Path
+
+from unisg_blender.evaluate.layouts import read_layouts
+from unisg_blender.evaluate.layouts_support import OURS, by_boxes, by_model, by_rule, support_table, times
+from unisg_blender.generate import Generator
+
+
+def main() -> None:
+    """Measure and print."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("--model", type=Path, action="append", default=[])
+    parser.add_argument("--out", type=Path)
+    args = parser.parse_args()
+    rooms = read_layouts(args.folder)
+    methods = [("geometric rule", by_rule, 0.5), ("boxes: overlap and gap", by_boxes, 0.5)]
+    known = {}
+    for path in args.model:
+        generator = Generator.load(path)
+        learned = by_model(generator)
+        methods += [(path.stem, learned, 0.5), (f"{path.stem} x boxes", times(learned, by_boxes), 0.1)]
+        names = sorted({name for room in rooms for name in room.graph.vocabulary})
+        known[path.stem] = [name for name in names if OURS.get(name, name) in generator.categories]
+    rows = [row.to_record() for row in support_table(rooms, methods)]
+    print("| room | things | pairs | method | average precision | F1 |\n|---|---:|---:|---|---:|---:|")
+    for row in rows:
+        scores = f"{row['average_precision']:.3f} | {row['f1']:.3f}"
+        print(f"| {row['room']} | {row['things']} | {row['pairs']} | {row['method']} | {scores} |")
+    if args.out is not None:
+        args.out.write_text(json.dumps({"rows": rows, "known_categories": known}, indent=1) + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
