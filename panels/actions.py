@@ -78,12 +78,13 @@ def _list(layout: bpy.types.UILayout, context: bpy.types.Context, item: bpy.type
         names.label(text="No actions yet")
     buttons = row.column(align=True)
     buttons.operator_menu_enum("unisg.action_add", "type", text="", icon="ADD")
-    buttons.operator("unisg.load_types", text="", icon="FILE_SCRIPT")
     if active >= 0:
         buttons.operator("unisg.action_remove", text="", icon="REMOVE")
         buttons.operator("unisg.action_duplicate", text="", icon="DUPLICATE")
         buttons.operator("unisg.action_move", text="", icon="TRIA_UP").step = -1
         buttons.operator("unisg.action_move", text="", icon="TRIA_DOWN").step = 1
+    buttons.separator()
+    buttons.operator("unisg.load_types", text="", icon="FILE_SCRIPT")
 
 
 def _fields(layout: bpy.types.UILayout, context: bpy.types.Context, item: bpy.types.Object, action: object) -> None:
@@ -137,7 +138,7 @@ def _reference(layout: bpy.types.UILayout, context: bpy.types.Context, action: o
     from ..unisg_blender.blender.lookup import objects_by_uid
 
     box = layout.box().column(align=True)
-    missing = {"Insert": "no reference pose yet", "Remove": "from where it stands now", "Tool": "none: contact"}
+    missing = {"Insert": "none yet", "Remove": "from where it stands now", "Tool": "none: contact"}
     without = missing.get(action.type, "none")
     box.label(text="Reference pose" if action.reference else f"Reference pose: {without}")
     row = box.row(align=True)

@@ -224,7 +224,7 @@ def question(uid, **fields):
             [question("a"), question("b"), question("c")],
             "Action 'C' can never be reached",
         ),
-        (operation(stage("s", leaf("a"))), [ActionData("a", "Wipe", "Wipe it")], "for which there is no condition"),
+        (operation(stage("s", leaf("a"))), [ActionData("a", "Wipe", "Wipe it")], "of the unknown type"),
         (operation(stage("s", leaf("a"))), [ActionData("a", "Insert", "In")], "'In', which has no reference pose"),
         (operation(stage("s", leaf("a"))), [ActionData("a", "Use", "Cut")], "'Cut', which has no tool"),
         (operation(stage("s", leaf("a"))), [ActionData("a", "Question", "Q", answers=("x",))], "has no right answer"),
