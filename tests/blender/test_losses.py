@@ -226,6 +226,18 @@ def test_reading_leaves_no_trace() -> None:
     assert losses() == []
 
 
+def test_settings_of_add_ons_are_told_as_such() -> None:
+    bpy.types.Object.maker_price = bpy.props.FloatProperty(default=3.0)
+    try:
+        item = cube()
+        assert losses() == []
+        item.maker_price = 5.0
+        assert losses("Thing") == ["settings of add-ons are not read: maker_price"]
+        assert "properties" not in read_scene().components
+    finally:
+        del bpy.types.Object.maker_price
+
+
 def scene_with(**settings: object) -> Callable[[], None]:
     return lambda: put(bpy.context.scene, **settings)
 

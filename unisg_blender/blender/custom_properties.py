@@ -8,6 +8,7 @@ from typing import Any
 import bpy
 
 LARGEST_INT = 2**31 - 1
+OWN = "unisg_"
 
 
 def custom_properties(owner: bpy.types.ID) -> dict[str, Any]:
@@ -30,11 +31,13 @@ def property_names(owner: bpy.types.bpy_struct) -> list[str]:
 
 
 def addon_settings(owner: bpy.types.ID) -> list[str]:
-    """Names of add-ons' settings that a data-block carries. Asking for those themselves would make them."""
+    """Names of other add-ons' settings that a data-block carries. Asking for those themselves would make them."""
     if hasattr(owner, "bl_system_properties_get"):
         stored = owner.bl_system_properties_get()
-        return [] if stored is None else [key for key, value in stored.items() if _is_set(value)]
-    return [key for key, value in owner.items() if _of_addon(owner, key) and _is_set(value)]
+        found = [] if stored is None else stored.items()
+    else:
+        found = [(key, value) for key, value in owner.items() if _of_addon(owner, key)]
+    return [key for key, value in found if _is_set(value) and not key.startswith(OWN)]
 
 
 def _of_addon(owner: bpy.types.bpy_struct, key: str) -> bool:

@@ -16,7 +16,7 @@ from .hierarchy import is_evaluated
 from .keyframes import curves_of
 from .losses_of_data import data_losses, material_losses
 from .report import ReadReport
-from .settings import changed_by_row, changed_settings
+from .settings import changed_by_row
 
 NO_DATA = {
     "LATTICE": "a lattice keeps its place, not its points",
@@ -33,9 +33,8 @@ HELD = frozenset((
     "matrix_local", "matrix_basis", "matrix_parent_inverse", "dimensions", "parent_type", "parent_vertices",
     "use_parent_final_indices", "hide_viewport", "hide_render", "empty_display_type", "empty_display_size",
     "empty_image_offset", "instance_type", "track_axis", "up_axis", "visible_camera", "is_shadow_catcher",
-    "active_material_index", "active_shape_key_index",
+    "active_material_index", "active_shape_key_index", "lock_rotations_4d",
 ))  # fmt: skip
-GROUPS = ("display", "lineart")
 TRANSFORMS = ("location", "rotation", "scale", "delta_")
 
 
@@ -115,11 +114,11 @@ def _setting_losses(item: bpy.types.Object, changed: list[str]) -> Iterator[str]
     changed = list(changed)
     if item.type != "LIGHT":
         changed += ["Camera Visibility"] * (not item.visible_camera) + ["Shadow Catcher"] * item.is_shadow_catcher
-    for name in GROUPS:
-        part = getattr(item, name, None)
-        changed += [] if part is None else changed_settings(part, ("crease_threshold",))
+    changed += ["Line Art"] * (item.lineart.usage != "INHERIT")
+    changed += ["Shadow of Display"] * (not item.display.show_shadows)
     changed += ["Light Group"] * bool(item.lightgroup)
-    if item.light_linking is not None and changed_settings(item.light_linking):
+    linking = item.light_linking
+    if linking is not None and (linking.receiver_collection is not None or linking.blocker_collection is not None):
         changed.append("Light Linking")
     if changed:
         yield f"settings that are not read: {', '.join(changed)}"

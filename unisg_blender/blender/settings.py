@@ -116,7 +116,7 @@ def _settings(kind: Any) -> list[tuple[str, str, str, Any]]:
 def _iterate_settings(kind: Any) -> Iterator[tuple[str, str, str, Any]]:
     for each in kind.bl_rna.properties:
         label = each.name or each.identifier
-        if each.identifier in NO_SETTINGS:
+        if each.identifier in NO_SETTINGS or each.is_runtime:  # add-ons' are told apart
             continue
         if each.type == "POINTER":
             above = _bases(each.fixed_type)
