@@ -66,7 +66,7 @@ def folds_of(mesh: Mesh) -> int:
 
     def same(degrees: float) -> bool:
         turned = points @ Rotation.from_euler("z", degrees, degrees=True).as_matrix().T
-        return bool(tree.query(turned)[0].max() <= limit)
+        return bool(np.max(tree.query(turned)[0]) <= limit)
 
     if same(30):
         return 0
@@ -89,7 +89,7 @@ def invalidity(features: NDArray[np.floating], form: str) -> float:
     Both have their rotation part's sign and size freed first: a motor times a number is the same motor. So x is scaled
     by the number that brings it nearest to its projection. Rows that have no nearest pose count as 1.
     """
-    x = np.float64(features)
+    x = np.asarray(features, np.float64)
     y = projected(x, form)
     norm = (y * y).sum(axis=1)
     factor = (
@@ -107,7 +107,7 @@ def _is_motor(form: str) -> bool:
 
 def projected(features: NDArray[np.floating], form: str) -> NDArray[np.float64]:
     """Nearest valid features of raw output (K, width); rows of zeros, which have none, are nudged first."""
-    x = np.float64(features)
+    x = np.asarray(features, np.float64)
     empty = np.abs(x).max(axis=1, keepdims=True) < 1e-9
     return FORMS[form].project(x + np.where(empty, 1e-6, 0.0))
 

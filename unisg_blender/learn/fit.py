@@ -90,7 +90,9 @@ def loader(
     """
     processes = settings.devices * settings.nodes
     alone = shuffle and processes == 1
-    sampler = DistributedSampler(items, 1, 0, shuffle=True, seed=settings.seed) if alone else None
+    sampler: DistributedSampler[Any] | None = None
+    if alone:
+        sampler = DistributedSampler(items, 1, 0, shuffle=True, seed=settings.seed)
     size = max(1, batch // processes)
     return DataLoader(items, size, shuffle=shuffle and not alone, sampler=sampler, collate_fn=collate)
 

@@ -61,11 +61,12 @@ class HeteroSage(nn.Module):
         for kind, place in (rows or {}).items():
             hidden[kind] = hidden[kind][place]
         for layer in self.layers:
+            assert isinstance(layer, nn.ModuleDict)
             hidden = {kind: value.relu() for kind, value in hidden.items()}
             sums: dict[str, Tensor] = {}
-            for kind in self.kinds:
-                if (name := "-".join(kind)) in layer:
-                    message = layer[name]((hidden[kind[0]], hidden[kind[2]]), edges[kind])
-                    sums[kind[2]] = sums[kind[2]] + message if kind[2] in sums else message
+            for edge in self.kinds:
+                if (name := "-".join(edge)) in layer:
+                    message = layer[name]((hidden[edge[0]], hidden[edge[2]]), edges[edge])
+                    sums[edge[2]] = sums[edge[2]] + message if edge[2] in sums else message
             hidden = sums
         return hidden["entity"]

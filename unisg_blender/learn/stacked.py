@@ -89,7 +89,7 @@ def train_stacked(
             for weight, gradient, mean, square in zip(weights, gradients, first, second, strict=True):
                 mean.lerp_(gradient, 0.1)
                 square.lerp_(gradient.square(), 0.001)
-                weight -= now * (mean / bias[0]) / ((square / bias[1]).sqrt() + 1e-8)
+                weight.sub_(now * (mean / bias[0]) / ((square / bias[1]).sqrt() + 1e-8))
 
 
 def _order(count: int, length: int, seed: int) -> Tensor:

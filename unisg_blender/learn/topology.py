@@ -16,6 +16,9 @@ class PairNetwork(nn.Module):
         (C,): of the features of the training pairs.
     """
 
+    mean: Tensor
+    scale: Tensor
+
     def __init__(self, mean: NDArray, scale: NDArray, hidden: int = 64) -> None:
         super().__init__()
         self.register_buffer("mean", torch.as_tensor(mean, dtype=torch.float32))

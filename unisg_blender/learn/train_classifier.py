@@ -141,7 +141,7 @@ def train(datasets: Sequence[Dataset], out: Path, settings: Settings) -> dict[st
 
 
 def load_labelled(datasets: Sequence[Dataset], form: str, mesh: str, quiet: bool) -> tuple[list[str], list[Labelled]]:
-    """The kinds of scenes, sorted, and the scenes; one without a label is of the kind that its folder is named after."""
+    """The kinds of scenes, sorted, and the scenes; without a label the folder names the kind."""
     found: list[tuple[str, GraphArrays, NDArray[np.float64]]] = []
     bar = tqdm(total=sum(map(len, datasets)), desc="reading scenes", disable=quiet, unit="scene")
     for dataset in datasets:
@@ -173,7 +173,8 @@ def _labelled(arrays: GraphArrays, local: NDArray[np.float64], kind: int, form: 
 
 def _split(scenes: Sequence[Labelled], seed: int) -> list[list[int]]:
     """Of every kind a share to train on and one to watch, at least one each."""
-    rng, parts = np.random.default_rng(seed), ([], [])
+    rng = np.random.default_rng(seed)
+    parts: tuple[list[int], list[int]] = ([], [])
     for kind in sorted({scene.kind for scene in scenes}):
         rows = rng.permutation([row for row, scene in enumerate(scenes) if scene.kind == kind]).tolist()
         count = max(1, round(HELD_OUT * len(rows)))

@@ -62,8 +62,8 @@ def train(datasets: Sequence[Dataset], out: Path, settings: Settings) -> dict[st
     loaders = [loader(_items(part), BATCH, settings, shuffle=part is train_pairs) for part in parts[:2]]
     schedule = Schedule(settings.epochs or EPOCHS, devices=settings.devices, nodes=settings.nodes)
     losses = fit(network, _terms, loaders[0], loaders[1], schedule, settings)
-    counts = [len(scenes) - 2 * _held_out(len(scenes)), 2 * _held_out(len(scenes))]
-    source = provenance(datasets[0], settings, *counts, losses, network)
+    held = 2 * _held_out(len(scenes))
+    source = provenance(datasets[0], settings, len(scenes) - held, held, losses, network)
     source["notes"] = []
     source["datasets"] = [{"name": dataset.path.name, "scenes": len(dataset)} for dataset in datasets]
     threshold, source["test"] = _measured(network, parts[1], parts[2])

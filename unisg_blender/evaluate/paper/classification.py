@@ -89,7 +89,7 @@ def run(settings: Mapping[str, Any], data: Path) -> dict[str, Any]:
     few = "training" in settings
     training, held_out = _split(dataset, settings)
 
-    def part(whole: UniSGDataset, rows: Sequence[int]) -> Scenes:
+    def part(whole: UniSGDataset, rows: Any) -> Scenes:
         components = tuple(settings.get("components", COMPONENTS))
         return scenes_of(whole.batch(rows), settings["form"], settings.get("stretch", False), components)
 
@@ -118,7 +118,8 @@ def _split(dataset: UniSGDataset, settings: Mapping[str, Any]) -> tuple[np.ndarr
     half = len(dataset) // 2
     count = settings.get("training", round(2 * half * TRAIN_SHARE)) // 2
     orders = [rng.permutation(half) + kind * half for kind in (0, 1)]
-    return tuple(np.concatenate([order[part] for order in orders]) for part in (slice(count), slice(count, None)))  # type: ignore[return-value]
+    known, others = (np.concatenate([order[cut] for order in orders]) for cut in (slice(count), slice(count, None)))
+    return known, others
 
 
 def _train(

@@ -6,6 +6,7 @@ import shutil
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
+from functools import partial
 from itertools import chain
 from multiprocessing import get_context
 from pathlib import Path
@@ -71,7 +72,7 @@ def make_data(folder: Path, sizes: Sizes, jobs: int, progress: Callable[[str], N
         "classification": lambda: _augmentations(sizes.augmented),
         "classification_tests": lambda: _tests(sizes.tests),
         "pairs": lambda: [Sample(WORLDS["cube-pairs"](0) if sizes.pairs == 5000 else _pairs(sizes.pairs))],
-        **{f"cubes_{rotation}": lambda rotation=rotation: _cubes(sizes.cubes, rotation) for rotation in _ROTATIONS},
+        **{f"cubes_{rotation}": partial(_cubes, sizes.cubes, rotation) for rotation in _ROTATIONS},
         "rooms": lambda: map(Sample, made("operating-room", range(sizes.rooms), jobs)),
     }
     encoder = AtlasNetEncoder()
@@ -85,7 +86,7 @@ def make_data(folder: Path, sizes: Sizes, jobs: int, progress: Callable[[str], N
         draft.rename(folder / name)
 
 
-_ROTATIONS = ("yaw", "full", "free")
+_ROTATIONS = ("yaw", "full")
 
 
 def _pairs(count: int) -> SceneGraph:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import torch
+from numpy.typing import NDArray
 from torch import Tensor
 
 from ...dataset import open_dataset
@@ -49,7 +50,7 @@ def _rooms(folder: Path, seed: int) -> tuple[list[Rooms], Rooms, int]:
     return batches, _joined(dataset, order[:count], generator), len(dataset.categories)
 
 
-def _joined(dataset: Any, rows: Sequence[int], generator: torch.Generator) -> Rooms:
+def _joined(dataset: Any, rows: NDArray[np.int64], generator: torch.Generator) -> Rooms:
     scenes = [dataset[int(row)] for row in rows]
     counts = np.array([len(scene) for scene in scenes])
     start = np.repeat(np.cumsum(counts) - counts, counts)

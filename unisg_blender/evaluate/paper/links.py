@@ -35,8 +35,8 @@ def run(settings: Mapping[str, Any], data: Path) -> dict[str, Any]:
     """Trained with the near pairs as negatives; ``settings``: form, seed, rotation, epochs. Stretch stands beside."""
     folder = data / f"cubes_{settings['rotation']}"
     batches = {name: _batch(folder, name) for name in SHARES}
-    scenes = [scenes_of(batch, settings["form"], True, COMPONENTS) for batch, _ in batches.values()]
-    scenes = dict(zip(SHARES, standardised(scenes, scenes[:1]), strict=True))
+    raw = [scenes_of(batch, settings["form"], True, COMPONENTS) for batch, _ in batches.values()]
+    scenes = dict(zip(SHARES, standardised(raw, raw[:1]), strict=True))
     parts = {name: load_pairs(folder, name) for name in SHARES}
     pairs = {name: batches[name][1][torch.from_numpy(part.pairs.T)] for name, part in parts.items()}
     truth = torch.from_numpy(parts["train"].truth)

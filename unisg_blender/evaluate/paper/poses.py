@@ -107,9 +107,13 @@ def _random_poses(settings: Mapping[str, Any], count: int, seed: tuple[int, int]
 def _room_poses(folder: Path) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.int64], NDArray[np.int64]]:
     """World poses (K, 4, 4) of things and of their parents, symmetry (K,) and room (K,)."""
     symmetry = _symmetries()
-    world, above, folds, rooms = [], [], [], []
+    world: list[NDArray[np.float64]] = []
+    above: list[NDArray[np.float64]] = []
+    folds: list[int] = []
+    rooms: list[NDArray[np.int64]] = []
     for number, scene in enumerate(open_dataset(folder)):
-        local, parent, matrices = FORMS["matrix"].encode(scene.local()).reshape(-1, 4, 4), scene.parent, []
+        local, parent = FORMS["matrix"].encode(scene.local()).reshape(-1, 4, 4), scene.parent
+        matrices: list[NDArray[np.float64]] = []
         for row, up in enumerate(parent.tolist()):
             matrices.append(local[row] if up < 0 else matrices[up] @ local[row])
         child = np.flatnonzero(parent >= 0)

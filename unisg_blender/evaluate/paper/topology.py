@@ -57,7 +57,12 @@ def run(settings: Mapping[str, Any], data: Path) -> dict[str, Any]:
         optimizer.step()
         with torch.no_grad():  # of the weights before the step: one pass through the graph serves both
             there = _areas(embedding, held_out, none)
-            values = (loss.detach(), _areas(embedding, known, others)[0], edge_loss(embedding, held_out, none), *there)
+            values: tuple[Any, ...] = (
+                loss.detach(),
+                _areas(embedding, known, others)[0],
+                edge_loss(embedding, held_out, none),
+                *there,
+            )
         for name, value in zip(curves, values, strict=True):
             curves[name].append(round(float(value), 6))
     return {"parameters": sum(weight.numel() for weight in network.parameters()), "curves": curves}
