@@ -12,8 +12,18 @@ import json
 from pathlib import Path
 
 from unisg_blender.evaluate.layouts import read_layouts
-from unisg_blender.evaluate.layouts_support import OURS, by_boxes, by_model, by_rule, support_table, times
+from unisg_blender.evaluate.layouts_support import (
+    OURS,
+    by_boxes,
+    by_model,
+    by_rule,
+    by_rule_on_top,
+    by_topology,
+    support_table,
+    times,
+)
 from unisg_blender.generate import Generator
+from unisg_blender.predict.topology import TopologyModel
 
 
 def main() -> None:
@@ -24,7 +34,13 @@ def main() -> None:
     parser.add_argument("--out", type=Path)
     args = parser.parse_args()
     rooms = read_layouts(args.folder)
-    methods = [("geometric rule", by_rule, 0.5), ("boxes: overlap and gap", by_boxes, 0.5)]
+    topology = TopologyModel()
+    methods = [
+        ("geometric rule", by_rule, 0.5),
+        ("geometric rule, on top of only", by_rule_on_top, 0.5),
+        ("boxes: overlap and gap", by_boxes, 0.5),
+        ("topology network", by_topology(topology), topology.threshold),
+    ]
     known = {}
     for path in args.model:
         generator = Generator.load(path)

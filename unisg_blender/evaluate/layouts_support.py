@@ -24,6 +24,7 @@ from .layouts import DesignedRoom
 
 if TYPE_CHECKING:
     from ..generate import Generator
+    from ..predict.topology import TopologyModel
 
 Scores = Callable[[SceneGraph], NDArray[np.float64]]
 """Scores (N, N) of a scene: that the row stands on (or in) the column."""
@@ -86,6 +87,27 @@ def bounds_of(graph: SceneGraph) -> tuple[NDArray[np.float64], NDArray[np.float6
         graph.meshes[mesh].points @ world[row, :3, :3].T + world[row, :3, 3] for row, mesh in enumerate(graph.mesh)
     ]
     return np.array([each.min(axis=0) for each in points]), np.array([each.max(axis=0) for each in points])
+
+
+def by_rule_on_top(graph: SceneGraph) -> NDArray[np.float64]:
+    """1 where the geometric rule says on top of; what it takes to lie inside a box does not count."""
+    scores = np.zeros((len(graph), len(graph)))
+    for row, kind, target in find_relations(graph):
+        if kind == "on_top_of":
+            scores[row, target] = 1.0
+    return scores
+
+
+def by_topology(model: TopologyModel) -> Scores:
+    """Chances from the trained network over pairs; 0 for pairs that are no candidates."""
+
+    def scores(graph: SceneGraph) -> NDArray[np.float64]:
+        found = np.zeros((len(graph), len(graph)))
+        for row, _, target, chance in model.find(graph, 0.0):
+            found[row, target] = chance
+        return found
+
+    return scores
 
 
 def by_model(generator: Generator) -> Scores:
