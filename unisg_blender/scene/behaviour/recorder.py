@@ -69,8 +69,16 @@ def local_matrices(graph: SceneGraph, world: NDArray[np.float64]) -> NDArray[np.
     """Local matrices (N, 4, 4) of world matrices; relative to the world where a parent has no size."""
     parent = np.asarray(graph.parent)
     above = world[np.maximum(parent, 0)]
-    flat = (parent < 0) | ~(np.abs(np.linalg.det(above)) > 1e-12)
-    return np.linalg.solve(np.where(flat[:, None, None], np.eye(4), above), world)
+    x, y, z = (above[:, :3, column] for column in range(3))
+    volume = np.einsum("ni,ni->n", x, np.cross(y, z))
+    hangs = np.flatnonzero((parent >= 0) & (np.abs(volume) > 1e-12))
+    cofactors = np.stack([np.cross(y, z), np.cross(z, x), np.cross(x, y)], axis=1)[hangs]
+    inverse = cofactors / volume[hangs, None, None]  # by hand: small systems are slow where LAPACK runs in threads
+    local = world.copy()
+    moved = world[hangs, :3]
+    moved[:, :, 3] -= above[hangs, :3, 3]
+    local[hangs, :3] = inverse @ moved
+    return local
 
 
 def needed_keys(
