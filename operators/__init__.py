@@ -27,12 +27,14 @@ from . import (
     play,
     recording,
     relations,
+    settle,
 )
 from .registration import register_modules, unregister_modules
 
 MODULES: tuple = (
     generation_settings,
     generate,
+    settle,
     categories,
     command_line,
     forms,

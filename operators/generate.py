@@ -21,7 +21,9 @@ class UNISG_OT_generate(bpy.types.Operator):
     bl_label = "Generate"
     bl_options = {"REGISTER", "UNDO"}
 
-    model: bpy.props.StringProperty(name="Model", description="ONNX file; the first shipped one when empty")
+    model: bpy.props.StringProperty(
+        name="Model", description="ONNX file or name of a shipped model; that of operating rooms when empty"
+    )
     add: bpy.props.StringProperty(name="Add", description='Categories and numbers, such as "Scalpel=2,Monitor=1"')
     seed: bpy.props.IntProperty(name="Seed", description="-1: another result each time", default=-1, min=-1)
     bulk: bpy.props.BoolProperty(name="All at once", description="Propose all places together: faster, less tidy")

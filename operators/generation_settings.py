@@ -18,15 +18,17 @@ _model_items: list[tuple[str, str, str]] = []
 
 def shipped_models() -> list[Path]:
     """The generative models that came with the extension: those with assets beside them."""
-    folder = Path(__file__).resolve().parent.parent / "unisg_blender" / "pretrained"
-    return sorted(path for path in folder.glob("*.onnx") if path.with_suffix(".assets.safetensors").is_file())
+    from ..unisg_blender.pretrained import shipped_generators
+
+    return shipped_generators()
 
 
 def load_generator(path: str) -> Any:
     """The generator of a model file, loaded once; raises UniSGError if the file is no such model."""
     from ..unisg_blender.generate import Generator
+    from ..unisg_blender.pretrained import find_generator
 
-    file = Path(bpy.path.abspath(path))
+    file = find_generator(bpy.path.abspath(path))
     key = (str(file), file.stat().st_mtime if file.is_file() else 0.0)
     if key not in _generators:
         generator = Generator.load(file)

@@ -52,6 +52,7 @@ class UNISG_PT_generate(SidebarPanel, bpy.types.Panel):
         button.model, button.seed, button.bulk = settings.model_file(), settings.seed, settings.bulk
         button.behaviour = settings.behaviour
         button.add = ",".join(f"{name}={count}" for name, count in wanted.items())
+        layout.operator("unisg.settle", icon="TRIA_DOWN_BAR")
 
 
 CLASSES = (UNISG_UL_categories, UNISG_PT_generate)

@@ -25,7 +25,7 @@ def extension():
     package = types.ModuleType("unisg_generating")
     package.__path__ = [str(ROOT)]
     sys.modules["unisg_generating"] = package
-    names = ("operators.generation_settings", "operators.generate", "panels.main", "panels.generate")
+    names = ("operators.generation_settings", "operators.generate", "operators.settle", "panels.main", "panels.generate")
     modules = [importlib.import_module(f"unisg_generating.{name}") for name in names]
     registration = importlib.import_module("unisg_generating.operators.registration")
     registration.register_modules(modules)
@@ -69,6 +69,27 @@ def test_same_seed_same_places(room: dict[str, np.ndarray]) -> None:
     assert first.keys() == second.keys()
     for uid, world in first.items():
         np.testing.assert_array_equal(second[uid], world)
+
+
+def test_settles_the_selected_objects_and_nothing_else(room: dict[str, np.ndarray]) -> None:
+    stool = next(item for item in bpy.context.scene.objects if item.get("unisg_category") == "Stool")
+    uid, stands = stool["unisg_uid"], stool.matrix_world.copy()
+    stool.matrix_world.translation.z += 0.8
+    bpy.context.view_layer.update()
+    bpy.ops.object.select_all(action="DESELECT")
+    assert not bpy.ops.unisg.settle.poll()
+    stool.select_set(True)
+    assert bpy.ops.unisg.settle() == {"FINISHED"}
+    after = snapshot()
+    np.testing.assert_allclose(after[uid], np.array(stands), atol=2e-3)
+    for other, world in room.items():
+        if other != uid:
+            np.testing.assert_array_equal(after[other], world)
+
+
+def test_a_shipped_model_is_known_by_its_name(room: dict[str, np.ndarray]) -> None:
+    assert bpy.ops.unisg.generate(model="operating_room", add="Stool=1", seed=4) == {"FINISHED"}
+    assert len(snapshot()) == len(room) + 1
 
 
 def test_starts_a_room_from_nothing() -> None:

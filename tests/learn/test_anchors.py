@@ -10,20 +10,21 @@ import pytest
 torch = pytest.importorskip("torch")
 
 from tests.generate.rooms import room  # noqa: E402
+from unisg_blender.generate.context import FLAGS  # noqa: E402
 from unisg_blender.generate.contract import Contract  # noqa: E402
-from unisg_blender.generate.habits import Habits  # noqa: E402
+from unisg_blender.generate.habits import Habits, learn_habits  # noqa: E402
 from unisg_blender.generate.model import load_model  # noqa: E402
-from unisg_blender.generate.proposals import Scene  # noqa: E402
 from unisg_blender.generate.things import things_of  # noqa: E402
-from unisg_blender.learn.anchor_batches import collate, example  # noqa: E402
-from unisg_blender.learn.anchors import AnchorModel, AnchorSizes, base_places, height_nll, mixture_nll  # noqa: E402
+from unisg_blender.learn.anchor_batches import Layout, Order, example, padded  # noqa: E402
+from unisg_blender.learn.anchor_geometry import base_places, clearances  # noqa: E402
+from unisg_blender.learn.anchors import AnchorModel, AnchorSizes, height_nll, mixture_nll  # noqa: E402
+from unisg_blender.learn.scenes import TrainingScene  # noqa: E402
 from unisg_blender.learn.train_anchors import OUTPUTS, example_inputs, write_anchors  # noqa: E402
 from unisg_blender.scene import world_matrices  # noqa: E402
 
 VOCABULARY = ("Cup", "Floor", "Lamp", "Table", "Wall")
-RANK = np.array([5, 1, 3, 4, 2, 0])
 PLACES = (
-    "target_category", "target_half", "target_bottom", "plan", "coming", "category", "box", "flags", "mask",
+    "target_category", "target_half", "target_bottom", "plan", "row", "category", "box", "flags", "mask",
 )  # fmt: skip
 
 
@@ -38,10 +39,12 @@ def batch_of(seeds: list[int]) -> dict[str, torch.Tensor]:
     for seed in seeds:
         graph = room(seed, cups=1 + seed % 3)
         things = things_of(graph, VOCABULARY)
-        scene = Scene.of(things, world_matrices(graph)[things.row])
+        order = Order.of(VOCABULARY, learn_habits([things], VOCABULARY))
+        world = world_matrices(graph)[things.row]
+        layout = Layout(TrainingScene(things, world, world), order)
         target = int(np.flatnonzero(things.category == 0)[0])
-        examples.append(example(scene, target, RANK, np.random.default_rng(seed)))
-    return collate(examples)
+        examples.append(example(layout, target, order, np.random.default_rng(seed)))
+    return padded(examples)
 
 
 def places_of(network: AnchorModel, batch: dict[str, torch.Tensor]) -> tuple[torch.Tensor, ...]:
@@ -108,15 +111,38 @@ def test_padding_is_not_seen(network: AnchorModel) -> None:
 
 def test_base_places_touch_the_sides(network: AnchorModel) -> None:
     box = torch.tensor([[[0, 0, 0, 1.0, 0.5, 0.4, 1, 0]]])
-    flags = torch.zeros(1, 1, 6)
+    flags = torch.zeros(1, 1, FLAGS)
     x, y, turn = base_places(box, flags, torch.tensor([[0.3, 0.1, 0.2]]))
     quarter = (turn / (np.pi / 2)).round().long() % 2
     reach_x = torch.where(quarter == 0, 0.3, 0.1)
     reach_y = torch.where(quarter == 0, 0.1, 0.3)
     gap = torch.maximum(x.abs()[0, 0] - 1.0 - reach_x, y.abs()[0, 0] - 0.5 - reach_y)
     torch.testing.assert_close(gap, torch.zeros(48), atol=1e-6, rtol=0)
-    on_x, on_y, _ = base_places(box, flags + torch.tensor([1.0, 0, 0, 0, 0, 0]), torch.tensor([[0.3, 0.1, 0.2]]))
+    on_x, on_y, _ = base_places(box, flags + torch.eye(FLAGS)[0], torch.tensor([[0.3, 0.1, 0.2]]))
     assert ((on_x.abs()[0, 0] + reach_x <= 1.0 + 1e-6) & (on_y.abs()[0, 0] + reach_y <= 0.5 + 1e-6)).all()
+
+
+def test_clearances_are_depths_and_gaps_to_the_nearest_obstacle() -> None:
+    box = torch.tensor([[[0, 0, 0.5, 2.0, 2.0, 0.5, 1, 0], [1.0, 0, 1.2, 0.3, 0.2, 0.2, 0.8, 0.6]]])
+    flags = torch.zeros(1, 2, FLAGS)
+    flags[0, 0, 0], flags[0, 0, 5] = 1, 0.25  # the support
+    half, bottom, mask = torch.tensor([[0.1, 0.1, 0.1]]), torch.tensor([1.0]), torch.ones(1, 2)
+
+    def at(x: float, y: float, tolerance: float = 0.0) -> list[float]:
+        places = torch.zeros(1, 2, 48)
+        found = clearances(box, flags, mask, half, bottom, torch.full((1, 2), tolerance), places + x, places + y)
+        return [float(part[0, 0, 0]) for part in found]
+
+    assert at(1.0, 0.0)[0] == pytest.approx(0.34)  # along its own narrow side: 0.2 and (0.8 + 0.6) times 0.1
+    assert at(1.0, 0.0, 0.1)[0] == pytest.approx(0.24)
+    assert at(1.95, 0.0)[1] == pytest.approx(0.05)  # over the edge of the support
+    _, inside, room_x, room_y = at(0.0, 0.0)
+    assert inside == pytest.approx(-1.0)
+    assert room_x == pytest.approx(1.0 - 0.36 - 0.1)  # 0.36: half its width as seen along x
+    assert room_y == pytest.approx(10.0)
+    assert at(1.0, 0.0)[2] == pytest.approx(10.0)  # what is met already does not count
+    flags[0, 1, 2] = 1  # something that holds the support is no obstacle
+    assert at(1.0, 0.0)[0] == pytest.approx(-1.0)
 
 
 def test_heights_are_a_density(network: AnchorModel) -> None:
@@ -124,7 +150,7 @@ def test_heights_are_a_density(network: AnchorModel) -> None:
     with torch.no_grad():
         _, *heights = network.choose(
             *(batch[name] for name in ("target_category", "target_half", "coming")),
-            *(batch[name] for name in ("support_category", "support_half", "support_load")),
+            *(batch[f"support_{name}"] for name in ("category", "holder", "half", "load", "content")),
         )
     z = torch.linspace(-20, 20, 400_001)
     weight, mean, sigma = (part[:, 0].expand(len(z), -1) for part in heights)

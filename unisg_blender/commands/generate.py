@@ -22,7 +22,9 @@ OUTPUTS = (".blend", *USD, ".json")
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """What the verb takes."""
-    parser.add_argument("--model", metavar="M", type=Path, help="trained model (default: the shipped operating room)")
+    parser.add_argument(
+        "--model", metavar="M", type=Path, help="trained model, or name of a shipped one (default: operating_room)"
+    )
     parser.add_argument("--scene", metavar="IN", type=Path, help="scene file to complete (default: an empty scene)")
     parser.add_argument("--add", metavar="WHAT", help='such as "Scalpel=2,Monitor=1" (default: a whole room)')
     parser.add_argument("--out", metavar="OUT", type=Path, required=True, help="file to write: .blend, .usda or .json")
@@ -42,11 +44,11 @@ def run(args: argparse.Namespace) -> int:
     import numpy as np
 
     from ..generate import Generator
-    from ..pretrained import default_generator
+    from ..pretrained import find_generator
     from ..scene import SceneBuilder
 
     _check(args)
-    generator = Generator.load(args.model or default_generator())
+    generator = Generator.load(find_generator(args.model))
     asked = None if args.add is None else parse_counts(args.add)
     if asked is not None:
         generator.contract.check_categories(list(asked))

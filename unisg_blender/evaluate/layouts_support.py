@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..generate.context import coming_vector, support_arrays
+from ..generate.anchors import AnchorProposer
 from ..generate.proposals import Scene
 from ..generate.things import things_of
 from ..scene import SceneGraph, world_matrices
@@ -113,38 +113,21 @@ def by_topology(model: TopologyModel) -> Scores:
 def by_model(generator: Generator) -> Scores:
     """The generator's probabilities of supports: from categories and sizes only, positions are not looked at."""
 
+    proposer = AnchorProposer(generator.model)
+
     def scores(graph: SceneGraph) -> NDArray[np.float64]:
         renamed = graph.replace(vocabulary=tuple(OURS.get(name, name) for name in graph.vocabulary))
         things = things_of(renamed, generator.categories)
         scene = Scene.of(things, world_matrices(graph)[things.row])
         scene.support = np.full(len(scene.support), -1)  # nothing is known of what stands on what
-        unknown, everything = len(generator.categories), np.arange(len(things))
-        found = np.zeros((len(graph), len(graph)))
+        found, each = np.zeros((len(graph), len(graph))), np.arange(len(things))
         for thing in range(len(things)):
-            category = int(scene.category[thing]) if scene.category[thing] >= 0 else unknown
-            inputs = {
-                "target_category": np.array([category]), "target_half": scene.half[None, thing].astype(np.float32),
-                "coming": coming_vector({}, unknown)[None],
-                **{name: value[None] for name, value in support_arrays(scene, everything, category, unknown).items()},
-            }  # fmt: skip
-            score = support_scores(generator, inputs)
-            score[thing] = -np.inf
-            chance = np.exp(score - score.max())
-            found[things.row[thing], things.row] = chance / chance.sum()
+            category = int(scene.category[thing]) if scene.category[thing] >= 0 else len(generator.categories)
+            chances = proposer.support_chances(scene, category, scene.half[thing], each != thing)
+            found[things.row[thing], things.row] = chances
         return found
 
     return scores
-
-
-def support_scores(generator: Generator, inputs: dict[str, Any]) -> NDArray[np.float64]:
-    """What the model says of each possible support (K,), the places left blank."""
-    blank: dict[str, Any] = {
-        "target_bottom": np.zeros(1, np.float32), "plan": np.zeros((1, 5), np.float32),
-        "category": np.zeros((1, 1), np.int64), "box": np.ones((1, 1, 8), np.float32),
-        "flags": np.zeros((1, 1, 6), np.float32), "mask": np.ones((1, 1), np.float32),
-    }  # fmt: skip
-    (score,) = generator.model.run(["support_score"], **blank, **inputs)
-    return score[0].astype(np.float64)
 
 
 def times(one: Scores, two: Scores) -> Scores:

@@ -3,19 +3,47 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import i0e
 
-from .context import Arrays, coming_vector, context_arrays, ground_of, plan_vector, support_arrays, tokens_for
+from .context import Arrays, coming_vector, context_arrays, plan_vector, room_of, tokens_for
 from .model import Model
 from .pieces import Piece
 from .proposals import Proposals, Scene
+from .spots import Load, Spots, support_arrays
 
 COMPONENTS = 48
-FIRST, MOST_SUPPORTS = 4, 3
-"""Up to how many proposals are made for one support only, and on how many different ones at most."""
+MOST_SPOTS = 3
+"""On how many different spots at most proposals are made at a time."""
+
+ALIGNED, SNAP = np.exp(8.0), np.radians(4)
+"""A heading of at least this concentration within so many radians of its token's axes is meant to be along them."""
+
+PLACED = ("weight", "mean", "sigma", "heading", "kappa")
+CHOSEN = ("support_score", "height_weight", "height_mean", "height_sigma")
+
+
+@dataclass(frozen=True, eq=False)
+class Row:
+    """What else is to come to the same support: counts by category number, and their footprints in m2."""
+
+    counts: Mapping[int, int]
+    area: float
+
+
+@dataclass(frozen=True, eq=False)
+class Choice:
+    """The spots for one target: thing, board and log probability (N,), and the mixtures (N, L) of heights."""
+
+    spots: Spots
+    score: NDArray[np.float64]
+    weight: NDArray[np.float64]
+    mean: NDArray[np.float64]
+    sigma: NDArray[np.float64]
 
 
 class AnchorProposer:
@@ -36,95 +64,137 @@ class AnchorProposer:
         coming: Mapping[int, int],
     ) -> Proposals:
         """``count`` proposals for a new thing; see :class:`~.proposals.Proposer`."""
-        target: Arrays = {
-            "target_category": np.array([category], np.int64),
-            "target_half": piece.half[None].astype(np.float32),
-            "coming": coming_vector(coming, self.unknown)[None],
-        }
-        supports, bottoms = self._supports(scene, target, category, count, rng, allowed)
-        places = np.zeros((count, 4))
-        for thing in np.unique(supports):
-            mine = np.flatnonzero(supports == thing)
-            places[mine] = self._places(scene, target, category, int(thing), bottoms[mine], rng, coming)
+        if not allowed.any():
+            return self.propose_on(scene, category, piece, count, rng, (-1, -1), Row(coming, 0.0))
+        load = Load.of(scene, np.ones(len(scene.category), bool))
+        choice = self.choose(scene, load, category, piece.half, allowed, coming)
+        chance = np.exp(choice.score)
+        drawn = rng.choice(len(chance), size=min(MOST_SPOTS, count), p=chance / chance.sum())
+        supports, places = np.zeros(count, np.int64), np.zeros((count, 4))
+        for number in np.unique(drawn):
+            mine = np.resize(drawn, count) == number
+            spot = int(choice.spots.thing[number]), int(choice.spots.board[number])
+            found = self.propose_on(scene, category, piece, int(mine.sum()), rng, spot, Row({}, 0.0), choice)
+            supports[mine], places[mine] = spot[0], found.places
         return Proposals(supports, places)
 
-    def _supports(
-        self, scene: Scene, target: Arrays, category: int, count: int, rng: np.random.Generator,
-        allowed: NDArray[np.bool_],
-    ) -> tuple[NDArray[np.int64], NDArray[np.float64]]:  # fmt: skip
-        """A support for each proposal (-1: the ground), at most :data:`MOST_SUPPORTS` different ones, and heights."""
-        if not allowed.any():
-            return np.full(count, -1, np.int64), np.full(count, ground_of(scene))
-        things = np.arange(len(scene.category))
-        inputs = _batch(support_arrays(scene, things, category, self.unknown)) | target | self._nothing(tokens=1)
-        score, weight, mean, sigma = self._run(inputs, "support_score", "height_weight", "height_mean", "height_sigma")
-        chance = np.exp(score - score[allowed].max()) * allowed
-        drawn = rng.choice(len(chance), size=1 if count <= FIRST else MOST_SUPPORTS, p=chance / chance.sum())
-        supports = np.resize(drawn, count)
-        part = _pick(np.exp(weight[supports]), rng)
-        each = np.arange(count)
-        above = scene.center[supports, 2] - scene.half[supports, 2]
-        return supports, above + rng.normal(mean[supports][each, part], sigma[supports][each, part])
+    def choose(
+        self, scene: Scene, load: Load, category: int, half: NDArray[np.float64], allowed: NDArray[np.bool_],
+        coming: Mapping[int, int],
+    ) -> Choice:  # fmt: skip
+        """Log probabilities of all spots of the ``allowed`` things, bool (K,), of which there is at least one."""
+        spots = Spots.of(scene, np.flatnonzero(allowed))
+        inputs = {
+            **_batch(support_arrays(scene, spots, load, category, half, self.unknown)),
+            "target_category": np.array([category], np.int64),
+            "target_half": half[None].astype(np.float32),
+            "coming": coming_vector(coming, self.unknown)[None],
+        }
+        score, weight, mean, sigma = self._run(inputs, *CHOSEN)
+        return Choice(spots, score - np.logaddexp.reduce(score), weight, mean, sigma)
 
-    def _places(
-        self, scene: Scene, target: Arrays, category: int, parent: int, bottoms: NDArray[np.float64],
-        rng: np.random.Generator, coming: Mapping[int, int],
-    ) -> NDArray[np.float64]:  # fmt: skip
-        """Places (T, 4) on one support, at heights (T,), whose median the network is told."""
-        visible = np.arange(len(scene.category))
-        tokens = tokens_for(scene, visible, parent)
-        if not len(tokens):
-            return _around_origin(bottoms, rng)
-        told = float(np.median(bottoms)) - ground_of(scene)
+    def support_chances(
+        self, scene: Scene, category: int, half: NDArray[np.float64], allowed: NDArray[np.bool_]
+    ) -> NDArray[np.float64]:
+        """The chance (K,) of each ``allowed`` thing to hold a target: with what they hold already, nothing to come."""
+        found = np.zeros(len(scene.category))
+        if allowed.any():
+            load = Load.of(scene, np.ones(len(scene.category), bool))
+            choice = self.choose(scene, load, category, half, allowed, {})
+            np.add.at(found, choice.spots.thing, np.exp(choice.score))
+        return found
+
+    def log_density(self, scene: Scene, category: int, piece: Piece, support: int, place: NDArray[np.float64]) -> float:
+        """Log-density of position and heading of a place (4,) given its height on a support, nats (metres, radians)."""
+        board = scene.board_of(float(place[2]), support) if support >= 0 else -1
+        seen = np.ones(len(scene.category), bool)
+        spot = support, board
+        inputs, mixture = self.density(scene, seen, category, piece.half, float(place[2]), spot, Row({}, 0.0))
+        if not mixture:
+            return float("nan")
+        weight, mean, sigma, heading, kappa = mixture
+        cos, sin = np.repeat(inputs["box"][0, :, 6:], COMPONENTS, axis=0).T.astype(np.float64)
+        offset = place[:2] - mean
+        along = (cos * offset[:, 0] + sin * offset[:, 1]) / sigma[:, 0]
+        across = (cos * offset[:, 1] - sin * offset[:, 0]) / sigma[:, 1]
+        at = -0.5 * (along**2 + across**2) - np.log(sigma).sum(axis=1) - np.log(2 * np.pi)
+        turned = kappa * (np.cos(place[3] - heading) - 1) - np.log(2 * np.pi * i0e(kappa))
+        return float(np.logaddexp.reduce(weight + at + turned))
+
+    def density(
+        self, scene: Scene, seen: NDArray[np.bool_], category: int, half: NDArray[np.float64], bottom: float,
+        spot: tuple[int, int], row: Row,
+    ) -> tuple[Arrays, list[NDArray[np.float64]]]:  # fmt: skip
+        """The network's inputs and the mixture (:data:`PLACED`) over places on a spot at a height, metres."""
+        support, board = spot
+        tokens = tokens_for(scene, seen, support, board, bottom, half)
+        plan = plan_vector(scene, seen, category, support, board, half, row.counts, row.area)
         inputs: dict[str, Any] = {
-            **_batch(context_arrays(scene, tokens, category, parent, self.unknown)),
-            **target,
-            "target_bottom": np.array([told], np.float32),
-            "plan": plan_vector(scene, visible, category, parent, coming)[None],
+            **_batch(context_arrays(scene, tokens, category, support, board, self.unknown)),
+            "target_category": np.array([category], np.int64),
+            "target_half": half[None].astype(np.float32),
+            "target_bottom": np.array([bottom - room_of(scene).ground], np.float32),
+            "plan": plan[None],
+            "row": coming_vector(row.counts, self.unknown)[None],
             "mask": np.ones((1, len(tokens)), np.float32),
         }
-        inputs = self._nothing(supports=1) | inputs
-        weight, mean, sigma, heading, kappa = self._run(inputs, "weight", "mean", "sigma", "heading", "kappa")
-        part = _pick(np.tile(np.exp(weight), (len(bottoms), 1)), rng)
+        return inputs, self._run(inputs, *PLACED) if len(tokens) else []
+
+    def propose_on(
+        self, scene: Scene, category: int, piece: Piece, count: int, rng: np.random.Generator,
+        spot: tuple[int, int], row: Row, choice: Choice | None = None,
+    ) -> Proposals:  # fmt: skip
+        """``count`` proposals on one spot (thing, board); thing -1 is the ground."""
+        support = spot[0]
+        bottoms = self._bottoms(scene, spot, count, rng, choice)
+        seen = np.ones(len(scene.category), bool)
+        inputs, mixture = self.density(scene, seen, category, piece.half, float(np.median(bottoms)), spot, row)
+        if not mixture:
+            return Proposals(np.full(count, support), _around_origin(bottoms, rng))
+        weight, mean, sigma, heading, kappa = mixture
+        total = np.cumsum(np.exp(weight))
+        part = np.searchsorted(total, rng.random(count) * total[-1]).clip(max=len(total) - 1)
         box = inputs["box"][0, part // COMPONENTS].astype(np.float64)
-        noise = rng.standard_normal((len(bottoms), 2)) * sigma[part]
+        noise = rng.standard_normal((count, 2)) * sigma[part]
         x = mean[part, 0] + box[:, 6] * noise[:, 0] - box[:, 7] * noise[:, 1]
         y = mean[part, 1] + box[:, 7] * noise[:, 0] + box[:, 6] * noise[:, 1]
-        return np.stack([x, y, bottoms, rng.vonmises(_wrapped(heading[part]), kappa[part])], axis=1)
+        turn = rng.vonmises(_wrapped(heading[part]), kappa[part])
+        yaw = _snapped(turn, np.arctan2(box[:, 7], box[:, 6]), kappa[part])
+        return Proposals(np.full(count, support), np.stack([x, y, bottoms, yaw], axis=1))
+
+    def _bottoms(
+        self, scene: Scene, spot: tuple[int, int], count: int, rng: np.random.Generator, choice: Choice | None
+    ) -> NDArray[np.float64]:
+        """Heights (T,) of the target's bottom on a spot: the board's, or drawn where it hangs or leans."""
+        support, board = spot
+        if support < 0:
+            return np.full(count, room_of(scene).ground)
+        above = float(scene.center[support, 2] - scene.half[support, 2])
+        if board >= 0:
+            return np.full(count, above + scene.boards(support)[board, 0])
+        if choice is None:
+            return np.full(count, above)
+        number = int(choice.spots.at(np.array([support]), np.array([board]))[0])
+        chance = np.exp(choice.weight[number])
+        part = rng.choice(len(chance), size=count, p=chance / chance.sum())
+        return above + rng.normal(choice.mean[number, part], choice.sigma[number, part])
 
     def _run(self, inputs: Mapping[str, Any], *outputs: str) -> list[NDArray[np.float64]]:
         return [part[0].astype(np.float64) for part in self.model.run(list(outputs), **inputs)]
-
-    def _nothing(self, tokens: int = 0, supports: int = 0) -> dict[str, Any]:
-        """Blank inputs for the half of the network that is not asked."""
-        blank: dict[str, Any] = {}
-        if tokens:
-            blank = {
-                "target_bottom": np.zeros(1, np.float32), "plan": np.zeros((1, 5), np.float32),
-                "category": np.zeros((1, tokens), np.int64), "box": np.ones((1, tokens, 8), np.float32),
-                "flags": np.zeros((1, tokens, 6), np.float32), "mask": np.ones((1, tokens), np.float32),
-            }  # fmt: skip
-        if supports:
-            blank |= {
-                "support_category": np.zeros((1, supports), np.int64),
-                "support_half": np.ones((1, supports, 3), np.float32),
-                "support_load": np.zeros((1, supports, 4), np.float32),
-            }
-        return blank
 
 
 def _batch(arrays: Arrays) -> dict[str, Any]:
     return {name: array[None] for name, array in arrays.items()}
 
 
-def _pick(weights: NDArray[np.float64], rng: np.random.Generator) -> NDArray[np.int64]:
-    """One column per row, at random by the weights (T, C)."""
-    total = np.cumsum(weights, axis=1)
-    return (total < rng.random((len(weights), 1)) * total[:, -1:]).sum(axis=1)
-
-
 def _wrapped(angle: NDArray[np.float64]) -> NDArray[np.float64]:
     return (angle + np.pi) % (2 * np.pi) - np.pi
+
+
+def _snapped(yaw: NDArray[np.float64], axis: NDArray[np.float64], kappa: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Headings (T,), turned to the nearest quarter from ``axis`` where the model is sure and they are near it."""
+    off = _wrapped(4 * (yaw - axis)) / 4
+    return yaw - np.where((kappa >= ALIGNED) & (np.abs(off) < SNAP), off, 0.0)
 
 
 def _around_origin(bottoms: NDArray[np.float64], rng: np.random.Generator) -> NDArray[np.float64]:

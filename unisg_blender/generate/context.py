@@ -3,20 +3,33 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .proposals import Scene
 
-TOKENS = 40
-"""Things that the model looks at, at most: the support with what holds it, what it holds, then the largest others."""
+TOKENS = 32
+"""Things that the model looks at, at most: the support with what holds it and what it holds, then what is near."""
+
+NEAR, MOST_NEAR, OTHER_LEVEL = 1.0, 8, 0.15
+"""What is near but on something else: within so many metres of the support, and so many things at most.
+
+What is above or below the target counts as so much farther away: a lamp has to see the table.
+"""
+
+WIDE = 1.0
+"""Something whose half extent is more than this, such as a ceiling rail, sees the largest things wherever they are."""
 
 THIN, LONG, TALL = 0.15, 0.5, 0.6
 """Half extents in metres: what is thinner, longer and taller counts as a wall."""
 
 FLAT = 0.3
 """A root lower than twice this, in metres, is a floor."""
+
+FLAGS, PLAN_WIDTH = 7, 7
+TINY = 1e-4
 
 Arrays = dict[str, NDArray[np.float32] | NDArray[np.int64]]
 
@@ -42,46 +55,103 @@ def chain(support: NDArray[np.int64], thing: int) -> list[int]:
     return found
 
 
-def tokens_for(scene: Scene, visible: NDArray[np.int64], parent: int, limit: int = TOKENS) -> NDArray[np.int64]:
-    """The things that matter for a target on ``parent``: at most ``limit`` of the ``visible``, the parent first."""
-    x, y, z = scene.half.T
-    size = x * y + x * z + y * z
-    rank = 1.0 / (1.0 + size)
-    if parent >= 0:
-        rank = np.where(scene.support == parent, rank - 1, rank)
-        held_by = chain(scene.support, parent)
-        rank[held_by] -= 2
-        rank[parent] = -4
-    order = visible[np.argsort(rank[visible], kind="stable")]
-    return order[:limit]
+def tokens_for(
+    scene: Scene, seen: NDArray[np.bool_], parent: int, board: int, bottom: float, target: NDArray[np.float64]
+) -> NDArray[np.int64]:
+    """The things that matter for a target on a board of ``parent``: at most :data:`TOKENS`, the parent first.
+
+    ``seen`` bool (K,) says what is there; ``target`` (3,) are half extents, its bottom is at ``bottom``, metres.
+    """
+    support, half, center = scene.support, scene.half, scene.center
+    if parent < 0:
+        rank = -half.max(axis=1)
+    else:
+        held_by = chain(support, parent)
+        away = _apart(scene, parent)
+        beside = (center[:, 2] - half[:, 2] < bottom + 2 * target[2]) & (center[:, 2] + half[:, 2] > bottom + 0.001)
+        rank = away - half[:, :2].min(axis=1).clip(max=1) / 5  # of those that are equally near the larger ones
+        rank = np.where(away < NEAR, np.where(beside, rank, rank + OTHER_LEVEL), np.inf)
+        if target[:2].max() > WIDE:
+            rank = -half[:, :2].prod(axis=1)
+        if held_by:
+            rank[held_by] = rank[parent] = np.inf
+            rank[np.where(seen, rank, np.inf).argsort(kind="stable")[MOST_NEAR:]] = np.inf
+        siblings = support == parent
+        rank = np.where(siblings & (beside | (scene.board == board)), -2 - half.max(axis=1), rank)
+        rank = np.where(siblings & (scene.board == board), rank - 20, rank)
+        rank[held_by] = -1000
+        rank[parent] = -2000
+    rank = np.where(seen, rank, np.inf)
+    order = np.argsort(rank, kind="stable")[:TOKENS]
+    return order[np.isfinite(rank[order])]
 
 
-def context_arrays(scene: Scene, tokens: NDArray[np.int64], category: int, parent: int, unknown: int) -> Arrays:
+def _apart(scene: Scene, parent: int) -> NDArray[np.float64]:
+    """How far each thing's middle is from the parent's footprint, or the parent's from the thing's, metres (K,)."""
+    offset = scene.center[:, :2] - scene.center[parent, :2]
+    found = []
+    for yaw, half in ((scene.yaw[parent], scene.half[parent, :2]), (scene.yaw, scene.half[:, :2])):
+        cos, sin = np.cos(yaw), np.sin(yaw)
+        local = np.stack([cos * offset[:, 0] + sin * offset[:, 1], cos * offset[:, 1] - sin * offset[:, 0]], axis=1)
+        found.append(np.hypot(*(np.abs(local) - half).clip(0).T))
+    return np.minimum(*found)
+
+
+def context_arrays(
+    scene: Scene, tokens: NDArray[np.int64], category: int, parent: int, board: int, unknown: int
+) -> Arrays:
     """Inputs of the model for one target and its tokens (M,).
 
     Walls have their thin side along y and know on which side the room is.
     """
+    room = room_of(scene)
     half, yaw = scene.half[tokens], scene.yaw[tokens]
-    wall = (half[:, :2].min(axis=1, initial=np.inf) < THIN) & (half[:, :2].max(axis=1, initial=0) > LONG)
-    wall &= half[:, 2] > TALL
-    swap = wall & (half[:, 0] < half[:, 1])
-    half = np.where(swap[:, None], half[:, [1, 0, 2]], half)
-    yaw = yaw + swap * (np.pi / 2)
-    center = scene.center[tokens]
-    middle = room_middle(scene)
-    side = -np.sin(yaw) * (middle[0] - center[:, 0]) + np.cos(yaw) * (middle[1] - center[:, 1])
-    box = np.column_stack([center - (0, 0, ground_of(scene)), half, np.cos(yaw), np.sin(yaw)])
-    level = levels_of(scene.support)[tokens]
-    flags = np.column_stack([
-        tokens == parent,
-        (scene.support[tokens] == parent) & (parent >= 0),
-        np.isin(tokens, chain(scene.support, parent)),
-        scene.category[tokens] == category,
-        np.where(wall, np.where(side >= 0, 1.0, -1.0), 0.0),
-        level / 4,
-    ])  # fmt: skip
-    known = np.where(scene.category[tokens] < 0, unknown, scene.category[tokens])
-    return {"category": known.astype(np.int64), "box": box.astype(np.float32), "flags": flags.astype(np.float32)}
+    swap = room.swap[tokens]
+    half[swap] = half[swap][:, [1, 0, 2]]
+    yaw[swap] += np.pi / 2
+    count = len(tokens)
+    box, flags = np.empty((count, 8), np.float32), np.zeros((count, FLAGS), np.float32)
+    box[:, :3], box[:, 3:6], box[:, 6], box[:, 7] = scene.center[tokens], half, np.cos(yaw), np.sin(yaw)
+    box[:, 2] -= room.ground
+    held_by = np.zeros(len(scene.category), bool)
+    held_by[chain(scene.support, parent)] = True
+    kind = scene.category[tokens]
+    flags[:, 0] = tokens == parent
+    flags[:, 1] = sibling = (scene.support[tokens] == parent) & (parent >= 0)
+    flags[:, 2] = held_by[tokens]
+    flags[:, 3] = kind == category
+    flags[:, 4] = room.inner[tokens]
+    flags[:, 5] = room.level[tokens] / 4
+    flags[:, 6] = sibling & (scene.board[tokens] == board)
+    return {"category": np.where(kind < 0, unknown, kind), "box": box, "flags": flags}
+
+
+@dataclass(frozen=True, eq=False)
+class Room:
+    """What is the same for all targets: ``ground`` in metres, and of each thing (K,) its ``level``.
+
+    ``swap`` says which things are walls whose thin side is along x, ``inner`` on which side
+    of a wall the room is: 1 towards y, -1 away, 0 for what is no wall.
+    """
+
+    ground: float
+    level: NDArray[np.int64]
+    swap: NDArray[np.bool_]
+    inner: NDArray[np.float64]
+
+
+def room_of(scene: Scene) -> Room:
+    """Found once for a scene, and again when something was added."""
+    if not isinstance(scene.room, Room):
+        half, middle = scene.half, room_middle(scene)
+        wall = (half[:, :2].min(axis=1, initial=np.inf) < THIN) & (half[:, :2].max(axis=1, initial=0) > LONG)
+        wall &= half[:, 2] > TALL
+        swap = wall & (half[:, 0] < half[:, 1])
+        yaw, offset = scene.yaw + swap * (np.pi / 2), middle - scene.center[:, :2]
+        side = np.cos(yaw) * offset[:, 1] - np.sin(yaw) * offset[:, 0]
+        inner = np.where(wall, np.where(side >= 0, 1.0, -1.0), 0.0)
+        scene.room = Room(ground_of(scene), levels_of(scene.support), swap, inner)
+    return scene.room
 
 
 def room_root(scene: Scene) -> int:
@@ -102,44 +172,24 @@ def ground_of(scene: Scene) -> float:
     return float(scene.center[root, 2] + scene.half[root, 2]) if root >= 0 and scene.half[root, 2] < FLAT else 0.0
 
 
-def support_arrays(scene: Scene, things: NDArray[np.int64], category: int, unknown: int) -> Arrays:
-    """Inputs for choosing the support among ``things`` (K,): what they are, their size, and what they hold already."""
-    seen = np.zeros(len(scene.support) + 1, bool)
-    seen[things] = True
-    held = seen[:-1] & (scene.support >= 0)
-    area = 4 * scene.half[:, 0] * scene.half[:, 1]
-    count = len(scene.support)
-    below = scene.support[held]
-    same = np.bincount(below[scene.category[held] == category], minlength=count)
-    everything = np.bincount(below, minlength=count)
-    covered = np.bincount(below, weights=area[held], minlength=count) / np.maximum(area, 1e-4)
-    level = levels_of(scene.support)
-    known = np.where(scene.category[things] < 0, unknown, scene.category[things])
-    load = np.column_stack([
-        np.log1p(same[things]), np.log1p(everything[things]), np.minimum(covered[things], 2.0), level[things] / 4
-    ])  # fmt: skip
-    return {
-        "support_category": known.astype(np.int64),
-        "support_half": scene.half[things].astype(np.float32),
-        "support_load": load.astype(np.float32),
-    }
-
-
-PLAN_WIDTH = 5
-
-
 def plan_vector(
-    scene: Scene, visible: NDArray[np.int64], category: int, parent: int, coming: Mapping[int, int]
-) -> NDArray[np.float32]:
-    """What is there and what is still to come besides the target, (PLAN_WIDTH,): logarithms of counts."""
-    there = scene.category[visible]
-    return np.log1p([
-        (there == category).sum(),
-        coming.get(category, 0),
-        (scene.support[visible] == parent).sum() if parent >= 0 else 0,
-        len(visible),
-        sum(coming.values()),
-    ]).astype(np.float32)  # fmt: skip
+    scene: Scene, seen: NDArray[np.bool_], category: int, parent: int, board: int, half: NDArray[np.float64],
+    coming: Mapping[int, int], coming_area: float,
+) -> NDArray[np.float32]:  # fmt: skip
+    """What is there and what is still to come to this board besides the target, (PLAN_WIDTH,).
+
+    Logarithms of counts, and shares of the board's area that are covered, the target's own, and still to be covered.
+    """
+    there = seen & (scene.support == parent) & (scene.board == board) & (parent >= 0)
+    same = seen & (scene.category == category)
+    area = TINY
+    if parent >= 0:
+        boards = scene.boards(parent)
+        area = float(boards[board, 1]) if board >= 0 else float(4 * scene.half[parent, :2].prod())
+    footprint = 4 * scene.half[there, :2].prod(axis=1).sum()
+    counts = [same.sum(), (same & there).sum(), there.sum(), coming.get(category, 0), sum(coming.values())]
+    shares = np.minimum(np.array([footprint + 4 * half[:2].prod(), coming_area]) / max(area, TINY), 2.0)
+    return np.concatenate([np.log1p(counts), shares]).astype(np.float32)
 
 
 def coming_vector(coming: Mapping[int, int], categories: int) -> NDArray[np.float32]:

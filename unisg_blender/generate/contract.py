@@ -12,7 +12,10 @@ from typing import Any
 from ..errors import UniSGError
 from .habits import Habits
 
-VERSION = 1
+VERSION = 2
+SINCE = {"anchors": 2}
+"""The first version of a kind that this software runs, where that is not 1."""
+
 KEY = "unisg"
 """Name of the entry in the ONNX file's metadata."""
 
@@ -72,10 +75,12 @@ class Contract:
             version, task = record.pop("contract"), record.pop("task")
         except (ValueError, KeyError, AttributeError, TypeError):
             raise UniSGError(f"{path}: the model's metadata is damaged: train it again") from None
-        if version != VERSION:
+        if not isinstance(version, int) or version > VERSION:
             raise UniSGError(f"{path} has contract {version}, this software knows {VERSION}: update it or train again")
         if task != TASK or record.get("kind") not in KINDS:
             raise UniSGError(f"{path} is a model for {task!r}: to generate, give one from 'unisg train cgvae'")
+        if version < SINCE.get(record["kind"], 1):
+            raise UniSGError(f"{path} was trained for an older version of this software: train it again")
         try:
             habits = Habits.from_record(record.pop("habits"))
             lists: dict[str, Any] = {name: tuple(record.pop(name)) for name in ("vocabulary", "mean", "scale", "kept")}

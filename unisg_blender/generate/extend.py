@@ -13,6 +13,7 @@ from ..dataset.assets import Asset
 from ..scene import Material, Mesh, SceneGraph, Table, canonical, table, world_matrices
 from ..scene.assemble import index_categories
 from ..scene.identity import derived_uid, new_uid
+from .proposals import within
 
 UidMaker = Callable[[str], str]
 
@@ -79,7 +80,7 @@ def extend(graph: SceneGraph, additions: Sequence[Addition], names: Names, make_
     for addition in additions:
         local = addition.world
         if addition.parent:
-            local = np.linalg.solve(world[addition.parent], addition.world)
+            local = within(world[addition.parent], addition.world)
         world[addition.uid] = addition.world
         grown.add(addition, local, names, make_uid)
     return canonical(_with_relations(grown.build(), additions))

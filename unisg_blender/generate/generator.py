@@ -23,6 +23,7 @@ from .library import Library
 from .model import Model, load_model
 from .order import in_order
 from .placing import Placing
+from .planning import Planned
 from .proposals import Proposer
 from .results import Generated, Placement
 from .shells import add_shell
@@ -120,9 +121,10 @@ class Generator:
             wanted = [name for name in wanted if name not in STRUCTURE]
             yield from placements
         work = Placing(self._proposer, self.library, self.contract, scene, rng, settle, wanted, assets)
-        early = work.propose_all(wanted) if bulk else [None] * len(wanted)
-        for number, (name, proposals) in enumerate(zip(wanted, early, strict=True)):
-            placements.append(work.place(number, name, names, make_uid, proposals))
+        early = work.propose_all(wanted) if bulk else []
+        for planned in map(Planned, range(len(wanted))) if bulk else work.order(wanted):
+            proposals = early[planned.number] if bulk else None
+            placements.append(work.place(planned, wanted[planned.number], names, make_uid, proposals))
             yield placements[-1]
         result = extend(scene, work.additions, names, make_uid)
         if behaviour and self.behaviour is not None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from typing import Any
 
 import numpy as np
@@ -56,12 +56,15 @@ class Habits:
         an A that is held by that B.
     rooms
         Counts of the categories (in vocabulary order) in some of the scenes.
+    orders
+        By "Support>Category": where along such a support the category was found, see :mod:`.order`.
     """
 
     supports: dict[str, list[Habit]]
     sizes: dict[str, list[float]]
     overlaps: dict[str, float]
     rooms: list[list[int]]
+    orders: dict[str, list[float]] = field(default_factory=dict)
 
     def to_record(self) -> dict[str, Any]:
         """Plain data for JSON."""
@@ -71,7 +74,7 @@ class Habits:
     def from_record(record: dict[str, Any]) -> Habits:
         """The habits of a record; KeyError or TypeError if it is none."""
         supports = {name: [Habit(**habit) for habit in habits] for name, habits in record["supports"].items()}
-        return Habits(supports, record["sizes"], record["overlaps"], record["rooms"])
+        return Habits(supports, record["sizes"], record["overlaps"], record["rooms"], record.get("orders", {}))
 
     def habit(self, category: str, support: str) -> Habit | None:
         """How a category stands on a kind of support; None if that was never seen."""

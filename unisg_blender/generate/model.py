@@ -24,17 +24,37 @@ class Model:
         self.path = path
         self.contract = contract
         self._session = session
-        self._inputs = {item.name for item in session.get_inputs()}
+        self._options = _only_what_is_asked()
+        self._blank = {item.name: _blank(item) for item in session.get_inputs()}
 
     def run(self, outputs: list[str], **inputs: NDArray[Any]) -> list[NDArray[np.float32]]:
-        """The named outputs for the given inputs (those that the network does not use are left out)."""
-        return self._session.run(outputs, {name: value for name, value in inputs.items() if name in self._inputs})
+        """The named outputs for the given inputs.
+
+        What the network does not use is left out; what the outputs do not depend on may be missing.
+        """
+        given = {name: value for name, value in inputs.items() if name in self._blank}
+        return self._session.run(outputs, self._blank | given, self._options)
 
     @cached_property
     def assets(self) -> AssetFile | None:
         """The assets file beside the model, None if there is none."""
         path = assets_path(self.path)
         return AssetFile(path) if path.is_file() else None
+
+
+def _only_what_is_asked() -> Any:
+    """Run options that leave out what the outputs asked for do not need."""
+    import onnxruntime
+
+    options = onnxruntime.RunOptions()
+    options.only_execute_path_to_fetches = True
+    return options
+
+
+def _blank(item: Any) -> NDArray[Any]:
+    """The smallest input of an ONNX input's kind."""
+    shape = [size if isinstance(size, int) else 1 for size in item.shape]
+    return np.zeros(shape, np.int64 if "int64" in item.type else np.float32)
 
 
 def assets_path(model: Path) -> Path:

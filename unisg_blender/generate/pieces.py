@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from ..dataset.assets import Asset, turn
 from ..scene import Boxes, Mesh, SceneGraph, mesh_from_faces
 from ..scene.overlap import part_boxes
+from .boards import boards_of
 from .things import upright_box
 
 
@@ -25,15 +26,18 @@ class Piece:
     asset: Asset
 
     @cached_property
+    def _own(self) -> Boxes:
+        return part_boxes(self.asset.graph).boxes
+
+    @cached_property
     def parts(self) -> Boxes:
         """Boxes of the parts, relative to the middle of the bottom."""
-        boxes = part_boxes(self.asset.graph).boxes
+        boxes = self._own
         return Boxes(boxes.center - self.foot, boxes.axes, boxes.half, boxes.solid)
 
     @cached_property
     def _box(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        boxes = part_boxes(self.asset.graph).boxes
-        return upright_box(boxes, 0.0) if len(boxes.center) else (np.zeros(3), np.zeros(3))
+        return upright_box(self._own, 0.0) if len(self._own.center) else (np.zeros(3), np.zeros(3))
 
     @cached_property
     def half(self) -> NDArray[np.float64]:
@@ -46,6 +50,11 @@ class Piece:
         """Middle of the bottom (3,) as seen from the asset's origin."""
         low, high = self._box
         return np.array([*((low + high) / 2)[:2], low[2]])
+
+    @cached_property
+    def boards(self) -> NDArray[np.float64]:
+        """What it can carry others on, see :func:`~.boards.boards_of`."""
+        return boards_of(self.parts, 0.0)
 
     def world(self, place: NDArray[np.float64]) -> NDArray[np.float64]:
         """World matrix of the asset's entity at a place (4,)."""

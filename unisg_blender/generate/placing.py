@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import time
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import chain
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,14 +19,15 @@ from .extend import Addition, Names, UidMaker
 from .habits import RESTS, Habit
 from .library import Library
 from .pieces import Piece
+from .planning import Planned, Planner, usual_kinds
 from .proposals import Proposals, Proposer, Scene
 from .results import Placement
 from .settle import Support, fitting, rest, search
 from .space import Space
 from .things import things_of
 
-BATCHES = (4, 12, 48)
-"""Proposals asked for at a time, until one fits: at most 64 draws for an object."""
+BATCHES = (12, 24, 24)
+"""Proposals asked for at a time, until one fits: first on the spot that was planned, then on any."""
 
 OTHER_SHAPES = 2
 """Further shapes to try when the first one finds no place."""
@@ -74,6 +76,17 @@ class Placing:
         self.coming = Counter(wanted)
         self.given: set[int] = set()
         self.pieces = self._pieces(wanted, assets or {})
+        self.usual = usual_kinds(self.vocabulary, self.habits)
+        self.floor = self.vocabulary.index(FLOOR) if FLOOR in self.vocabulary else -2
+        self._resting: dict[tuple[str, int], Support] = {}
+
+    def order(self, wanted: Sequence[str]) -> Iterator[Planned]:
+        """The objects in the order of placing, with the spots planned for them; level by level, as the scene grows."""
+        if not hasattr(self.proposer, "choose"):
+            yield from (Planned(number) for number in range(len(wanted)))
+            return
+        planner = Planner(self.proposer, self.scene, self.contract, self.pieces, self.rng)
+        yield from planner.order(wanted, self.coming)
 
     def _pieces(self, wanted: Sequence[str], assets: Mapping[str, Sequence[Asset]]) -> list[Piece]:
         """A shape for each object, in order."""
@@ -87,7 +100,7 @@ class Placing:
                 pieces.append(self.library.piece(name, self.graph, self.rng))
         return pieces
 
-    def propose_all(self, wanted: Sequence[str]) -> list[Proposals | None]:
+    def propose_all(self, wanted: Sequence[str]) -> list[Proposals]:
         """First proposals for all objects, none of them seeing another."""
         return [
             self._propose(name, piece, BATCHES[0], self._allowed(name)[0])
@@ -100,20 +113,27 @@ class Placing:
 
     def _allowed(self, name: str) -> tuple[NDArray[np.bool_], str]:
         """Which things may hold a category, and what to say where none of the usual ones is there."""
-        usual = [habit.support for habit in self.habits.supports[name]]
-        allowed = np.isin(np.array(self.kinds, object), [kind for kind in usual if kind])
-        if allowed.any() or "" in usual:
-            return allowed, ""
-        return np.array([kind == FLOOR for kind in self.kinds], bool), f"no {' or '.join(usual[:3])} in the scene"
+        usual = self.usual[self.vocabulary.index(name)]
+        allowed = usual[self.scene.category]
+        if allowed.any() or usual[-1]:
+            return allowed & (self.scene.category >= 0), ""
+        kinds = [habit.support for habit in self.habits.supports[name]]
+        return self.scene.category == self.floor, f"no {' or '.join(kinds[:3])} in the scene"
 
     def _support(self, name: str, thing: int) -> Support:
-        kind = self.kinds[thing] if thing >= 0 else ""
-        habit = self.habits.habit(name, kind) or Habit(kind, 0, RESTS)
-        return Support(thing, habit, self.space.surfaces(thing), kind == FLOOR, name in STRUCTURE)
+        if (name, thing) not in self._resting:
+            kind = self.kinds[thing] if thing >= 0 else ""
+            habit = self.habits.habit(name, kind) or Habit(kind, 0, RESTS)
+            self._resting[name, thing] = Support(
+                thing, habit, self.space.surfaces(thing), kind == FLOOR, name in STRUCTURE
+            )
+        return self._resting[name, thing]
 
-    def place(self, number: int, name: str, names: Names, make_uid: UidMaker, early: Proposals | None) -> Placement:
-        """Find a place for object ``number`` and add it, or say why there is none."""
-        start = time.perf_counter()
+    def place(
+        self, planned: Planned, name: str, names: Names, make_uid: UidMaker, early: Proposals | None
+    ) -> Placement:
+        """Find a place for an object and add it, or say why there is none."""
+        start, number = time.perf_counter(), planned.number
         self.coming[name] -= 1
         piece = self.pieces[number]
         allowed, missing = self._allowed(name)
@@ -121,31 +141,47 @@ class Placing:
         if missing and self.habits.supports[name][0].contact != RESTS:
             note = f"{missing} to hold it"
         elif not self.settle:
-            spot = self._first(name, piece, allowed, early)
+            spot = self._first(name, piece, allowed, early, planned)
         else:
-            spot = self._drawn(name, piece, allowed, early)
+            spot = self._drawn(name, piece, allowed, early, planned)
             for _ in range(0 if number in self.given or spot.fits else OTHER_SHAPES):
                 piece = self.library.piece(name, self.graph, self.rng)
-                if (other := self._drawn(name, piece, allowed, None)).fits:
+                if (other := self._drawn(name, piece, allowed, None, planned)).fits:
                     spot = other
                     break
             note = missing if spot.fits else "no room was found"
-        spent = 1e3 * (time.perf_counter() - start)
+        spent = planned.milliseconds + 1e3 * (time.perf_counter() - start)
         if spot is None or (self.settle and not spot.fits):
             return Placement(name, draws=0 if spot is None else spot.draws, milliseconds=spent, note=note)
         return self._add(piece, name, spot, names, make_uid, note, spent)
 
-    def _first(self, name: str, piece: Piece, allowed: NDArray[np.bool_], early: Proposals | None) -> _Spot:
+    def _first(
+        self, name: str, piece: Piece, allowed: NDArray[np.bool_], early: Proposals | None, planned: Planned
+    ) -> _Spot:
         """The first proposal as it is."""
-        proposals = early or self._propose(name, piece, 1, allowed)
+        proposals = early or next(self._batches(name, piece, allowed, planned, (1,)))
         return _Spot(int(proposals.support[0]), proposals.places[0], True, 1)
 
-    def _drawn(self, name: str, piece: Piece, allowed: NDArray[np.bool_], early: Proposals | None) -> _Spot:
+    def _batches(
+        self, name: str, piece: Piece, allowed: NDArray[np.bool_], planned: Planned, counts: Sequence[int]
+    ) -> Iterator[Proposals]:
+        """Proposals, so many at a time: all but the last on the spot that was planned, if one was."""
+        category = self.vocabulary.index(name)
+        for step, count in enumerate(counts):
+            if planned.spot is None or (step and step == len(counts) - 1):
+                yield self._propose(name, piece, count, allowed)
+            else:
+                yield self.proposer.propose_on(  # type: ignore[attr-defined]
+                    self.scene, category, piece, count, self.rng, planned.spot, planned.row, planned.choice
+                )
+
+    def _drawn(
+        self, name: str, piece: Piece, allowed: NDArray[np.bool_], early: Proposals | None, planned: Planned
+    ) -> _Spot:
         """The first proposal that fits after settling, else the free place nearest to the first of all."""
         category, draws, seen = self.vocabulary.index(name), 0, []
-        for count in BATCHES:
-            proposals = early or self._propose(name, piece, count, allowed)
-            early = None
+        batches = self._batches(name, piece, allowed, planned, BATCHES)
+        for proposals in batches if early is None else chain([early], batches):
             seen.append(proposals)
             places, good = self._settle(name, piece, proposals)
             if good.any():

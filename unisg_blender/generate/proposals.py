@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..scene import Boxes
+from .boards import board_at, boards_of
 from .pieces import Piece
 from .things import Things
 
@@ -25,6 +27,12 @@ class Scene:
         (K, 4, 4): matrices of the things' entities in the world, and relative to their supports.
     center, half, yaw
         (K, 3), (K, 3), (K,): the upright boxes, as in :class:`~.things.Things`.
+    board
+        int64 (K,): which of its support's boards each stands on, -1 for none of them.
+    parts
+        Gives the world boxes of a thing's parts by its number.
+    room
+        What :func:`~.context.room_of` found out about the scene, None when that is to be done again.
     """
 
     category: NDArray[np.int64]
@@ -34,44 +42,77 @@ class Scene:
     center: NDArray[np.float64]
     half: NDArray[np.float64]
     yaw: NDArray[np.float64]
+    board: NDArray[np.int64]
+    parts: Callable[[int], Boxes]
+    room: object = None
+    _boards: dict[int, NDArray[np.float64]] = field(default_factory=dict)
 
     @staticmethod
     def of(things: Things, world: NDArray[np.float64]) -> Scene:
         """The scene of some things whose entities have ``world`` (K, 4, 4) matrices."""
-        local = relative(world, things.support)
-        return Scene(things.category, things.support, world, local, things.center, things.half, things.yaw)
+        local, none = relative(world, things.support), np.full(len(things), -1, np.int64)
+        scene = Scene(
+            things.category, things.support, world, local, things.center, things.half, things.yaw, none,
+            things.parts_of,
+        )  # fmt: skip
+        held = np.flatnonzero(things.support >= 0)
+        none[held] = [scene.board_of(things.bottom[thing], things.support[thing]) for thing in held]
+        return scene
+
+    def boards(self, thing: int) -> NDArray[np.float64]:
+        """The boards of a thing, see :func:`~.boards.boards_of`."""
+        if thing not in self._boards:
+            bottom = float(self.center[thing, 2] - self.half[thing, 2])
+            self._boards[thing] = boards_of(self.parts(thing), bottom)
+        return self._boards[thing]
+
+    def board_of(self, bottom: float, support: int) -> int:
+        """Which board of a support carries something whose bottom is at a height, metres; -1 for none."""
+        return board_at(self.boards(support), bottom - (self.center[support, 2] - self.half[support, 2]))
 
     def add(
         self, category: int, support: int, world: NDArray[np.float64], piece: Piece, place: NDArray[np.float64]
     ) -> int:
         """A further thing at a place (4,); returns its number."""
+        number, self.room = len(self.category), None
         above = self.world[support] if support >= 0 else np.eye(4)
         center = place[:3] + np.array([0, 0, piece.half[2]])
+        board = self.board_of(float(place[2]), support) if support >= 0 else -1
         self.category = np.append(self.category, category)
         self.support = np.append(self.support, support)
-        self.local = np.concatenate([self.local, _solve(above, world)[None]])
+        self.board = np.append(self.board, board)
+        self.local = np.concatenate([self.local, within(above, world)[None]])
         self.world = np.concatenate([self.world, world[None]])
         self.center = np.concatenate([self.center, center[None]])
         self.half = np.concatenate([self.half, piece.half[None]])
         self.yaw = np.append(self.yaw, place[3])
-        return len(self.category) - 1
+        self._boards[number] = piece.boards
+        return number
 
 
 def relative(world: NDArray[np.float64], support: NDArray[np.int64]) -> NDArray[np.float64]:
     """Matrices (K, 4, 4) relative to those of the supports (int (K,), -1 for the world)."""
-    local = world.copy()
-    for thing in np.flatnonzero(support >= 0):
-        local[thing] = _solve(world[support[thing]], world[thing])
+    local, held = world.copy(), np.flatnonzero(support >= 0)
+    local[held] = within(world[support[held]], world[held])
     return local
 
 
-def _solve(above: NDArray[np.float64], world: NDArray[np.float64]) -> NDArray[np.float64]:
-    try:
-        return np.linalg.solve(above, world)
-    except np.linalg.LinAlgError:  # a support scaled to nothing: only where it is counts
-        moved = world.copy()
-        moved[:3, 3] -= above[:3, 3]
-        return moved
+def within(above: NDArray[np.float64], world: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Affine matrices (..., 4, 4) relative to those above them (..., 4, 4).
+
+    By cofactors: a linear algebra library wakes all its threads for every 4 x 4 matrix.
+    Above something scaled to nothing only where it is counts.
+    """
+    a, b, c, d, e, f, g, h, i = np.moveaxis(above[..., :3, :3], (-2, -1), (0, 1)).reshape(9, *above.shape[:-2])
+    cofactors = [e * i - f * h, c * h - b * i, b * f - c * e, f * g - d * i, a * i - c * g, c * d - a * f,
+                 d * h - e * g, b * g - a * h, a * e - b * d]  # fmt: skip
+    volume = np.asarray(a * cofactors[0] + b * cofactors[3] + c * cofactors[6])[..., None, None]
+    flat = volume == 0
+    inverse = np.stack(cofactors, axis=-1).reshape(*above.shape[:-2], 3, 3) / np.where(flat, 1.0, volume)
+    local = world.copy()
+    local[..., :3, 3] -= above[..., :3, 3]
+    local[..., :3, :] = np.where(flat, local[..., :3, :], inverse @ local[..., :3, :])
+    return local
 
 
 @dataclass(frozen=True, eq=False)

@@ -44,6 +44,12 @@ class Space:
     def add(self, parts: Boxes, category: int) -> int:
         """Take up space with a new thing; returns its number."""
         number = len(self.category)
+        self.category = np.append(self.category, category)
+        self.take_up(parts, number)
+        return number
+
+    def take_up(self, parts: Boxes, number: int) -> None:
+        """Take up space with parts of a thing."""
         low, high = world_bounds(parts)
         self.boxes = Boxes(
             np.concatenate([self.boxes.center, parts.center]),
@@ -52,9 +58,7 @@ class Space:
             np.concatenate([self.boxes.solid, parts.solid]),
         )
         self.owner = np.append(self.owner, np.full(len(parts.center), number))
-        self.category = np.append(self.category, category)
         self.low, self.high = np.concatenate([self.low, low]), np.concatenate([self.high, high])
-        return number
 
     def surfaces(self, thing: int) -> Boxes:
         """The parts of a thing."""

@@ -1,8 +1,10 @@
-"""Training examples for the anchor model: a scene, one thing in it as the target, and what of the rest is visible."""
+"""Training examples for the anchor model: a scene, one thing in it as the target, and what of the rest is there."""
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -11,140 +13,213 @@ from numpy.typing import NDArray
 from torch import Tensor
 from torch.utils.data import Dataset
 
-from ..generate.context import (
-    TOKENS,
-    chain,
-    coming_vector,
-    context_arrays,
-    ground_of,
-    plan_vector,
-    support_arrays,
-    tokens_for,
-)
+from ..generate.context import chain, coming_vector, context_arrays, plan_vector, room_of, tokens_for
+from ..generate.habits import Habits
+from ..generate.order import along, groups, holders, middles, ranks
 from ..generate.proposals import Scene
+from ..generate.spots import Load, Spots, support_arrays
 from .scenes import TrainingScene
 
 RANDOM_SUBSETS = 0.35
 """Share of examples in which any other things may be missing; in the rest the scene is built up in order."""
 
-JITTER, TURN_JITTER = 0.005, 0.02
-"""Metres and radians by which what is visible is moved."""
+LESS = 0.3
+"""Share of examples in which less is still to come than is missing: a user may ask for less than a whole room."""
 
-DEQUANTISE, TURN_DEQUANTISE = 0.005, np.radians(0.5)
+JITTER, TURN_JITTER, DEQUANTISE, TURN_DEQUANTISE = 0.005, 0.02, 0.004, 0.0087
+"""Metres and radians by which what is there and the target are moved, on supports of a metre and more."""
 
 
-class Examples(Dataset[dict[str, Tensor]]):
-    """Examples by number; number ``i`` of epoch ``e`` is always the same for the same seed.
+@dataclass(frozen=True, eq=False)
+class Order:
+    """The order of placing, by category number (C + 1,): see :mod:`..generate.order`; ``holds`` who goes first."""
+
+    group: NDArray[np.int64]
+    rank: NDArray[np.int64]
+    holds: NDArray[np.bool_]
+    kinds: NDArray[np.bool_]
+    """(C + 1, C + 1): things of which categories (columns) hold a category (row)."""
+
+    @staticmethod
+    def of(vocabulary: Sequence[str], habits: Habits) -> Order:
+        """The order that goes with the habits of training scenes."""
+        first, count = holders(habits), len(vocabulary) + 1
+        holds = np.array([name in first for name in vocabulary] + [False])
+        kinds = np.zeros((count, count), bool)
+        for row, name in enumerate(vocabulary):
+            kinds[row, [vocabulary.index(h.support) for h in habits.supports.get(name, ()) if h.support]] = True
+        return Order(groups(vocabulary, habits), ranks(vocabulary, habits), holds, kinds)
+
+
+class Layout:
+    """A training scene with all that does not change from example to example."""
+
+    def __init__(self, scene: TrainingScene, order: Order) -> None:
+        self.scene = Scene.of(scene.things, scene.world)
+        support, category = self.scene.support, self.scene.category
+        count = len(support)
+        self.targets = np.flatnonzero((category >= 0) & (self.scene.half.max(axis=1) > 0) & (support >= 0))
+        self.above = np.zeros((count, count), bool)
+        for thing in range(count):
+            self.above[thing, chain(support, thing)] = True
+        carriers = np.union1d(np.flatnonzero(order.kinds.any(axis=0)[category]), support[support >= 0])
+        self.spots = Spots.of(self.scene, carriers)
+        self.truth = self.spots.at(support, self.scene.board)
+        share = along(self.scene)
+        middle = middles(self.scene, share)
+        block = np.array([middle.get((s, c), 0.0) for s, c in zip(support, category, strict=True)])
+        self.row = np.empty(count, np.int64)
+        self.row[np.lexsort((share, category, block, ~order.holds[category]))] = np.arange(count)
+        self.floor = (support >= 0) & (support[support] < 0)
+        room_of(self.scene)
+        self.group, self.rank = order.group[category], order.rank[category]
+
+
+class Examples(Dataset[dict[str, Any]]):
+    """Examples by number, drawn anew each time, the same for the same seed.
 
     Parameters
     ----------
-    scenes
+    layouts
         Scenes to learn from.
-    rank
-        By category: the order in which things are placed (see :mod:`..generate.order`).
+    order
+        The order in which things are placed.
     count
         Examples in an epoch.
     fresh
         Other examples in every epoch; False for a fixed set to validate on.
     """
 
-    def __init__(self, scenes: Sequence[TrainingScene], rank: NDArray[np.int64], count: int, seed: int, fresh: bool):
-        self.scenes = [Scene.of(scene.things, scene.world) for scene in scenes]
-        self.rank = rank
-        self.count = count
-        self.rng = np.random.default_rng(seed)
-        self.fixed = None if fresh else [self._draw() for _ in range(count)]
+    def __init__(self, layouts: Sequence[Layout], order: Order, count: int, seed: int, fresh: bool) -> None:
+        self.layouts = [layout for layout in layouts if len(layout.targets)]
+        self.order, self.count, self.seed, self.asked = order, count, seed, 0
+        self.fixed = None if fresh else [self._draw(number) for number in range(count)]
 
     def __len__(self) -> int:
         return self.count
 
     def __getitem__(self, index: int) -> dict[str, Any]:
-        return self._draw() if self.fixed is None else self.fixed[index]
+        if self.fixed is not None:
+            return self.fixed[index]
+        self.asked += 1
+        return self._draw(self.asked, index)
 
-    def _draw(self) -> dict[str, Any]:
-        while True:
-            scene = self.scenes[int(self.rng.integers(len(self.scenes)))]
-            targets = np.flatnonzero((scene.category >= 0) & (scene.half.max(axis=1) > 0) & (scene.support >= 0))
-            if len(targets):
-                return example(scene, int(self.rng.choice(targets)), self.rank, self.rng)
+    def _draw(self, *number: int) -> dict[str, Any]:
+        """The same for the same numbers; processes that share an epoch ask for different ones."""
+        rng = np.random.default_rng((self.seed, *number))
+        layout = self.layouts[int(rng.integers(len(self.layouts)))]
+        return example(layout, int(rng.choice(layout.targets)), self.order, rng)
 
 
-def visible_with(scene: Scene, target: int, rank: NDArray[np.int64], rng: np.random.Generator) -> NDArray[np.bool_]:
-    """Which things are there when the target is placed: those before it, or any; always what holds them."""
-    count = len(scene.category)
+def visible_with(layout: Layout, target: int, rng: np.random.Generator) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """What is there when the target's support is chosen, and when it is placed, each bool (K,)."""
+    count = len(layout.row)
     if rng.random() < RANDOM_SUBSETS:
-        seen = rng.random(count) < rng.random()
+        chosen = placed = rng.random(count) < rng.random()
     else:
-        order = rank[scene.category] + rng.random(count)
-        seen = order < order[target]
-    seen[chain(scene.support, target)] = True
+        before, group = layout.group < layout.group[target], layout.group == layout.group[target]
+        tie, support = rng.random(count), layout.scene.support
+        chosen = before | (group & (layout.rank + tie < layout.rank[target] + tie[target]))
+        turn = rng.random(count)[support]
+        within = np.where(layout.floor, layout.rank + tie, layout.row)
+        earlier = np.where(support == support[target], within < within[target], turn < turn[target])
+        placed = before | (group & earlier)
+    return _standing(layout, chosen, target), _standing(layout, placed, target)
+
+
+def _standing(layout: Layout, seen: NDArray[np.bool_], target: int) -> NDArray[np.bool_]:
+    """Those of the things seen that something seen holds; what holds the target always, the target never."""
+    seen = seen | layout.above[target]
     seen[target] = False
-    for thing in np.argsort([len(chain(scene.support, i)) for i in range(count)]):
-        above = scene.support[thing]
-        if above >= 0 and not seen[above]:
-            seen[thing] = False
-    return seen
+    missing = ~seen
+    return seen & ~layout.above[:, missing].any(axis=1)
 
 
-def example(scene: Scene, target: int, rank: NDArray[np.int64], rng: np.random.Generator) -> dict[str, Any]:
-    """One example: inputs of the model and the true support, height, position and heading."""
-    seen = visible_with(scene, target, rank, rng)
-    visible = np.flatnonzero(seen)
-    category, parent, unknown = int(scene.category[target]), int(scene.support[target]), len(rank) - 1
-    hidden = np.flatnonzero(~seen & (scene.category >= 0))
-    hidden = hidden[hidden != target]
-    if rng.random() < 0.5:  # a user may ask for less than a whole room
-        hidden = hidden[rng.random(len(hidden)) < rng.random() ** 2]
-    numbers, counts = np.unique(scene.category[hidden], return_counts=True)
-    coming = dict(zip(numbers.tolist(), counts.tolist(), strict=True))
-    shaken = _shaken(scene, rng)
-    tokens = tokens_for(shaken, visible, parent)
-    position = scene.center[target, :2] + rng.uniform(-DEQUANTISE, DEQUANTISE, 2)
-    heading = scene.yaw[target] + rng.uniform(-TURN_DEQUANTISE, TURN_DEQUANTISE)
-    bottom = scene.center[target, 2] - scene.half[target, 2]
-    above = scene.center[parent, 2] - scene.half[parent, 2]
+def example(layout: Layout, target: int, order: Order, rng: np.random.Generator) -> dict[str, Any]:
+    """One example: inputs of the model and the true spot, height, position and heading."""
+    scene, unknown = layout.scene, len(order.rank) - 1
+    category, parent, board = int(scene.category[target]), int(scene.support[target]), int(scene.board[target])
+    chosen, placed = visible_with(layout, target, rng)
+    fewer = rng.random() ** 2 if rng.random() < LESS else 1.0
+    kept = rng.random(len(placed)) < fewer
+    half = scene.half[target]
+    bottom = scene.center[target, 2] - half[2]
+    scale = float(np.clip(scene.half[parent, :2].max(), 0.1, 1.0))
+    here = kept & ~placed & (scene.support == parent) & (scene.category >= 0)
+    here[target] = False
+    area = float(4 * (scene.half[here, 0] * scene.half[here, 1]).sum())
+    coming = Counter(scene.category[here].tolist())
+    shaken = _shaken(scene, rng, scale)
+    tokens = tokens_for(shaken, placed, parent, board, bottom, half)
+    position = scene.center[target, :2] + scale * rng.uniform(-DEQUANTISE, DEQUANTISE, 2)
     return {
         "target_category": category,
-        "target_half": scene.half[target].astype(np.float32),
-        "target_bottom": np.float32(bottom - ground_of(scene)),
-        "plan": plan_vector(scene, visible, category, parent, coming),
-        "coming": coming_vector(coming, unknown),
-        **context_arrays(shaken, tokens, category, parent, unknown),
-        **support_arrays(scene, visible, category, unknown),
-        "parent": int(np.flatnonzero(visible == parent)[0]),
-        "height": np.float32(bottom - above + rng.uniform(-0.002, 0.002)),
+        "target_half": half.astype(np.float32),
+        "target_bottom": np.float32(bottom - room_of(scene).ground),
+        "plan": plan_vector(scene, placed, category, parent, board, half, coming, area),
+        "row": coming_vector(coming, unknown),
+        **context_arrays(shaken, tokens, category, parent, board, unknown),
+        **_choice(layout, target, chosen, kept, order, rng),
         "position": position.astype(np.float32),
-        "heading": np.float32(heading),
+        "heading": np.float32(scene.yaw[target] + rng.uniform(-TURN_DEQUANTISE, TURN_DEQUANTISE)),
     }
 
 
-def _shaken(scene: Scene, rng: np.random.Generator) -> Scene:
+def _choice(
+    layout: Layout, target: int, seen: NDArray[np.bool_], kept: NDArray[np.bool_], order: Order,
+    rng: np.random.Generator,
+) -> dict[str, Any]:  # fmt: skip
+    """The choice of the spot among those of the things that are there and of the usual kinds."""
+    scene, unknown = layout.scene, len(order.rank) - 1
+    category, parent = int(scene.category[target]), int(scene.support[target])
+    usual = seen & order.kinds[category][scene.category]
+    usual[parent] = True
+    among = np.flatnonzero(usual[layout.spots.thing])
+    arrays = support_arrays(scene, layout.spots, Load.of(scene, seen), category, scene.half[target], unknown)
+    later = kept & ~seen & (scene.category >= 0)
+    later[target] = False
+    height = scene.center[target, 2] - scene.half[target, 2] - (scene.center[parent, 2] - scene.half[parent, 2])
+    return {
+        **{name: array[among] for name, array in arrays.items()},
+        "coming": coming_vector(Counter(scene.category[later].tolist()), unknown),
+        "parent": int(np.searchsorted(among, layout.truth[target])),
+        "kind": scene.category[layout.spots.thing[among]],
+        "height": np.float32(height + rng.uniform(-0.002, 0.002)),
+    }
+
+
+def _shaken(scene: Scene, rng: np.random.Generator, scale: float) -> Scene:
     shift = np.zeros_like(scene.center)
-    shift[:, :2] = rng.uniform(-JITTER, JITTER, (len(shift), 2))
+    shift[:, :2] = rng.uniform(-JITTER * scale, JITTER * scale, (len(shift), 2))
     yaw = scene.yaw + rng.uniform(-TURN_JITTER, TURN_JITTER, len(scene.yaw))
-    return Scene(scene.category, scene.support, scene.world, scene.local, scene.center + shift, scene.half, yaw)
+    return replace(scene, center=scene.center + shift, yaw=yaw)
 
 
 TOKEN_KEYS = ("category", "box", "flags")
-SUPPORT_KEYS = ("support_category", "support_half", "support_load")
+SUPPORT_KEYS = ("support_category", "support_holder", "support_half", "support_load", "support_content", "kind")
+CUTS = (14,)
+"""A batch is cut into parts of up to so many tokens, since padding costs time."""
 
 
-def collate(examples: Sequence[dict[str, Any]]) -> dict[str, Tensor]:
-    """A batch: tokens and supports padded, with ``mask`` and ``support_mask``."""
+def collate(examples: Sequence[dict[str, Any]]) -> list[dict[str, Tensor]]:
+    """A batch in parts of alike numbers of tokens, each padded, with ``mask`` and ``support_mask``."""
+    part = np.digitize([len(item["category"]) for item in examples], CUTS, right=True)
+    return [padded([examples[i] for i in np.flatnonzero(part == number)]) for number in np.unique(part)]
+
+
+def padded(examples: Sequence[dict[str, Any]]) -> dict[str, Tensor]:
+    """Examples as one padded batch."""
     batch = {}
-    for keys, name, most in ((TOKEN_KEYS, "mask", TOKENS), (SUPPORT_KEYS, "support_mask", 0)):
-        counts = [len(item[keys[0]]) for item in examples]
-        width = max(counts) if not most else min(most, max(counts))
+    for keys, name in ((TOKEN_KEYS, "mask"), (SUPPORT_KEYS, "support_mask")):
+        counts = np.array([len(item[keys[0]]) for item in examples])
+        filled = np.arange(counts.max()) < counts[:, None]
         for key in keys:
-            batch[key] = torch.from_numpy(np.stack([_padded(item[key], width) for item in examples]))
-        batch[name] = torch.tensor([[float(place < count) for place in range(width)] for count in counts])
+            first = examples[0][key]
+            whole = np.zeros((len(examples), counts.max(), *first.shape[1:]), first.dtype)
+            whole[filled] = np.concatenate([item[key] for item in examples])
+            batch[key] = torch.from_numpy(whole)
+        batch[name] = torch.from_numpy(filled.astype(np.float32))
     for key in examples[0]:
         if key not in batch:
             batch[key] = torch.from_numpy(np.stack([np.asarray(item[key]) for item in examples]))
     return batch
-
-
-def _padded(array: NDArray[Any], width: int) -> NDArray[Any]:
-    result = np.zeros((width, *array.shape[1:]), array.dtype)
-    result[: len(array)] = array[:width]
-    return result

@@ -7,28 +7,32 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import torch
-from numpy.typing import NDArray
 from torch import Tensor, nn
 from torch.utils.data import DataLoader
 
 from ..dataset.reader import Dataset
-from ..generate.context import PLAN_WIDTH
+from ..generate.context import FLAGS, PLAN_WIDTH
 from ..generate.contract import Contract
-from ..generate.habits import Habits, learn_habits
-from ..generate.order import in_order
-from .anchor_batches import Examples, collate
-from .anchors import FLAGS, AnchorModel, AnchorSizes, height_nll, mixture_nll
+from ..generate.habits import learn_habits
+from ..generate.order import learn_orders
+from ..generate.spots import LOAD_WIDTH
+from .anchor_batches import Examples, Layout, Order, collate
+from .anchor_overlaps import usual_overlaps
+from .anchors import AnchorModel, AnchorSizes, height_nll, mixture_nll
 from .export import export_onnx
 from .fit import Schedule, fit
 from .publish import provenance, save_model_assets
-from .scenes import TrainingScene, load_scenes, split, vocabulary_of
+from .scenes import load_scenes, split, vocabulary_of
 from .settings import Settings
 
-EPOCHS = 150
-PER_EPOCH = 640
-BATCH = 32
+EPOCHS = 12
+PER_EPOCH = 11200
+PER_TARGET = 2
+"""Examples in an epoch: at most so many for each thing in the scenes."""
+
+BATCH = 64
+BACKGROUND = 2000
 NLL_LIMIT = 20.0
 HEIGHT_WEIGHT, SUPPORT_WEIGHT = 0.3, 0.3
 OUTPUTS = (
@@ -50,12 +54,16 @@ def train(dataset: Dataset, out: Path, settings: Settings) -> dict[str, Any]:
     scenes = load_scenes(dataset, vocabulary, settings.quiet)
     habits = learn_habits((scene.things for scene in scenes), vocabulary)
     train_scenes, val_scenes = split(scenes, settings.seed)
+    order = Order.of(vocabulary, habits)
+    layouts = [[Layout(scene, order) for scene in part] for part in (train_scenes, val_scenes)]
+    habits = replace(habits, orders=learn_orders((layout.scene for layout in layouts[0]), vocabulary))
     torch.manual_seed(settings.seed)
     network = AnchorModel(AnchorSizes(len(vocabulary)))
-    rank = placing_rank(habits, vocabulary)
+    network.tolerance.copy_(torch.from_numpy(usual_overlaps(layouts[0], len(vocabulary))))
+    count = min(PER_EPOCH, PER_TARGET * sum(len(layout.targets) for layout in layouts[0]))
     loaders = [
-        _loader(train_scenes, rank, PER_EPOCH, settings.seed, fresh=True),
-        _loader(val_scenes, rank, min(320, 40 * len(val_scenes)), settings.seed + 1, fresh=False),
+        _loader(layouts[0], order, count, settings.seed, fresh=True),
+        _loader(layouts[1], order, min(1280, 40 * len(val_scenes)), settings.seed + 1, fresh=False),
     ]
     schedule = Schedule(settings.epochs or EPOCHS, devices=settings.devices, nodes=settings.nodes)
     losses = fit(network, _terms, loaders[0], loaders[1], schedule, settings)
@@ -65,37 +73,48 @@ def train(dataset: Dataset, out: Path, settings: Settings) -> dict[str, Any]:
     return source
 
 
-def placing_rank(habits: Habits, vocabulary: Sequence[str]) -> NDArray[np.int64]:
-    """The order of placing by category (C + 1,); unknown categories stand first."""
-    order = in_order({name: 1 for name in vocabulary}, habits)
-    return np.array([1 + order.index(name) for name in vocabulary] + [0], np.int64)
-
-
 def _loader(
-    scenes: Sequence[TrainingScene], rank: NDArray[np.int64], count: int, seed: int, fresh: bool
-) -> DataLoader[dict[str, Tensor]]:
-    return DataLoader(Examples(scenes, rank, count, seed, fresh), batch_size=BATCH, collate_fn=collate)
+    layouts: Sequence[Layout], order: Order, count: int, seed: int, fresh: bool
+) -> DataLoader[list[dict[str, Tensor]]]:
+    examples: Any = Examples(layouts, order, count, seed, fresh)
+    workers = int(fresh and count >= BACKGROUND)
+    return DataLoader(
+        examples, batch_size=BATCH, collate_fn=collate, num_workers=workers, persistent_workers=workers > 0
+    )
 
 
-def _terms(network: nn.Module, batch: Mapping[str, Tensor]) -> dict[str, Tensor]:
+def _terms(network: nn.Module, batch: Sequence[Mapping[str, Tensor]]) -> dict[str, Tensor]:
+    """The terms of the loss over all parts of a batch."""
     assert isinstance(network, AnchorModel)
+    parts = [part_terms(network, part) for part in batch]
+    size = sum(len(part["parent"]) for part in batch)
+    terms = {name: sum((part[name].sum() for part in parts), start=torch.zeros(())) / size for name in parts[0]}
+    terms["loss"] = terms["nll"] + HEIGHT_WEIGHT * terms["height"] + SUPPORT_WEIGHT * terms["support"]
+    return terms
+
+
+def part_terms(network: AnchorModel, batch: Mapping[str, Tensor]) -> dict[str, Tensor]:
+    """For each example (B,): negative log-likelihoods of place, height and support, and was the likeliest right."""
     each = torch.arange(len(batch["parent"]))
     score, *heights = network.choose(
-        batch["target_category"], batch["target_half"], batch["coming"],
-        batch["support_category"], batch["support_half"], batch["support_load"],
+        batch["target_category"], batch["target_half"], batch["coming"], batch["support_category"],
+        batch["support_holder"], batch["support_half"], batch["support_load"], batch["support_content"],
     )  # fmt: skip
     score = score + (batch["support_mask"] - 1) * 1e4
-    support = nn.functional.cross_entropy(score, batch["parent"])
-    right = (score.argmax(1) == batch["parent"]).float().mean()
+    likeliest = score.argmax(1)
     weight, mean, sigma = (part[each, batch["parent"]] for part in heights)
-    height = height_nll(weight, mean, sigma, batch["height"]).clamp(max=NLL_LIMIT).mean()
+    loose = batch["support_load"][each, batch["parent"], 6]  # what stands on a board has the board's height
     mixture = network.places(
-        batch["target_category"], batch["target_half"], batch["target_bottom"], batch["plan"], batch["coming"],
+        batch["target_category"], batch["target_half"], batch["target_bottom"], batch["plan"], batch["row"],
         batch["category"], batch["box"], batch["flags"], batch["mask"],
     )  # fmt: skip
-    nll = mixture_nll(mixture, batch["box"], batch["position"], batch["heading"]).clamp(max=NLL_LIMIT).mean()
-    loss = nll + HEIGHT_WEIGHT * height + SUPPORT_WEIGHT * support
-    return {"loss": loss, "nll": nll, "height": height, "support": support, "support_accuracy": right}
+    return {
+        "nll": mixture_nll(mixture, batch["box"], batch["position"], batch["heading"]).clamp(max=NLL_LIMIT),
+        "height": height_nll(weight, mean, sigma, batch["height"]).clamp(max=NLL_LIMIT) * loose,
+        "support": nn.functional.cross_entropy(score, batch["parent"], reduction="none"),
+        "support_right": (likeliest == batch["parent"]).float(),
+        "kind_right": (batch["kind"][each, likeliest] == batch["kind"][each, batch["parent"]]).float(),
+    }
 
 
 def example_inputs(categories: int, batch: int = 2, tokens: int = 3, supports: int = 4) -> dict[str, Tensor]:
@@ -107,14 +126,17 @@ def example_inputs(categories: int, batch: int = 2, tokens: int = 3, supports: i
         "target_half": torch.rand(batch, 3),
         "target_bottom": torch.rand(batch),
         "plan": torch.rand(batch, PLAN_WIDTH),
-        "coming": torch.rand(batch, categories),
+        "row": torch.rand(batch, categories),
         "category": torch.zeros(batch, tokens, dtype=torch.int64),
         "box": box,
         "flags": torch.zeros(batch, tokens, FLAGS),
         "mask": torch.ones(batch, tokens),
+        "coming": torch.rand(batch, categories),
         "support_category": torch.zeros(batch, supports, dtype=torch.int64),
+        "support_holder": torch.zeros(batch, supports, dtype=torch.int64),
         "support_half": torch.rand(batch, supports, 3),
-        "support_load": torch.rand(batch, supports, 4),
+        "support_load": torch.rand(batch, supports, LOAD_WIDTH),
+        "support_content": torch.rand(batch, supports, categories + 1),
     }
 
 
@@ -124,6 +146,7 @@ def write_anchors(network: AnchorModel, contract: Contract, out: Path) -> None:
     dynamic: dict[str, dict[int, str]] = {name: {0: "targets"} for name in inputs}
     for name in ("category", "box", "flags", "mask"):
         dynamic[name][1] = "tokens"
-    for name in ("support_category", "support_half", "support_load"):
-        dynamic[name][1] = "supports"
+    for name in inputs:
+        if name.startswith("support_"):
+            dynamic[name][1] = "supports"
     export_onnx(network, inputs, OUTPUTS, dynamic, contract.to_json(), out)

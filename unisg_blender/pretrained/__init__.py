@@ -10,3 +10,18 @@ FOLDER = Path(__file__).resolve().parent
 def default_generator() -> Path:
     """The generator for operating rooms."""
     return FOLDER / "operating_room.onnx"
+
+
+def shipped_generators() -> list[Path]:
+    """The generators that came with the software, those with assets beside them; the default one first."""
+    found = [path for path in FOLDER.glob("*.onnx") if path.with_suffix(".assets.safetensors").is_file()]
+    return sorted(found, key=lambda path: (path != default_generator(), path.name))
+
+
+def find_generator(model: str | Path | None) -> Path:
+    """A generator's file: the default one for None, a shipped one by its name ("living_room"), else the path itself."""
+    if model is None or str(model) == "":
+        return default_generator()
+    path = Path(model)
+    named = {shipped.stem: shipped for shipped in shipped_generators()}
+    return path if path.is_file() else named.get(str(model).replace("-", "_"), path)

@@ -1,0 +1,72 @@
+"""Settling things of a scene: onto their support, apart, into the room; what stands on them comes along."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from tests.generate.rooms import at, box
+from unisg_blender.generate.settle_scene import settle_rows
+from unisg_blender.scene import SceneBuilder, SceneGraph
+
+
+def scene(**places: np.ndarray) -> SceneGraph:
+    """A floor of 4 x 4 m with a table, a cup on it and a crate."""
+    builder = SceneBuilder("Room")
+    floor = builder.add("Floor", uid="floor", local=at(0, 0, -0.1), mesh=box("Floor", 4, 4, 0.1), category="Floor")
+    table = builder.add(
+        "Table", uid="table", parent=floor, local=places.get("table", at(0, 0, 0.1)), mesh=box("Table", 1.2, 0.7, 0.8),
+        category="Table",
+    )  # fmt: skip
+    builder.add(
+        "Cup", uid="cup", parent=table, local=places.get("cup", at(0, 0, 0.8)), mesh=box("Cup", 0.08, 0.08, 0.1),
+        category="Cup",
+    )  # fmt: skip
+    builder.add(
+        "Crate", uid="crate", parent=floor, local=places.get("crate", at(1.5, 1.5, 0.1)),
+        mesh=box("Crate", 0.4, 0.4, 0.4), category="Crate",
+    )  # fmt: skip
+    return builder.build()
+
+
+def settled(graph: SceneGraph, *uids: str) -> dict[str, np.ndarray]:
+    found = settle_rows(graph, [graph.row_of_uid[uid] for uid in uids])
+    assert not any(item.note for item in found)
+    return {graph.uid[item.row]: item.world[:3, 3] for item in found}
+
+
+def test_what_stands_well_stays() -> None:
+    found = settled(scene(), "table", "cup", "crate")
+    np.testing.assert_allclose(found["table"], [0, 0, 0], atol=1e-6)
+    np.testing.assert_allclose(found["cup"], [0, 0, 0.8], atol=1e-6)
+    np.testing.assert_allclose(found["crate"], [1.5, 1.5, 0], atol=1e-6)
+
+
+def test_floating_and_sunk_things_come_onto_what_is_below() -> None:
+    found = settled(scene(cup=at(0.2, 0.1, 1.3), crate=at(1.5, 1.5, 0.02)), "cup", "crate")
+    np.testing.assert_allclose(found["cup"], [0.2, 0.1, 0.8], atol=1e-6)
+    np.testing.assert_allclose(found["crate"], [1.5, 1.5, 0], atol=1e-6)
+
+
+def test_overlapping_things_are_parted_and_come_into_the_room() -> None:
+    found = settled(scene(crate=at(0.5, 0.2, 0.1)), "crate")["crate"]
+    assert max(abs(found[0]) - 0.6 - 0.2, abs(found[1]) - 0.35 - 0.2) >= -0.0011
+    np.testing.assert_allclose(found[2], 0, atol=1e-6)
+    assert np.abs(settled(scene(crate=at(2.1, 0, 0.1)), "crate")["crate"][:2]).max() <= 1.8011
+
+
+def test_what_stands_on_a_moved_thing_comes_along() -> None:
+    graph = scene(table=at(0, 0, 0.5), crate=at(0, 0.9, 0.1))
+    found = settled(graph, "table", "cup")
+    np.testing.assert_allclose(found["table"], [0, 0, 0], atol=1e-6)
+    np.testing.assert_allclose(found["cup"], [0, 0, 0.8], atol=1e-6)
+
+
+def test_structure_is_left_alone_and_what_finds_no_place_is_told() -> None:
+    assert settle_rows(scene(), [scene().row_of_uid["floor"]]) == []
+    builder = SceneBuilder("Tiny")
+    floor = builder.add("Floor", uid="f", local=at(0, 0, -0.1), mesh=box("Floor", 1, 1, 0.1), category="Floor")
+    for uid in ("a", "b"):
+        builder.add(uid, uid=uid, parent=floor, local=at(0, 0, 0.1), mesh=box("T", 0.9, 0.9, 0.8), category="Table")
+    graph = builder.build()
+    (item,) = settle_rows(graph, [graph.row_of_uid["b"]])
+    assert "no free place" in item.note

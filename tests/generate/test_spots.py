@@ -1,0 +1,109 @@
+"""Boards of things, the spots on them, the order of placing, and what is told of a room."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from tests.generate.rooms import at, box, room
+from unisg_blender.generate.boards import board_at, boards_of
+from unisg_blender.generate.context import room_of, tokens_for
+from unisg_blender.generate.habits import learn_habits
+from unisg_blender.generate.order import along, groups, learn_orders, row_order
+from unisg_blender.generate.proposals import Scene, within
+from unisg_blender.generate.spots import Load, Spots, support_arrays
+from unisg_blender.generate.things import things_of
+from unisg_blender.scene import Boxes, SceneBuilder, world_matrices
+
+VOCABULARY = ("Cup", "Floor", "Lamp", "Table", "Wall")
+
+
+def scene_of(seed: int, cups: int = 3) -> Scene:
+    graph = room(seed, cups)
+    things = things_of(graph, VOCABULARY)
+    return Scene.of(things, world_matrices(graph)[things.row])
+
+
+def shelf() -> Boxes:
+    """Boards 1 x 0.4 m at 0.1, 0.5 and 0.9 m between two sides."""
+    center = [(0, 0, 0.09), (0, 0, 0.49), (0, 0, 0.89), (-0.51, 0, 0.5), (0.51, 0, 0.5)]
+    half = [(0.5, 0.2, 0.01)] * 3 + [(0.01, 0.2, 0.5)] * 2
+    return Boxes(np.array(center), np.tile(np.eye(3), (5, 1, 1)), np.array(half), np.ones(5, bool))
+
+
+def test_a_shelf_has_its_boards_with_headroom_and_no_edges() -> None:
+    boards = boards_of(shelf(), bottom=0.0)
+    np.testing.assert_allclose(boards[:, 0], [0.1, 0.5, 0.9])
+    np.testing.assert_allclose(boards[:, 1], 0.4)
+    np.testing.assert_allclose(boards[:, 2], [0.38, 0.38, 2.0])
+    assert board_at(boards, 0.51) == 1
+    assert board_at(boards, 0.3) == -1
+    assert len(boards_of(shelf().take(np.zeros(0, int)), 0.0)) == 0
+
+
+def test_spots_tell_what_lies_where() -> None:
+    scene = scene_of(1)
+    table = int(np.flatnonzero(scene.category == 3)[0])
+    spots = Spots.of(scene, [table])
+    assert spots.board.tolist() == [0, -1]
+    arrays = support_arrays(scene, spots, Load.of(scene, np.ones(len(scene.category), bool)), 0, np.full(3, 0.04), 5)
+    np.testing.assert_allclose(arrays["support_content"][0], np.log1p([3, 0, 0, 0, 0, 0]), atol=1e-6)
+    assert not arrays["support_content"][1].any()
+    nothing = support_arrays(scene, spots, Load.of(scene, np.zeros(len(scene.category), bool)), 0, np.full(3, 0.04), 5)
+    assert not nothing["support_content"].any()
+
+
+def test_things_are_ordered_by_level_and_rows_from_end_to_end() -> None:
+    scene = scene_of(2)
+    graph = room(2, 3)
+    habits = learn_habits([things_of(graph, VOCABULARY)], VOCABULARY)
+    assert groups(VOCABULARY, habits).tolist() == [2, 0, 2, 1, 1, -1]
+    cups = np.flatnonzero(scene.category == 0)
+    assert (np.diff(along(scene)[cups]) > 0).all()  # they were laid from left to right
+    orders = learn_orders([scene], VOCABULARY)
+    assert orders.keys() == {"Table>Cup", "Wall>Lamp"}
+    assert sorted(row_order(["Cup", "Cup"], "Table", False, habits, np.random.default_rng(0))) == [0, 1]
+    assert row_order(["Cup", "Table"], "Floor", True, habits, np.random.default_rng(0)) == [1, 0]
+
+
+def test_tokens_begin_with_the_support_and_its_things() -> None:
+    scene = scene_of(3)
+    table, cups = int(np.flatnonzero(scene.category == 3)[0]), np.flatnonzero(scene.category == 0)
+    seen = np.ones(len(scene.category), bool)
+    tokens = tokens_for(scene, seen, table, 0, 0.8, np.full(3, 0.04))
+    assert tokens[0] == table
+    assert set(cups) <= set(tokens.tolist())
+    assert scene.support[table] in tokens
+    seen[cups] = False
+    assert not set(cups) & set(tokens_for(scene, seen, table, 0, 0.8, np.full(3, 0.04)).tolist())
+
+
+def test_walls_know_on_which_side_the_room_is() -> None:
+    scene = scene_of(4)
+    found = room_of(scene)
+    walls = scene.category == 4
+    assert (np.abs(found.inner[walls]) == 1).all()
+    assert not found.inner[~walls].any()
+    assert room_of(scene) is found
+
+
+def test_matrices_relative_to_others_agree_with_the_inverse() -> None:
+    rng = np.random.default_rng(0)
+    above, world = np.tile(np.eye(4), (2, 20, 1, 1))
+    above[:, :3], world[:, :3] = rng.normal(size=(2, 20, 3, 4))
+    np.testing.assert_allclose(within(above, world), np.linalg.solve(above, world), rtol=1e-9, atol=1e-9)
+    above[0, :3, :3] = 0  # scaled to nothing
+    flat = within(above, world)[0]
+    np.testing.assert_allclose(flat[:3, 3], world[0, :3, 3] - above[0, :3, 3])
+    np.testing.assert_array_equal(flat[:3, :3], world[0, :3, :3])
+
+
+def test_two_boards_of_a_scene_are_told_apart() -> None:
+    builder = SceneBuilder("Boards")
+    floor = builder.add("Floor", uid="f", local=at(0, 0, -0.1), mesh=box("Floor", 4, 4, 0.1), category="Floor")
+    table = builder.add("T", uid="t", parent=floor, local=at(0, 0, 0.1), mesh=box("T", 1, 1, 0.5), category="Table")
+    builder.add("C", uid="c", parent=table, local=at(0, 0, 0.5), mesh=box("C", 0.1, 0.1, 0.1), category="Cup")
+    builder.add("D", uid="d", parent=table, local=at(0.8, 0, 0.2), mesh=box("C", 0.1, 0.1, 0.1), category="Cup")
+    graph = builder.build()
+    things = things_of(graph, VOCABULARY)
+    scene = Scene.of(things, world_matrices(graph)[things.row])
+    assert scene.board[scene.category == 0].tolist() == [0, -1]
