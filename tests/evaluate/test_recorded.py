@@ -1,0 +1,35 @@
+"""The shipped generators still do what was recorded of them.
+
+On the machine of the record the numbers are the same; elsewhere the last bits of a
+network's outputs may lead to other draws, so each count may differ by three
+standard deviations of a Poisson count, and by three.
+"""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from .recorded import COUNTS, FILE, ROOMS, digest_of, measured, models
+
+AGAIN = "measure them again with 'python -m tests.evaluate.recorded'"
+
+
+def record():
+    return json.loads(FILE.read_text(encoding="utf-8"))
+
+
+def test_the_record_is_of_the_models_that_are_shipped():
+    assert {name: entry["sha256"] for name, entry in record().items()} == {n: digest_of(n) for n in models()}, AGAIN
+    assert all(entry["rooms"] == ROOMS for entry in record().values())
+
+
+@pytest.mark.parametrize("way", ["raw", "settled"])
+@pytest.mark.parametrize("name", models())
+def test_the_shipped_models_make_what_was_recorded(name, way):
+    before, now = record()[name][way], measured(name, settle=way == "settled")
+    for key in COUNTS:
+        assert abs(now[key] - before[key]) <= 3 + 3 * before[key] ** 0.5, (
+            f"{key}: {before[key]}, now {now[key]}; {AGAIN}"
+        )
