@@ -49,7 +49,12 @@ class DatasetSettings:
 
 
 class UNISG_DatasetSettings(DatasetSettings, bpy.types.PropertyGroup):
-    """The choices in the Dataset panel; they belong to the session, not to the file."""
+    """The choices in the Dataset panel, and how far a running export is; they belong to the session."""
+
+    status: bpy.props.StringProperty(
+        name="Status", description="What a running export is doing, empty when there is none"
+    )
+    share: bpy.props.FloatProperty(name="Share", description="How much of it is done", min=0, max=1)
 
 
 class UNISG_OT_export_dataset(DatasetSettings, bpy.types.Operator):
@@ -63,6 +68,9 @@ class UNISG_OT_export_dataset(DatasetSettings, bpy.types.Operator):
     def poll(cls, context: bpy.types.Context) -> bool:
         if context.mode != "OBJECT":
             cls.poll_message_set("Leave edit mode first")
+            return False
+        if context.window_manager.unisg_dataset.status:
+            cls.poll_message_set("An export is running")
             return False
         return True
 
@@ -81,6 +89,7 @@ class UNISG_OT_export_dataset(DatasetSettings, bpy.types.Operator):
         self._work = self._steps(context)
         self._timer = context.window_manager.event_timer_add(0.01, window=context.window)
         context.window_manager.progress_begin(0, 1)
+        self._show(context, 0.0, "Starting")
         context.window_manager.modal_handler_add(self)
         return {"RUNNING_MODAL"}
 
@@ -90,8 +99,9 @@ class UNISG_OT_export_dataset(DatasetSettings, bpy.types.Operator):
         if event.type == "ESC":
             self._work.close()  # what it wrote goes away with it, but what is read of files
             self._end(context)
-            words = "tick Resume to go on" if self.inputs else "nothing was written"
-            self.report({"INFO"}, f"Stopped; {words}")
+            if self.inputs:
+                context.window_manager.unisg_dataset.resume = True
+            self.report({"INFO"}, f"Stopped; {'export again to go on' if self.inputs else 'nothing was written'}")
             return {"CANCELLED"}
         if event.type != "TIMER":
             return {"RUNNING_MODAL"}
@@ -104,9 +114,17 @@ class UNISG_OT_export_dataset(DatasetSettings, bpy.types.Operator):
             self._end(context)
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
+        self._show(context, share, text)
+        return {"RUNNING_MODAL"}
+
+    def _show(self, context: bpy.types.Context, share: float, text: str) -> None:
+        settings = context.window_manager.unisg_dataset
+        settings.share, settings.status = share, text
         context.window_manager.progress_update(share)
         context.workspace.status_text_set(f"{text}   ESC: stop")
-        return {"RUNNING_MODAL"}
+        for area in context.screen.areas:
+            if area.type == "VIEW_3D":
+                area.tag_redraw()
 
     def _steps(self, context: bpy.types.Context) -> Iterator[tuple[float, str]]:
         """Yields how much is done, 0 to 1, and in words."""
@@ -164,6 +182,7 @@ class UNISG_OT_export_dataset(DatasetSettings, bpy.types.Operator):
     def _end(self, context: bpy.types.Context) -> None:
         context.window_manager.event_timer_remove(self._timer)
         context.window_manager.progress_end()
+        self._show(context, 0.0, "")
         context.workspace.status_text_set(None)
 
     def _done(self) -> set[str]:

@@ -26,6 +26,9 @@ class UNISG_PT_dataset(SidebarPanel, bpy.types.Panel):
         column = layout.column(align=True)
         column.prop(settings, "resume" if settings.inputs else "all_scenes")
         column.prop(settings, "overwrite")
+        if settings.status:
+            layout.progress(factor=settings.share, text=f"{settings.status}   ESC: stop")
+            return
         column = layout.column()
         column.enabled = bool(settings.filepath)
         text = "Export Dataset" if settings.filepath else "Choose a folder above to export"
