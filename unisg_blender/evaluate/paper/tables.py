@@ -205,4 +205,5 @@ def _cell(row: Mapping[str, Any], name: str) -> str:
     if isinstance(value, str | int):
         return str(value)
     spread = next((row[f"{name}{end}"] for end in ("_ci", "_std") if row.get(f"{name}{end}") is not None), None)
-    return f"{value:.3g}" + (f" ± {spread:.2g}" if spread is not None else "")
+    shown = 0.0 if spread is not None and spread < 1e-6 else spread
+    return f"{value:.3g}" + (f" ± {shown:.2g}" if shown is not None else "")
