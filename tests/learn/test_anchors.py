@@ -100,7 +100,7 @@ def test_padding_is_not_seen(network: AnchorModel) -> None:
     batch = batch_of([4])
     wide = dict(batch)
     for name in ("category", "box", "flags", "mask"):
-        extra = torch.zeros_like(batch[name][:, :3]) if name != "category" else torch.full((1, 3), 2)
+        extra = torch.full((1, 3, *batch[name].shape[2:]), 2 if name == "category" else 0).to(batch[name].dtype)
         wide[name] = torch.cat([batch[name], extra], dim=1)
     one, two = places_of(network, batch), places_of(network, wide)
     torch.testing.assert_close(two[0][:, : one[0].shape[1]], one[0], atol=1e-4, rtol=1e-4)
