@@ -36,7 +36,8 @@ class Completed:
     centimetres, degrees
         Of the best of :data:`DRAWS` draws.
     same_support, same_kind
-        Whether the support named most often is that of a removed thing, or of its category.
+        Whether the support that the model ranks first (or, where it ranks none, names most often in the draws) is that
+        of a removed thing, or of its category, 0 or 1.
     on_top, beside
         Whether a request was satisfied, 0 or 1.
     nll
@@ -80,7 +81,7 @@ def complete(way: ByModel | ByCopying, hole: Hole, seed: int) -> Completed:
     if not places:
         return NOTHING
     centimetres, degrees = pose_error(places, hole.places)
-    named = most_common(supports)
+    named = _ranked_first(way, hole) or most_common(supports)
     kinds = {hole.real.category_name(hole.real.row_of_uid[uid]) for uid in hole.supports}
     kind = hole.real.category_name(hole.real.row_of_uid[named]) if named else ""
     on_top, beside = _requests(way, hole, seed)
@@ -95,6 +96,22 @@ def pose_error(drawn: Sequence[NDArray[np.float64]], true: NDArray[np.float64]) 
     best, nearest = np.unravel_index(far.argmin(), far.shape)
     turn = wrapped(places[best, 3] - true[nearest, 3])
     return 100 * float(far.min()), float(np.degrees(abs(turn)))
+
+
+def _ranked_first(way: ByModel, hole: Hole) -> str:
+    """uid of the support with the highest chance; "" for models that give none."""
+    of = getattr(way.generator._proposer, "support_chances", None)
+    if of is None:
+        return ""
+    generator = way.generator
+    scene, uids = _seen(hole, generator.categories)
+    usual = {habit.support for habit in generator.contract.habits.supports[hole.category]}
+    kinds = [hole.rest.category_name(hole.rest.row_of_uid[uid]) for uid in uids]
+    allowed = np.array([kind in usual for kind in kinds], bool)
+    if not allowed.any():
+        return ""
+    chances = of(scene, generator.categories.index(hole.category), Piece(hole.asset).half, allowed)
+    return uids[int(np.argmax(chances))]
 
 
 def most_common(names: Sequence[str]) -> str:
@@ -123,14 +140,18 @@ def _uids(graph: SceneGraph) -> list[str]:
     return [graph.uid[row] for row in np.unique(rows[rows >= 0])]
 
 
+def _seen(hole: Hole, vocabulary: tuple[str, ...]) -> tuple[Scene, list[str]]:
+    """The half-emptied room as a proposer sees it, and the uids of its things."""
+    things = things_of(hole.rest, vocabulary)
+    return Scene.of(things, world_matrices(hole.rest)[things.row]), [hole.rest.uid[row] for row in things.row]
+
+
 def log_density(proposer: Proposer, vocabulary: tuple[str, ...], hole: Hole) -> float:
     """Log-density of where the thing was, given what it stood on, nats; NaN for proposers without a density."""
     of = getattr(proposer, "log_density", None)
     if of is None:
         return np.nan
-    things = things_of(hole.rest, vocabulary)
-    scene = Scene.of(things, world_matrices(hole.rest)[things.row])
-    uids = _uids(hole.rest)
+    scene, uids = _seen(hole, vocabulary)
     if hole.support not in uids:
         return np.nan
     category = vocabulary.index(hole.category)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from functools import cache
 from itertools import islice
 from pathlib import Path
+from typing import Any
 
 from ..dataset.assets import STRUCTURE
 from ..dataset.reader import open_dataset
@@ -112,7 +113,15 @@ def _baseline(kind: str, data: Data) -> Generator:
         for found, graph in zip(things, training_rooms(data), strict=True)
     ]
     proposer = GaussianProposer(scenes, 0.0 if kind == "mean" else 1.0) if kind != "world" else None
-    return Generator(Model(Path("baseline.onnx"), None, contract), proposer or WorldGaussianProposer(scenes))
+    return Generator(Model(Path("baseline.onnx"), _NoNetwork(), contract), proposer or WorldGaussianProposer(scenes))
+
+
+class _NoNetwork:
+    """A network of nothing, for what needs none."""
+
+    def get_inputs(self) -> list[Any]:
+        """None."""
+        return []
 
 
 @cache

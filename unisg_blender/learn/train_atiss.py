@@ -17,13 +17,13 @@ from ..dataset.reader import Dataset
 from ..generate.context import ground_of, room_middle
 from ..generate.contract import Contract
 from ..generate.habits import learn_habits
+from ..generate.order import ranks
 from ..generate.proposals import Scene
 from .atiss import Atiss, AtissSizes, logistics_nll
 from .export import export_onnx
 from .publish import provenance
 from .scenes import TrainingScene, load_scenes, split, vocabulary_of
 from .settings import Settings
-from .train_anchors import placing_rank
 
 EPOCHS = 20
 BATCH, TARGETS, TOKENS = 12, 32, 96
@@ -44,7 +44,7 @@ def train(dataset: Dataset, out: Path, settings: Settings) -> dict[str, Any]:
     vocabulary = vocabulary_of(dataset)
     scenes = load_scenes(dataset, vocabulary, settings.quiet)
     habits = learn_habits((scene.things for scene in scenes), vocabulary)
-    rank = placing_rank(habits, vocabulary)
+    rank = ranks(vocabulary, habits)
     train_scenes, val_scenes = split(scenes, settings.seed)
     torch.manual_seed(settings.seed)
     network = Atiss(AtissSizes(len(vocabulary)))
