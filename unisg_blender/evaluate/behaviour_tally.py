@@ -18,7 +18,10 @@ USUAL = 0.9
 
 @dataclass(frozen=True)
 class BehaviourRow:
-    """Measures of one chooser, see the module; shares in 0..1, milliseconds of processor time per thing (median)."""
+    """Measures of one chooser, see :mod:`.behaviour`; shares in 0..1, processor milliseconds per thing (median).
+
+    ``played`` is NaN (None in the record) where nothing was played.
+    """
 
     name: str
     scenes: int
@@ -38,9 +41,10 @@ class BehaviourRow:
     played: float
     milliseconds: float
 
-    def to_record(self) -> dict[str, float | int | str]:
+    def to_record(self) -> dict[str, float | int | str | None]:
         """JSON-ready."""
-        return {key: round(value, 4) if isinstance(value, float) else value for key, value in self.__dict__.items()}
+        record = {key: round(value, 4) if isinstance(value, float) else value for key, value in self.__dict__.items()}
+        return {key: None if value != value else value for key, value in record.items()}
 
 
 @dataclass(frozen=True, eq=False)
@@ -159,4 +163,4 @@ def _share(part: float, whole: float) -> float:
 
 
 def _mean(flags: Sequence[bool]) -> float:
-    return float(np.mean(flags)) if flags else 1.0
+    return float(np.mean(flags)) if flags else float("nan")
