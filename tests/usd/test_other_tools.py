@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from tests.conftest import scene_files
+from tests.usd.test_edits import studio
 from unisg_blender.scene import SceneBuilder, SceneGraph, mesh_from_faces, table, world_matrices
 from unisg_blender.usd import read_usd, write_usd
 from unisg_blender.usd.library import require_pxr
@@ -154,10 +155,11 @@ def test_usd_checker_passes(tmp_path: Path) -> None:
     path = tmp_path / "scene.usda"
     write_usd(trs_scene(), path)
     write_usd(trs_scene(), tmp_path / "scene.usdz")
+    write_usd(studio(), tmp_path / "studio.usda")
     script = Path(__file__).with_name("check_compliance.py")
     for build in ("bpy", "usd-core"):
         answer = subprocess.run(
-            [sys.executable, str(script), build, str(path), str(path.with_suffix(".usdz"))],
+            [sys.executable, str(script), build, *map(str, sorted(tmp_path.iterdir()))],
             capture_output=True, text=True, timeout=120, env=os.environ | {"PYTHONPATH": str(DATA.parents[1])},
         )  # fmt: skip
         if "ModuleNotFoundError" in answer.stderr or "MissingPackageError" in answer.stderr:

@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from functools import cache
 from typing import Any
 
-from pxr import UsdGeom, UsdShade
+from pxr import UsdShade
 
 from . import schema
 from .read_data import CAMERA_NAMES, LIGHT_INPUTS
@@ -72,7 +72,7 @@ def tell_losses(found: Entities) -> None:
 def _losses(prim: Any) -> Iterator[str]:
     kind = str(prim.GetTypeName())
     authored = tuple(prim.GetAuthoredPropertyNames())
-    yield from _unknown(kind, tuple(name for name in authored if not _is_held(prim, name)))
+    yield from _unknown(kind, tuple(name for name in _candidates(authored) if not _is_held(prim, name)))
     schemas = tuple(prim.GetAppliedSchemas())
     if schemas:
         yield from _unknown_schemas(schemas)
@@ -81,14 +81,18 @@ def _losses(prim: Any) -> Iterator[str]:
     if prim.HasVariantSets():
         yield "only the selected variants are read"
     if kind == "Mesh":
-        yield from _mesh_losses(UsdGeom.Mesh(prim))
+        yield from _mesh_losses(prim)
     if "visibility" in authored and prim.GetAttribute("visibility").ValueMightBeTimeVarying():
         yield "visibility that changes with time is read at its first moment"
 
 
+@cache
+def _candidates(names: tuple[str, ...]) -> tuple[str, ...]:
+    """Names out of a prim's authored properties that are not read from every prim."""
+    return tuple(name for name in names if name not in HELD and not name.startswith(HELD_BEGINNINGS))
+
+
 def _is_held(prim: Any, name: str) -> bool:
-    if name in HELD or name.startswith(HELD_BEGINNINGS):
-        return True
     if name.startswith("primvars:"):
         return name.endswith(":indices") or str(prim.GetAttribute(name).GetTypeName()) in UV_TYPES
     attribute = prim.GetAttribute(name)
@@ -120,10 +124,10 @@ def _unknown_schemas(names: tuple[str, ...]) -> tuple[str, ...]:
 
 
 def _mesh_losses(mesh: Any) -> Iterator[str]:
-    scheme = mesh.GetSubdivisionSchemeAttr().Get()
+    scheme = mesh.GetAttribute("subdivisionScheme").Get()
     if scheme not in ("none", None):
         yield f"subdivision ({scheme}) is not read"
-    if mesh.GetPointsAttr().ValueMightBeTimeVarying():
+    if mesh.GetAttribute("points").GetNumTimeSamples() > 1:
         yield "points that move are read at their first moment"
 
 
