@@ -13,6 +13,7 @@ import pytest
 
 from unisg_blender.cli import main
 from unisg_blender.dataset import open_dataset
+from unisg_blender.dataset.describe import printable
 from unisg_blender.dataset.export import ExportOptions, export_dataset
 from unisg_blender.errors import MISUSE, SOME_FAILED, UNUSABLE_INPUT, UniSGError
 
@@ -134,6 +135,36 @@ def test_an_unreadable_file_costs_only_itself(tmp_path: Path, put: Callable[...,
     records = export_dataset([tmp_path / "in"], tmp_path / "ds", OPTIONS)
     assert [record["status"] for record in records] == ["ok", "failed", "ok"]
     assert "cannot be read" in records[1]["reason"]
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="names that others do not allow")
+def test_names_of_files_may_be_anything(tmp_path: Path, put: Callable[..., Path]) -> None:
+    odd = ["a\nb.obj", "c d'\".obj", "ü \U0001f600.obj", "\udcff.obj"]
+    for number, name in enumerate(odd):
+        put(name, seed=number)
+    (tmp_path / "in" / "z.obj").symlink_to("a\nb.obj")
+    (tmp_path / "link").symlink_to("in")
+    inputs = [tmp_path / "in", tmp_path / "link", tmp_path / "in" / odd[0]]
+    export_dataset(inputs, tmp_path / "in" / "ds", OPTIONS)  # among the files themselves
+    dataset = open_dataset(tmp_path / "in" / "ds")
+    assert [Path(scene.source).name for scene in dataset] == sorted(odd)
+    again = export_dataset(inputs, tmp_path / "in" / "ds", OPTIONS, resume=True)
+    assert again == dataset.files()
+    assert [printable(name) for name in odd] == ["a\\nb.obj", "c d'\".obj", "ü \U0001f600.obj", "\\udcff.obj"]
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="counts open files in /proc")
+def test_more_files_than_a_process_may_open(tmp_path: Path, put: Callable[..., Path]) -> None:
+    resource = pytest.importorskip("resource")
+    for number in range(70):
+        put(f"{number}.obj", seed=number)
+    limits = resource.getrlimit(resource.RLIMIT_NOFILE)
+    resource.setrlimit(resource.RLIMIT_NOFILE, (len(os.listdir("/proc/self/fd")) + 50, limits[1]))
+    try:
+        export_dataset([tmp_path / "in"], tmp_path / "ds", OPTIONS, jobs=1)
+    finally:
+        resource.setrlimit(resource.RLIMIT_NOFILE, limits)
+    assert len(open_dataset(tmp_path / "ds")) == 70
 
 
 def test_when_nothing_can_be_read_nothing_is_written(tmp_path: Path, put: Callable[..., Path]) -> None:

@@ -101,11 +101,14 @@ def run(args: argparse.Namespace) -> int:
 
 def _show_file(bar: Progress, record: dict[str, Any]) -> None:
     """One line about a file: why it failed, or what of it is not in the dataset."""
+    from ..dataset.describe import printable
+
+    source = printable(record["source"])
     if record["status"] == "failed":
-        bar.write(f"{record['source']}: FAILED: {record['reason']}")
+        bar.write(f"{source}: FAILED: {record['reason']}")
     elif record["status"] == "ok":
         note = record["not_represented"]
-        bar.write(f"{record['source']}: {f'not represented: {note}' if note else 'complete'}")
+        bar.write(f"{source}: {f'not represented: {note}' if note else 'complete'}")
 
 
 @contextlib.contextmanager

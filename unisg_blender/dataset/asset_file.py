@@ -52,7 +52,7 @@ def pack_assets(
 
 def assets_bytes(arrays: Arrays, index: Mapping[str, Any]) -> bytes:
     """What :func:`pack_assets` gives, as the bytes of an assets file."""
-    return save(arrays, {"unisg": json.dumps(index, ensure_ascii=False)})
+    return save(arrays, {"unisg": json.dumps(index)})  # ASCII: paths need not be Unicode
 
 
 def save_assets(path: Path, assets: Iterable[Asset]) -> None:

@@ -40,6 +40,7 @@ def describe_dataset(path: str | os.PathLike[str]) -> dict[str, Any]:
         "features": len(manifest["feature_channels"]),
         "mesh_feature_width": manifest["mesh_feature_width"],
         "bytes": sum((dataset.path / shard["file"]).stat().st_size for shard in manifest["shards"]),
+        "shapes": _shapes(dataset),
         "shards": len(manifest["shards"]),
         "counts": manifest["counts"],
         "entities_per_scene": dict(zip(("least", "median", "most"), _spread(entities), strict=True)),
@@ -49,6 +50,17 @@ def describe_dataset(path: str | os.PathLike[str]) -> dict[str, Any]:
         "scenes": _ranked(names["scenes"], totals["scene.label"]),
         "files": len(files),
         "failures": [{key: file[key] for key in ("source", "reason")} for file in files if file["status"] == "failed"],
+    }
+
+
+def _shapes(dataset: Dataset) -> dict[str, int]:
+    """How many things, of how many categories, and how many rooms the dataset keeps with their geometry."""
+    file = dataset.assets()
+    kinds = [record["category"] for record in file.index["assets"]] if file is not None else []
+    return {
+        "things": len(kinds) - kinds.count(""),
+        "categories": len(set(kinds) - {""}),
+        "rooms": kinds.count(""),
     }
 
 
@@ -80,9 +92,16 @@ def description_lines(record: dict[str, Any]) -> list[str]:
             title = "kinds of scene" if kind == "scenes" else kind
             lines += [f"{title}:", *_table(record[kind])]
     lines.append(f"entities without a category: {record['uncategorised']}")
+    shapes = record["shapes"]
+    lines.append(f"shapes: {shapes['things']} things of {shapes['categories']} categories, {shapes['rooms']} rooms")
     if record["files"]:
         lines.append(f"read from {record['files']} files, {len(record['failures'])} of them in vain")
-    return lines + [f"  {failure['source']}: {failure['reason']}" for failure in record["failures"]]
+    return lines + [f"  {printable(failure['source'])}: {failure['reason']}" for failure in record["failures"]]
+
+
+def printable(path: str) -> str:
+    """A path for a line of text: names of files may hold line breaks and bytes that are no Unicode."""
+    return "".join(sign if sign.isprintable() else sign.encode("unicode_escape").decode() for sign in path)
 
 
 def _table(counts: dict[str, int]) -> list[str]:

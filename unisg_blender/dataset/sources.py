@@ -14,7 +14,7 @@ SUFFIXES = (".blend", ".glb", ".gltf", ".fbx", ".obj", ".usd", ".usda", ".usdc",
 
 
 def find_sources(inputs: Iterable[str | os.PathLike[str]], suffixes: tuple[str, ...] = SUFFIXES) -> list[Path]:
-    """The files behind some inputs, each once, sorted by path.
+    """The files behind some inputs, each once (links included, the first path counts), sorted by path.
 
     Parameters
     ----------
@@ -29,14 +29,16 @@ def find_sources(inputs: Iterable[str | os.PathLike[str]], suffixes: tuple[str, 
     UniSGError
         If an input does not exist, or holds no scene file.
     """
-    found: dict[str, Path] = {}
+    paths: list[Path] = []
     for item in inputs:
         files = list(_files(Path(item), suffixes))
         if not files:
             raise UniSGError(f"there is no scene file in {item}: the known kinds are {', '.join(suffixes)}")
-        for path in files:
-            found.setdefault(os.path.realpath(path), path)
-    return sorted(found.values(), key=lambda path: path.as_posix())
+        paths += files
+    found: dict[str, Path] = {}
+    for path in sorted(paths, key=lambda path: path.as_posix()):
+        found.setdefault(os.path.realpath(path), path)
+    return list(found.values())
 
 
 def largest_first(paths: Iterable[Path]) -> list[Path]:
