@@ -8,6 +8,19 @@ from __future__ import annotations
 import bpy
 
 
+def show_proposal(settings: bpy.types.PropertyGroup, context: bpy.types.Context) -> None:
+    """Select the object of the proposal that was clicked on."""
+    if not 0 <= settings.active < len(settings.proposals) or context.mode != "OBJECT":
+        return
+    item = context.view_layer.objects.get(settings.proposals[settings.active].name)
+    if item is None or not item.visible_get():
+        return
+    for other in context.selected_objects:
+        other.select_set(False)
+    item.select_set(True)
+    context.view_layer.objects.active = item
+
+
 class UNISG_PG_guess(bpy.types.PropertyGroup):
     """One category that an object may have."""
 
@@ -39,11 +52,16 @@ class UNISG_PG_meshes(bpy.types.PropertyGroup):
         subtype="DIR_PATH",
     )
     threshold: bpy.props.FloatProperty(
-        name="Confidence", description="Accept all proposals from here on", default=0.5, min=0, max=1, subtype="FACTOR"
+        name="From Confidence",
+        description="Accept all proposals from here on",
+        default=0.5,
+        min=0,
+        max=1,
+        subtype="FACTOR",
     )
     selected_only: bpy.props.BoolProperty(name="Selected only", description="Propose for the selected objects only")
     proposals: bpy.props.CollectionProperty(type=UNISG_PG_proposal)
-    active: bpy.props.IntProperty()
+    active: bpy.props.IntProperty(update=show_proposal)
     matches: bpy.props.CollectionProperty(type=UNISG_PG_match)
     matched: bpy.props.StringProperty(description="Name of the object that the matches are for")
 

@@ -11,10 +11,10 @@ class UNISG_UL_proposals(bpy.types.UIList):
     """Objects with their most likely category."""
 
     def draw_item(self, context, layout, data, item, icon, active_data, active_property, index=0, flt_flag=0) -> None:
-        row = layout.split(factor=0.5)
+        row = layout.split(factor=0.45)
         row.label(text=item.name)
         guess = item.guesses[0]
-        row.label(text=f"{guess.name} {guess.confidence:.0%}")
+        row.label(text=f"{guess.confidence:.0%} {guess.name}")
 
 
 class UNISG_PT_label(SidebarPanel, bpy.types.Panel):
@@ -38,9 +38,9 @@ class UNISG_PT_label(SidebarPanel, bpy.types.Panel):
             for guess in chosen.guesses:
                 button = column.operator("unisg.accept_category", text=f"{guess.name} ({guess.confidence:.0%})")
                 button.uid, button.category = chosen.uid, guess.name
-        row = layout.row(align=True)
-        row.prop(settings, "threshold")
-        row.operator("unisg.accept_categories", icon="CHECKMARK").threshold = settings.threshold
+        column = layout.column(align=True)
+        column.prop(settings, "threshold", slider=True)
+        column.operator("unisg.accept_categories", icon="CHECKMARK").threshold = settings.threshold
 
 
 class UNISG_PT_meshes(SidebarPanel, bpy.types.Panel):
@@ -53,12 +53,18 @@ class UNISG_PT_meshes(SidebarPanel, bpy.types.Panel):
 
     def draw(self, context: bpy.types.Context) -> None:
         layout, settings = self.layout, context.window_manager.unisg_meshes
-        layout.operator("unisg.encode_mesh", icon="MESH_ICOSPHERE")
-        row = layout.row(align=True)
-        row.prop(settings, "faces")
-        row.operator("unisg.decode_mesh", text="Decode").faces = settings.faces
-        layout.prop(settings, "folder")
-        layout.operator("unisg.find_similar", icon="VIEWZOOM").folder = settings.folder
+        column = layout.column(align=True)
+        column.operator("unisg.encode_mesh", icon="MESH_ICOSPHERE")
+        item = context.active_object
+        if item is not None and item.type == "MESH" and "unisg_mesh_feature" in item.data:
+            column.label(text="Feature kept with the mesh", icon="CHECKMARK")
+        column = layout.column(align=True)
+        column.prop(settings, "faces")
+        column.operator("unisg.decode_mesh", icon="MESH_UVSPHERE").faces = settings.faces
+        column = layout.column(align=True)
+        column.prop(settings, "folder")
+        where = "Library" if settings.folder else "Scene"
+        column.operator("unisg.find_similar", text=f"Find Similar in {where}", icon="VIEWZOOM").folder = settings.folder
         if len(settings.matches):
             box = layout.box().column()
             box.label(text=f"Like {settings.matched}:")

@@ -7,11 +7,11 @@ import pytest
 
 from unisg_blender.errors import UniSGError
 from unisg_blender.meshes import AtlasNetEncoder, decode_cloud, decode_mesh
-from unisg_blender.meshes.decode import signed_volume
+from unisg_blender.meshes.decode import allot, decode_unit, patch_areas, signed_volume
 from unisg_blender.meshes.feature import atlasnet_feature, cloud
 from unisg_blender.meshes.networks import load_network
 from unisg_blender.meshes.normalise import normalise
-from unisg_blender.meshes.sphere import sphere_template
+from unisg_blender.meshes.sphere import box_template, sphere_template
 from unisg_blender.meshes.stored import feature_from_text, feature_to_text
 from unisg_blender.scene import Mesh, mesh_from_faces
 
@@ -94,7 +94,7 @@ def test_a_mesh_without_points(points: np.ndarray, encoder: AtlasNetEncoder) -> 
     assert not encoder(mesh).any()
 
 
-@pytest.mark.parametrize("faces", [4, 5, 6, 101, 2000])
+@pytest.mark.parametrize("faces", [4, 5, 6, 50, 101, 2000])
 def test_decoded_mesh_is_closed_with_the_chosen_number_of_faces(faces: int, encoder: AtlasNetEncoder) -> None:
     mesh = decode_mesh(encoder.encode([box((1, 2, 3), (4, 0, 0))])[0], faces)
     assert len(mesh.offsets) - 1 == faces + faces % 2
@@ -112,8 +112,34 @@ def test_decoded_shape_is_near_the_encoded_one(encoder: AtlasNetEncoder) -> None
 
 
 def test_no_faces_is_an_error() -> None:
-    with pytest.raises(UniSGError, match="4 faces or more"):
-        sphere_template(3)
+    for make in (sphere_template, box_template, lambda faces: decode_unit(np.zeros(1024, np.float32), faces)):
+        with pytest.raises(UniSGError, match="4 faces or more"):
+            make(3)
+
+
+@pytest.mark.parametrize("faces", [4, 7, 12, 30, 500])
+def test_a_sphere_cut_like_a_box(faces: int) -> None:
+    points, triangles = box_template(faces)
+    assert len(triangles) == faces + faces % 2
+    assert is_closed_and_oriented(triangles)
+    assert signed_volume(points, triangles) > 0
+    assert np.allclose(np.linalg.norm(points, axis=1), 1)
+
+
+def test_faces_of_a_box_do_not_cross_its_edges() -> None:
+    points, triangles = box_template(500)
+    box_points = points / np.abs(points).max(axis=1, keepdims=True)
+    assert signed_volume(box_points, triangles) == pytest.approx(8)
+
+
+def test_patches_share_the_faces_by_area(encoder: AtlasNetEncoder) -> None:
+    vector = encoder.encode([box((1, 2, 3))])[0].vector
+    areas = patch_areas(vector)
+    assert len(areas) > 1
+    assert (areas > 0).all()
+    assert allot(101, areas, 3).sum() == 101
+    assert allot(10, np.array([0.1, 5, 3]), 2).tolist() == [2, 5, 3]
+    assert len(np.unique(decode_unit(vector, 6)[1])) == 5  # one patch remains
 
 
 def test_stored_feature_round_trip(encoder: AtlasNetEncoder) -> None:

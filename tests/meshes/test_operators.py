@@ -121,6 +121,16 @@ def test_propose_and_accept_one_and_all(scene: bpy.types.Scene) -> None:
         bpy.ops.unisg.label()
 
 
+def test_a_click_on_a_proposal_selects_its_object(scene: bpy.types.Scene) -> None:
+    bpy.ops.unisg.label()
+    settings = bpy.context.window_manager.unisg_meshes
+    settings.active = [item.name for item in settings.proposals].index("Ball")
+    assert bpy.context.active_object.name == "Ball"
+    assert [item.name for item in bpy.context.selected_objects] == ["Ball"]
+    settings.active = 99
+    assert bpy.context.active_object.name == "Ball"
+
+
 def test_selected_only(scene: bpy.types.Scene) -> None:
     bpy.ops.unisg.label(selected_only=True)
     assert [item.name for item in bpy.context.window_manager.unisg_meshes.proposals] == ["Chair"]

@@ -9,6 +9,7 @@ torch = pytest.importorskip("torch")
 
 from unisg_blender.evaluate.meshes_metrics import chamfer_l2, f_score  # noqa: E402
 from unisg_blender.learn.atlasnet import AtlasNet, PointNetEncoder  # noqa: E402
+from unisg_blender.learn.atlasnet_decoder import PatchDecoder, draw_template  # noqa: E402
 from unisg_blender.learn.chamfer import chamfer  # noqa: E402
 from unisg_blender.learn.train_labels import standing_together, temperature  # noqa: E402
 from unisg_blender.learn.train_meshes import MeshTraining, augment, random_rotation, train  # noqa: E402
@@ -19,7 +20,7 @@ from unisg_blender.worlds import WORLDS  # noqa: E402
 from .shapes import box, sphere  # noqa: E402
 
 MODELS = [Model("box", "Box", "train", "box", box()), Model("ball", "Ball", "train", "ball", sphere(400))]
-QUICK = MeshTraining(steps=12, batch=4, points=128, targets=64)
+QUICK = MeshTraining(steps=50, batch=4, points=64, targets=128, drawn=64, patches=4)
 
 
 def plain(encoder: PointNetEncoder, points: torch.Tensor) -> torch.Tensor:
@@ -81,11 +82,10 @@ def test_augmented_points_stay_in_the_unit_sphere() -> None:
 
 def test_training_learns_and_repeats() -> None:
     losses: list[float] = []
-    settings = MeshTraining(steps=25, batch=4, points=128, targets=64)
-    first, report = train(MODELS, settings, lambda step, loss: losses.append(loss))
+    first, report = train(MODELS, QUICK, lambda step, loss: losses.append(loss))
     assert np.mean(losses[-5:]) < 0.5 * losses[0]
     assert report["models"] == 2
-    second, _ = train(MODELS, settings)
+    second, _ = train(MODELS, QUICK)
     for own, other in zip(first.parameters(), second.parameters(), strict=True):
         assert torch.equal(own, other)
 
@@ -93,17 +93,43 @@ def test_training_learns_and_repeats() -> None:
 def test_exported_networks_are_the_trained_ones(tmp_path: Path) -> None:
     pytest.importorskip("onnxscript")
     from unisg_blender.learn.atlasnet_export import export
-    from unisg_blender.meshes.networks import load_network
+    from unisg_blender.meshes.networks import load_network, patch_count
 
     torch.manual_seed(2)
-    network = AtlasNet(64, 3).eval()
+    network = AtlasNet(5, 32, 3).eval()
     encoder, decoder = (load_network(path) for path in export(network, tmp_path, {"command": "test"}))
-    points, sphere_points = torch.randn(3, 40, 3), torch.nn.functional.normalize(torch.randn(25, 3), dim=1)
+    assert patch_count(decoder) == 5
+    points, sphere_points = torch.randn(3, 40, 3), torch.nn.functional.normalize(torch.randn(3, 25, 3), dim=2)
     feature = encoder.run(None, {"points": points.numpy()})[0]
     expected = network.encoder(points).detach().numpy()
     assert np.abs(feature - expected).max() < 2e-3 * np.abs(expected).max()
-    decoded = decoder.run(None, {"feature": feature, "sphere": sphere_points.numpy()})[0]
-    assert np.abs(decoded - network.decoder(torch.from_numpy(feature), sphere_points).detach().numpy()).max() < 2e-3
+    patch = torch.arange(75).reshape(3, 25) % 5
+    decoded = decoder.run(None, {"feature": feature, "sphere": sphere_points.numpy(), "patch": patch.numpy()})[0]
+    expected = network.decoder(torch.from_numpy(feature), sphere_points, patch).detach().numpy()
+    assert np.abs(decoded - expected).max() < 2e-3
+
+
+def test_template_points_cover_the_boxes_evenly() -> None:
+    frames = torch.zeros(1, 2, 7, 3)
+    frames[0, 0, 3:6] = torch.diag(torch.tensor([3.0, 1.0, 1.0]))
+    frames[0, 1, 3:6] = 0.5 * torch.eye(3)
+    sphere_points, patch = draw_template(frames.flatten(2), 20_000, np.random.default_rng(0))
+    assert torch.allclose(sphere_points.norm(dim=2), torch.ones(1, 20_000))
+    large = patch[0] == 0
+    assert float(large.float().mean()) == pytest.approx(14 / 15.5, abs=0.03)  # surfaces of 56 and 6
+    ends = (sphere_points[0, large].abs().argmax(dim=1) == 0).float().mean()
+    assert float(ends) == pytest.approx(1 / 7, abs=0.02)
+
+
+def test_a_patch_is_a_closed_image_of_its_sphere() -> None:
+    torch.manual_seed(3)
+    decoder = PatchDecoder(3, 16, 2)
+    feature, sphere_points = torch.randn(1, 1024), torch.nn.functional.normalize(torch.randn(1, 30, 3), dim=2)
+    alone = decoder(feature, sphere_points[:, :1], torch.ones(1, 1, dtype=torch.long))
+    together = decoder(feature, sphere_points, torch.ones(1, 30, dtype=torch.long))
+    assert torch.allclose(alone[0, 0], together[0, 0], atol=1e-6)
+    frame = decoder.layout(feature)[0][0, 1].unflatten(0, (7, 3))
+    assert (together[0] - frame[6]).norm(dim=1).max() < 3
 
 
 def test_no_meshes_is_an_error() -> None:

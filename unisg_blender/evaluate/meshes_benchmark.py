@@ -93,20 +93,18 @@ def _attempts(truth: Surface, known: Sequence[Surface], library: MeshLibrary) ->
     by_feature = library.nearest(mesh, 2, use_size=False)
     copied = next(match.place for match in by_feature if match.place in set(others))
     apart = [chamfer_l2(truth.sparse, known[k].sparse) for k in others]
-    points, normals = truth.samples
+    closed = reconstruct(*truth.samples, 96)
     return {
         "AtlasNet": _decoded_points(vector),
         "copy of the nearest training mesh, by feature": known[copied].points,
         "copy of the nearest training mesh, by chamfer distance": known[others[int(np.argmin(apart))]].points,
-        "Poisson from 6,000 oriented points": sample_surface(reconstruct(points, normals, 96), DENSE, 1).points,
+        "screened Poisson from 6,000 oriented points": sample_surface(closed, DENSE, 1).points,
         "the same surface, sampled again": Surface(truth.model, 1).points,
     }
 
 
 def _decoded_points(vector: NDArray[np.float32]) -> NDArray[np.floating]:
-    sphere, triangles = sphere_template(FACES)
-    mesh = mesh_from_faces("decoded", decode_unit(vector[None], sphere)[0], triangles)
-    return sample_surface(mesh, DENSE, 1).points
+    return sample_surface(mesh_from_faces("decoded", *decode_unit(vector, FACES)), DENSE, 1).points
 
 
 def measure_categories(training: Sequence[Model], held_out: Sequence[Model]) -> Table:
@@ -122,6 +120,9 @@ def measure_categories(training: Sequence[Model], held_out: Sequence[Model]) -> 
         own = quarter_turn_features(model.mesh, default_encoder())[0]
         by_shape = np.linalg.norm(vectors - own, axis=2).min(axis=1) / spread
         by_size = np.linalg.norm(sizes - size_channels(np.ptp(model.mesh.bounds, axis=0)[None]), axis=1)
+        for method, scores in _label_scores(model, own, labels, plain).items():
+            order = np.argsort(-scores, kind="stable") if scores.any() else np.zeros(0, np.int64)
+            orders.setdefault(method, []).append([labels.vocabulary[k] for k in order])
         distances = {
             "nearest neighbour by feature": by_shape,
             "nearest neighbour by box size": by_size,
@@ -130,9 +131,6 @@ def measure_categories(training: Sequence[Model], held_out: Sequence[Model]) -> 
         for method, distance in distances.items():
             ranked = [training[k].category for k in np.argsort(distance, kind="stable")]
             orders.setdefault(method, []).append(list(dict.fromkeys(ranked)))
-        for method, scores in _label_scores(model, own, labels, plain).items():
-            order = np.argsort(-scores, kind="stable") if scores.any() else np.zeros(0, np.int64)
-            orders.setdefault(method, []).append([labels.vocabulary[k] for k in order])
     truth = [model.category for model in asked]
     return [{"method": method, "meshes": len(asked), **_accuracy(found, truth)} for method, found in orders.items()]
 
@@ -143,11 +141,11 @@ def _label_scores(
     shape = labels.shape_scores(vector[None], np.ptp(model.mesh.bounds, axis=0)[None])[0]
     name, plain_name = labels.name_scores((model.name,)), plain.name_scores((model.name,))
     return {
-        "unisg label, name only": name,
+        "unisg label, without the list of synonyms": shape + plain_name,
         "unisg label, name only, without the list of synonyms": plain_name,
         "unisg label, shape and size only": shape,
         "unisg label": shape + name,
-        "unisg label, without the list of synonyms": shape + plain_name,
+        "unisg label, name only": name,
     }
 
 
@@ -203,14 +201,17 @@ def measure_speed(repeats: int) -> Table:
     samples = sample_surface(sphere, 2500)
     encoder = default_encoder()
     points = normalise(sample_surface(sphere, POINTS).points)[0]
-    vector = encoder.encode_clouds([points])
-    template, _ = sphere_template(FACES)
+    vector = encoder.encode_clouds([points])[0]
     jobs: dict[str, tuple[Callable[[], object], int]] = {
         "2,500 samples of a mesh of 10,000 faces": (lambda: sample_surface(sphere, 2500), 1),
         "features of 16 clouds at once, each": (lambda: encoder.encode_clouds([points] * 16), 16),
         "feature of one cloud": (lambda: encoder.encode_clouds([points]), 1),
-        "mesh of 5,000 faces from a feature": (lambda: decode_unit(vector, template), 1),
+        "mesh of 5,000 faces from a feature": (lambda: decode_unit(vector, FACES), 1),
         "mesh from 2,500 oriented points, 64 cells": (lambda: reconstruct(samples.points, samples.normals, 64), 1),
+        "the same, simplified to 5,000 faces": (
+            lambda: reconstruct(samples.points, samples.normals, 64, faces=FACES),
+            1,
+        ),
     }
     return [
         {"job": name, "milliseconds": round(_median_ms(job, repeats) / share, 2)} for name, (job, share) in jobs.items()

@@ -1,4 +1,4 @@
-"""AtlasNet as torch networks: a PointNet encoder and a decoder that deforms a closed sphere.
+"""AtlasNet as torch networks: a PointNet encoder and a decoder of closed sphere patches.
 
 Groueix et al., "AtlasNet: A Papier-Mâché Approach to Learning 3D Surface
 Generation", CVPR 2018; the encoder is that of Qi et al., "PointNet", CVPR 2017,
@@ -9,10 +9,13 @@ from __future__ import annotations
 
 from itertools import pairwise
 
+import numpy as np
 import torch
 from torch import Tensor, nn
 
-FEATURE_WIDTH = 1024
+from ..meshes.networks import FEATURE_WIDTH
+from .atlasnet_decoder import PatchDecoder, draw_template
+from .chamfer import pick
 
 
 class PointNetEncoder(nn.Module):
@@ -41,7 +44,11 @@ class PointNetEncoder(nn.Module):
 
 
 class FoldedEncoder(nn.Module):
-    """An encoder of linear layers only, for export."""
+    """An encoder of linear layers only, for export.
+
+    The points are the last axis where the maximum is taken over them, which a
+    CPU does twice as fast; the last bias is added after it.
+    """
 
     def __init__(self, layers: list[nn.Linear]) -> None:
         super().__init__()
@@ -51,8 +58,10 @@ class FoldedEncoder(nn.Module):
         hidden = points.reshape(-1, 3)
         for layer in self.layers[:-1]:
             hidden = layer(hidden).relu()
-        hidden = self.layers[-1](hidden)
-        return hidden.reshape(points.shape[0], -1, FEATURE_WIDTH).amax(dim=1)
+        last = self.layers[-1]
+        assert isinstance(last, nn.Linear)
+        hidden = hidden.reshape(points.shape[0], -1, last.in_features).transpose(1, 2)
+        return torch.matmul(last.weight, hidden).amax(dim=2) + last.bias
 
 
 def fold(layer: nn.Module, norm: nn.Module) -> nn.Linear:
@@ -79,8 +88,9 @@ def _pooled(hidden: Tensor, layer: nn.Module, norm: nn.Module) -> Tensor:
     assert norm.running_mean is not None
     assert norm.running_var is not None
     with torch.no_grad():
-        winner = (hidden @ (layer.weight * norm.weight.sign()[:, None]).T).argmax(dim=1)
-    won = torch.gather(hidden, 1, winner[:, :, None].expand(-1, -1, hidden.shape[2]))
+        score = torch.matmul(layer.weight * norm.weight.sign()[:, None], hidden.transpose(1, 2))
+        winner = torch.from_numpy(score.numpy().argmax(axis=2))  # ten times as fast as torch's own
+    won = pick(hidden, winner)
     value = (won * layer.weight).sum(2) + layer.bias
     mean, variance = norm.running_mean, norm.running_var
     if norm.training:
@@ -94,35 +104,15 @@ def _pooled(hidden: Tensor, layer: nn.Module, norm: nn.Module) -> Tensor:
     return (value - mean) * torch.rsqrt(variance + norm.eps) * norm.weight + norm.bias
 
 
-class SphereDecoder(nn.Module):
-    """Features (B, 1024) and points of the unit sphere (m, 3) to points of the surface (B, m, 3).
-
-    Where a point of the sphere goes depends on nothing but the feature and the
-    point, so any triangulation of the sphere becomes a closed mesh.
-    """
-
-    def __init__(self, width: int = 256, depth: int = 4) -> None:
-        super().__init__()
-        self.feature = nn.Linear(FEATURE_WIDTH, width)
-        self.template = nn.Linear(3, width)
-        self.layers = nn.ModuleList(nn.Linear(width, width) for _ in range(depth - 1))
-        self.last = nn.Linear(width, 3)
-
-    def forward(self, feature: Tensor, template: Tensor) -> Tensor:
-        hidden = (self.feature(feature)[:, None] + self.template(template)).relu()
-        for layer in self.layers:
-            hidden = hidden + layer(hidden).relu()
-        return self.last(hidden)
-
-
 class AtlasNet(nn.Module):
     """Encoder and decoder together."""
 
-    def __init__(self, width: int = 256, depth: int = 4) -> None:
+    def __init__(self, patches: int = 16, width: int = 64, depth: int = 2) -> None:
         super().__init__()
         self.encoder = PointNetEncoder()
-        self.decoder = SphereDecoder(width, depth)
+        self.decoder = PatchDecoder(patches, width, depth)
 
-    def forward(self, points: Tensor, template: Tensor) -> Tensor:
-        """Points (B, n, 3) and template (m, 3) to reconstructed points (B, m, 3)."""
-        return self.decoder(self.encoder(points), template)
+    def forward(self, points: Tensor, count: int, generator: np.random.Generator) -> Tensor:
+        """Points (B, n, 3) to ``count`` random points (B, count, 3) of the reconstructed surfaces."""
+        frames, codes = self.decoder.layout(self.encoder(points))
+        return self.decoder.place(frames, codes, *draw_template(frames, count, generator))

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 import torch
 
-from ..meshes.networks import CONTRACT, DECODER_FILE, ENCODER_FILE, TASK
-from .atlasnet import FEATURE_WIDTH, AtlasNet
+from ..meshes.networks import CONTRACT, DECODER_FILE, ENCODER_FILE, FEATURE_WIDTH, TASK
+from .atlasnet import AtlasNet
 from .export import export_onnx
 
 SMALLEST_HALVED = 1000
@@ -29,14 +29,16 @@ def export(network: AtlasNet, folder: str | Path, provenance: dict[str, Any]) ->
     folder.mkdir(parents=True, exist_ok=True)
     paths = [folder / ENCODER_FILE, folder / DECODER_FILE]
     metadata = {"contract": CONTRACT, "task": TASK, "provenance": provenance}
-    points, feature, sphere = torch.zeros(2, 64, 3), torch.zeros(2, FEATURE_WIDTH), torch.zeros(48, 3)
+    points, feature = torch.zeros(2, 64, 3), torch.zeros(2, FEATURE_WIDTH)
+    sphere, patch = torch.ones(2, 48, 3), torch.zeros(2, 48, dtype=torch.long)
     export_onnx(
         network.encoder.eval().folded(), {"points": points}, ["feature"], {"points": {0: "batch", 1: "points"}},
         json.dumps(metadata | {"kind": "encoder"}), paths[0],
     )  # fmt: skip
     export_onnx(
-        network.decoder, {"feature": feature, "sphere": sphere}, ["points"],
-        {"feature": {0: "batch"}, "sphere": {0: "points"}}, json.dumps(metadata | {"kind": "decoder"}), paths[1],
+        network.decoder, {"feature": feature, "sphere": sphere, "patch": patch}, ["points"],
+        {"feature": {0: "batch"}, "sphere": {0: "batch", 1: "points"}, "patch": {0: "batch", 1: "points"}},
+        json.dumps(metadata | {"kind": "decoder", "patches": network.decoder.patches}), paths[1],
     )  # fmt: skip
     for path in paths:
         _halve_weights(path)

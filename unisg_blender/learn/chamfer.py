@@ -15,14 +15,20 @@ def chamfer(first: Tensor, second: Tensor) -> Tensor:
     gradients; the distances to them have gradients.
     """
     with torch.no_grad():
-        product = torch.bmm(first, second.transpose(1, 2))
-        score = product * -2 + second.square().sum(2)[:, None]
-        to_second = score.argmin(dim=2)
-        to_first = (score + first.square().sum(2)[:, :, None]).argmin(dim=1)
-    there = (first - _pick(second, to_second)).square().sum(2).mean(1)
-    back = (second - _pick(first, to_first)).square().sum(2).mean(1)
+        to_second = _nearest(first, second)
+        to_first = _nearest(second, first)
+    there = (first - pick(second, to_second)).square().sum(2).mean(1)
+    back = (second - pick(first, to_first)).square().sum(2).mean(1)
     return there + back
 
 
-def _pick(points: Tensor, index: Tensor) -> Tensor:
-    return torch.gather(points, 1, index[:, :, None].expand(-1, -1, 3))
+def pick(points: Tensor, index: Tensor) -> Tensor:
+    """Rows (B, m, k) of arrays (B, n, k) by their numbers (B, m)."""
+    batch, count, width = points.shape
+    rows = index + count * torch.arange(batch)[:, None]
+    return points.reshape(batch * count, width).index_select(0, rows.flatten()).reshape(batch, -1, width)
+
+
+def _nearest(asked: Tensor, known: Tensor) -> Tensor:
+    score = torch.bmm(asked * -2, known.transpose(1, 2)) + known.square().sum(2)[:, None]
+    return torch.from_numpy(score.numpy().argmin(axis=2))  # on a CPU several times as fast as torch's own

@@ -11,8 +11,8 @@ import torch
 from numpy.typing import NDArray
 
 from ..errors import UniSGError
+from ..meshes.feature import cloud
 from ..meshes.models import Model
-from ..meshes.sampling import sample_surface
 from .atlasnet import AtlasNet
 from .chamfer import chamfer
 
@@ -24,22 +24,26 @@ POOL = 4096
 class MeshTraining:
     """Settings of a training run; the same ones with the same meshes give the same networks on one thread.
 
-    ``points`` of the surface are seen by the encoder and compared with ``targets``
-    points of the sphere; ``jitter`` is in units of the unit sphere; ``stretch``
-    the largest factor by which one axis is scaled; ``tumbled`` the share of
-    samples turned about any axis and not only about the vertical one.
+    The encoder sees ``points`` of a surface; ``targets`` of it are compared with
+    ``drawn`` points of the decoded patches. ``jitter`` is in units of the unit
+    sphere; ``stretch`` the largest factor by which one axis is scaled; ``tumbled``
+    the share of samples turned about any axis, ``turned`` that of those turned by
+    any angle about the vertical one: the others are turned by quarters.
     """
 
-    steps: int = 8000
+    steps: int = 1800
     batch: int = 16
-    points: int = 512
+    points: int = 192
     targets: int = 320
+    drawn: int = 256
     rate: float = 1e-3
     jitter: float = 0.005
     stretch: float = 1.3
-    tumbled: float = 0.25
-    width: int = 256
-    depth: int = 4
+    tumbled: float = 0.05
+    turned: float = 0.15
+    patches: int = 16
+    width: int = 64
+    depth: int = 2
     seed: int = 0
     threads: int = 1
 
@@ -61,23 +65,23 @@ def train(
     Raises
     ------
     UniSGError
-        If there are no models.
+        If there are no models, or one has no points.
     """
     if not models:
         raise UniSGError("no meshes to train on: give a folder of mesh files, or rooms to make")
     torch.set_num_threads(settings.threads)
     torch.manual_seed(settings.seed)
     generator = np.random.default_rng(settings.seed)
-    clouds = [sample_surface(model.mesh, POOL, place).points for place, model in enumerate(models)]
+    clouds = [cloud(model.mesh, POOL, place) for place, model in enumerate(models)]
     families = _families(models)
-    network = AtlasNet(settings.width, settings.depth).train()
+    network = AtlasNet(settings.patches, settings.width, settings.depth).train()
     optimiser = torch.optim.AdamW(network.parameters(), lr=settings.rate, weight_decay=1e-4)
-    schedule = torch.optim.lr_scheduler.OneCycleLR(optimiser, settings.rate, settings.steps + 1, pct_start=0.05)
+    schedule = torch.optim.lr_scheduler.OneCycleLR(optimiser, settings.rate, settings.steps + 1, pct_start=0.1)
     losses, start = [], time.perf_counter()
     for step in range(settings.steps):
         points = torch.from_numpy(_batch(clouds, families, settings, generator))
-        template = torch.from_numpy(random_sphere(settings.targets, generator))
-        loss = chamfer(network(points, template), points).mean()
+        decoded = network(points[:, : settings.points], settings.drawn, generator)
+        loss = chamfer(decoded, points[:, : settings.targets]).mean()
         optimiser.zero_grad()
         loss.backward()
         torch.nn.utils.clip_grad_norm_(network.parameters(), 1.0)
@@ -88,12 +92,6 @@ def train(
     last = float(np.mean(losses[-max(1, len(losses) // 20) :]))
     report = {**asdict(settings), "models": len(models), "families": len(families), "training_loss": last}
     return network.eval(), report | {"seconds": round(time.perf_counter() - start, 1)}
-
-
-def random_sphere(count: int, generator: np.random.Generator) -> NDArray[np.float32]:
-    """Uniform random points of the unit sphere, float32 (count, 3)."""
-    points = generator.standard_normal((count, 3))
-    return (points / np.linalg.norm(points, axis=1, keepdims=True)).astype(np.float32)
 
 
 def _families(models: Sequence[Model]) -> list[list[int]]:
@@ -110,12 +108,13 @@ def _batch(
     settings: MeshTraining,
     generator: np.random.Generator,
 ) -> NDArray[np.float32]:
-    """Augmented points (batch, points, 3) in the unit sphere."""
-    batch = np.empty((settings.batch, settings.points, 3), np.float32)
+    """Augmented points (batch, n, 3) in the unit sphere, as many as are needed."""
+    count = max(settings.points, settings.targets)
+    batch = np.empty((settings.batch, count, 3), np.float32)
     for row in range(settings.batch):
         family = families[generator.integers(len(families))]
-        cloud = clouds[family[generator.integers(len(family))]]
-        chosen = cloud[generator.choice(len(cloud), settings.points, replace=False)]
+        pool = clouds[family[generator.integers(len(family))]]
+        chosen = pool[generator.choice(len(pool), count, replace=False)]
         batch[row] = augment(chosen, settings, generator)
     return batch
 
@@ -125,11 +124,19 @@ def augment(points: NDArray[np.float32], settings: MeshTraining, generator: np.r
     limit = np.log(settings.stretch)
     factors = np.exp(generator.uniform(-limit, limit, 3))
     factors[0] *= generator.choice([-1.0, 1.0])
-    turn = random_rotation(generator) if generator.random() < settings.tumbled else yaw(generator.uniform(0, 2 * np.pi))
-    moved = (points - points.mean(axis=0)) * factors @ turn.T
+    moved = (points - points.mean(axis=0)) * factors @ _turn(settings, generator).T
     moved -= moved.mean(axis=0)
     moved /= max(float(np.linalg.norm(moved, axis=1).max()), 1e-12)
     return (moved + generator.normal(0, settings.jitter, points.shape)).astype(np.float32)
+
+
+def _turn(settings: MeshTraining, generator: np.random.Generator) -> NDArray[np.float64]:
+    kind = generator.random()
+    if kind < settings.tumbled:
+        return random_rotation(generator)
+    if kind < settings.tumbled + settings.turned:
+        return yaw(generator.uniform(0, 2 * np.pi))
+    return yaw(np.pi / 2 * generator.integers(4))
 
 
 def yaw(angle: float) -> NDArray[np.float64]:

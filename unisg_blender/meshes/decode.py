@@ -4,16 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..errors import UniSGError
 from ..scene.mesh import Mesh, mesh_from_faces
 from .feature import MeshFeature
-from .networks import DECODER_FILE, PRETRAINED, load_network
-from .sphere import fibonacci_sphere, sphere_template
+from .networks import DECODER_FILE, PRETRAINED, load_network, patch_count
+from .sphere import box_template, fibonacci_sphere
 
 FACES = 5000
+COARSE = 48
+"""Faces of each patch when the patches are measured."""
+FEWEST = 12
+"""Faces of a patch at least: patches for which there are too few faces are left out, the smallest first."""
 
 
 def decode_cloud(
@@ -23,14 +29,13 @@ def decode_cloud(
 
     ``path`` is a decoder made by ``unisg train meshes``; the shipped one when omitted.
     """
-    unit = decode_unit(np.stack([feature.vector for feature in features]), fibonacci_sphere(count), path)
-    return np.stack([feature.placement.restore(points) for feature, points in zip(features, unit, strict=True)])
+    return np.stack([feature.placement.restore(_unit_cloud(feature.vector, count, path)) for feature in features])
 
 
 def decode_mesh(
     feature: MeshFeature, faces: int = FACES, path: str | Path | None = None, name: str = "Decoded"
 ) -> Mesh:
-    """A closed triangle mesh: the decoder's image of a triangulated sphere, oriented outwards.
+    """A closed triangle mesh: the decoder's images of triangulated spheres, each oriented outwards.
 
     Parameters
     ----------
@@ -38,6 +43,7 @@ def decode_mesh(
         Shape and placement; the mesh is in the frame and unit of the placement.
     faces
         Number of triangles, at least 4; an odd number becomes the next even one.
+        The patches share them by area.
     path
         A decoder; the shipped one when omitted.
     name
@@ -48,22 +54,71 @@ def decode_mesh(
     UniSGError
         If ``faces`` is below 4 or the decoder cannot be used.
     """
-    sphere, triangles = sphere_template(faces)
-    points = decode_unit(feature.vector[None], sphere, path)[0]
-    if signed_volume(points, triangles) < 0:
-        triangles = triangles[:, ::-1]
+    points, triangles = decode_unit(feature.vector, faces, path)
     return mesh_from_faces(name, feature.placement.restore(points), triangles)
 
 
 def decode_unit(
-    vectors: NDArray[np.floating], sphere: NDArray[np.floating], path: str | Path | None = None
-) -> NDArray[np.float32]:
-    """Where points of the sphere (m, 3) go for features (B, 1024): (B, m, 3), of normalised size."""
-    session = load_network(Path(path) if path is not None else PRETRAINED / DECODER_FILE)
-    return session.run(None, {"feature": vectors.astype(np.float32), "sphere": sphere.astype(np.float32)})[0]
+    vector: NDArray[np.floating], faces: int = FACES, path: str | Path | None = None
+) -> tuple[NDArray[np.float32], NDArray[np.int64]]:
+    """Points (V, 3), of normalised size, and triangles (faces, 3) of the mesh for one feature (1024,)."""
+    if faces < 4:
+        raise UniSGError(f"a closed mesh needs 4 faces or more, not {faces}")
+    areas = patch_areas(vector, path)
+    used = np.sort(np.argsort(-areas, kind="stable")[: max(faces // (2 * FEWEST), 1)])
+    half = allot((faces + 1) // 2, areas[used], min(FEWEST, faces) // 2)
+    return _patches(vector, used, [int(2 * count) for count in half], path)
+
+
+def patch_areas(vector: NDArray[np.floating], path: str | Path | None = None) -> NDArray[np.float64]:
+    """Surface (P,) of each patch that a feature (1024,) decodes to, in units of the unit sphere."""
+    patches = np.arange(patch_count(_decoder(path)))
+    points, triangles = _patches(vector, patches, [COARSE] * len(patches), path)
+    a, b, c = points[triangles].astype(np.float64).swapaxes(0, 1)
+    return np.linalg.norm(np.cross(b - a, c - a), axis=1).reshape(len(patches), COARSE).sum(axis=1) / 2
+
+
+def allot(total: int, weights: NDArray[np.floating], least: int) -> NDArray[np.int64]:
+    """Share out ``total`` things by weight, exactly, ``least`` to each at least; int64, as many as weights."""
+    spare = total - least * len(weights)
+    bounds = np.round(np.cumsum(weights) / max(weights.sum(), 1e-300) * spare).astype(np.int64)
+    bounds[-1] = spare
+    return least + np.diff(bounds, prepend=0)
 
 
 def signed_volume(points: NDArray[np.floating], triangles: NDArray[np.integer]) -> float:
     """Volume inside closed triangles (T, 3), negative if they face inwards."""
     a, b, c = points[triangles].astype(np.float64).swapaxes(0, 1)
     return float(np.einsum("tk,tk->", a, np.cross(b, c)) / 6)
+
+
+def _unit_cloud(vector: NDArray[np.floating], count: int, path: str | Path | None) -> NDArray[np.float32]:
+    counts = allot(count, patch_areas(vector, path), 0)
+    sphere = np.concatenate([fibonacci_sphere(int(own)) for own in counts])
+    return _decoded(vector, sphere, np.repeat(np.arange(len(counts)), counts), path)
+
+
+def _patches(
+    vector: NDArray[np.floating], patches: NDArray[np.integer], faces: Sequence[int], path: str | Path | None
+) -> tuple[NDArray[np.float32], NDArray[np.int64]]:
+    """Points and triangles of the given patches, in their order, each turned outwards."""
+    templates = [box_template(count) for count in faces]
+    sizes = [len(sphere) for sphere, _ in templates]
+    sphere = np.concatenate([sphere for sphere, _ in templates])
+    points = _decoded(vector, sphere, np.repeat(patches, sizes), path)
+    starts = np.cumsum([0, *sizes])
+    triangles = [own + start for (_, own), start in zip(templates, starts, strict=False)]
+    return points, np.concatenate([own if signed_volume(points, own) >= 0 else own[:, ::-1] for own in triangles])
+
+
+def _decoded(
+    vector: NDArray[np.floating], sphere: NDArray[np.floating], patch: NDArray[np.integer], path: str | Path | None
+) -> NDArray[np.float32]:
+    """Where points of the sphere (m, 3), each of a patch (m,), go for a feature (1024,): (m, 3)."""
+    inputs = {"feature": vector, "sphere": sphere}
+    given = {name: array.astype(np.float32)[None] for name, array in inputs.items()}
+    return _decoder(path).run(None, given | {"patch": patch.astype(np.int64)[None]})[0][0]
+
+
+def _decoder(path: str | Path | None) -> Any:
+    return load_network(Path(path) if path is not None else PRETRAINED / DECODER_FILE)

@@ -27,7 +27,7 @@ class Model:
 
     ``split`` is "train", "test" (a held-out model of a category that is trained
     on) or "unseen" (its whole category is held out). Models of one ``family`` are
-    variants of each other and always in one split.
+    variants of each other; those read from files are always in one split.
     """
 
     name: str
@@ -116,7 +116,7 @@ def world_models(worlds: Sequence[str], rooms: int, seed: int = 0, per_category:
                 if category and mesh.checksum not in found and counts[category] < per_category:
                     counts[category] += 1
                     split = "test" if int(mesh.checksum, 16) % 5 == 0 else "train"
-                    found[mesh.checksum] = Model(category, category, split, f"worlds/{mesh.checksum}", mesh)
+                    found[mesh.checksum] = Model(category, category, split, f"worlds/{category}", mesh)
     return list(found.values())
 
 

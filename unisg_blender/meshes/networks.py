@@ -13,7 +13,7 @@ PRETRAINED = Path(__file__).parent.parent / "pretrained"
 ENCODER_FILE = "atlasnet_encoder.onnx"
 DECODER_FILE = "atlasnet_decoder.onnx"
 FEATURE_WIDTH = 1024
-CONTRACT = 1
+CONTRACT = 2
 TASK = "atlasnet"
 KEY = "unisg"
 """Name of the entry in the ONNX file's metadata."""
@@ -41,6 +41,11 @@ def load_network(path: Path, threads: int = 1) -> Any:
         raise UniSGError(f"{path}: cannot be loaded as a model: {error}") from error
     _check(session.get_modelmeta().custom_metadata_map.get(KEY, "{}"), path)
     return session
+
+
+def patch_count(session: Any) -> int:
+    """How many sphere patches a decoder has."""
+    return int(json.loads(session.get_modelmeta().custom_metadata_map[KEY])["patches"])
 
 
 def _check(metadata: str, path: Path) -> None:

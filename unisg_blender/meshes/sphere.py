@@ -1,4 +1,4 @@
-"""Triangulated unit spheres with a chosen number of faces."""
+"""Points and triangulations of the unit sphere with chosen numbers."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 
 from ..errors import UniSGError
+from .simplify import with_faces
 
 
 def fibonacci_sphere(count: int) -> NDArray[np.float64]:
@@ -40,3 +41,26 @@ def sphere_template(faces: int) -> tuple[NDArray[np.float64], NDArray[np.int32]]
     inward = np.einsum("tk,tk->t", np.cross(b - a, c - a), a) < 0
     triangles[inward] = triangles[inward][:, ::-1]
     return points, triangles.astype(np.int32)
+
+
+@lru_cache(maxsize=256)
+def box_template(faces: int) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """A closed sphere as :func:`sphere_template`, cut like a box: its edges run along those of the cube around it."""
+    if faces < 4:
+        raise UniSGError(f"a closed mesh needs 4 faces or more, not {faces}")
+    points, triangles = with_faces(*_cube(max(int(np.sqrt(faces / 12)), 1)), faces)
+    return points / np.linalg.norm(points, axis=1, keepdims=True), triangles
+
+
+def _cube(side: int) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """The cube from -1 to 1 with ``side`` squares along each edge, each of two triangles."""
+    low = np.stack(np.meshgrid(np.arange(side), np.arange(side), indexing="ij"), axis=2).reshape(-1, 2)
+    flat = (low[:, None] + [(0, 0), (1, 0), (1, 1), (0, 0), (1, 1), (0, 1)]).reshape(-1, 2)
+    sides = []
+    for axis in range(3):
+        top = np.insert(flat, axis, side, axis=1) if axis != 1 else np.insert(flat[:, ::-1], axis, side, axis=1)
+        bottom = top.copy()
+        bottom[:, axis] = 0
+        sides += [top, bottom.reshape(-1, 3, 3)[:, ::-1].reshape(-1, 3)]
+    corners, place = np.unique(np.concatenate(sides), axis=0, return_inverse=True)
+    return corners * (2 / side) - 1, place.reshape(-1, 3)
