@@ -112,6 +112,20 @@ def test_shear_under_a_parent_and_at_a_root() -> None:
     assert len(again) == 2
 
 
+@pytest.mark.parametrize("mode", ["XYZ", "QUATERNION"])
+def test_places_that_are_no_numbers_are_left_out_and_told(mode: str) -> None:
+    parent = add("Parent", box())
+    child = move(add("Child", box(), parent), 3)
+    parent.location.x, parent.rotation_mode = float("nan"), mode
+    bpy.context.view_layer.update()
+    graph = read_scene(report=(report := ReadReport()))
+    assert np.isfinite(world_matrices(graph)).all()
+    assert "Parent: its transform is no finite matrix; left out" in list(report)
+    assert relative_gap(graph["Child"].local, np.array(child.matrix_basis)) < 1e-6
+    again = read_scene(write_scene(graph))
+    assert np.isfinite(world_matrices(again)).all()
+
+
 def test_disabled_objects_stand_where_their_parents_put_them() -> None:
     parent = move(add("Parent"), 13)
     item = move(add("Child", box(), parent), 14)

@@ -23,7 +23,8 @@ class Hierarchy:
     ``parent`` int32 (N,); ``local`` float64 (N, 4, 4); ``special`` rows that hang
     on a bone, on vertices or the like, with the frame of that part in its object
     (``frames``); ``moved`` rows whose evaluated world matrix, ``world`` float64
-    (K, 4, 4), is not what the locals say.
+    (K, 4, 4), is not what the locals say; ``broken`` rows whose locals are no numbers
+    and were replaced by the identity.
     """
 
     parent: NDArray[np.int32]
@@ -32,6 +33,7 @@ class Hierarchy:
     frames: dict[int, NDArray[np.float64]]
     moved: NDArray[np.int64]
     world: NDArray[np.float64]
+    broken: NDArray[np.int64]
 
 
 def updated_depsgraph(scene: bpy.types.Scene) -> tuple[bpy.types.ViewLayer, bpy.types.Depsgraph]:
@@ -78,8 +80,11 @@ def read_hierarchy(
     for row in np.flatnonzero((parent < 0) & hangs):  # the parent is not among the objects: stand where it stands
         frame = chain_matrix(above[row], depsgraph)
         local[row], terms[row] = frame @ local[row], np.abs(frame) @ terms[row]
-    moved = np.flatnonzero(_moved(parent, local, world, terms) & evaluated)
-    return Hierarchy(parent, local, special, frames, moved, world[moved])
+    broken = np.flatnonzero(~np.isfinite(local).all(axis=(1, 2)))
+    local[broken] = np.eye(4)
+    sound = evaluated & np.isfinite(world).all(axis=(1, 2))
+    moved = np.flatnonzero(_moved(parent, local, world, terms) & sound)
+    return Hierarchy(parent, local, special, frames, moved, world[moved], broken)
 
 
 def frame_of_parent(item: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> NDArray[np.float64]:
@@ -167,8 +172,8 @@ def differ(
     size = _by_entry(np.abs(second) if terms is None else terms)
     linear = size[LINEAR].max(axis=0)
     reach = np.maximum(size[TRANSLATION].max(axis=0), linear)
-    bent = gap[LINEAR].max(axis=0) > tolerance * linear
-    return np.asarray(bent | (gap[TRANSLATION].max(axis=0) > tolerance * reach))
+    alike = (gap[LINEAR].max(axis=0) <= tolerance * linear) & (gap[TRANSLATION].max(axis=0) <= tolerance * reach)
+    return np.asarray(~alike)  # what is no number is not alike
 
 
 def _by_entry(matrices: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -122,6 +122,8 @@ def read_objects(
     """The scenegraph of the objects of a scene or of a collection, whose outermost collection is ``top``."""
     items = list(objects)
     hierarchy = read_hierarchy(objects, items, reader.depsgraph)
+    for row in hierarchy.broken:
+        reader.report.add(items[row].name, "its transform is no finite matrix; left out")
     found = [_properties(item, reader.report) for item in items]
     mesh = np.full(len(items), -1, np.int32) if reader.geometry == "none" else reader.shelf.column(items)
     components = {
