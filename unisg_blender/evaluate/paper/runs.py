@@ -19,7 +19,7 @@ from ...progress import Progress
 
 EXPERIMENTS = {
     "classification": (1, ".classification:run"),
-    "topology": (1, ".topology:run"),
+    "topology": (2, ".topology:run"),
     "generation": (1, ".generation:run"),
     "poses": (1, ".poses:run"),
     "pairs": (1, ".pairs:run"),
