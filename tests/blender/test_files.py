@@ -147,3 +147,16 @@ def test_a_file_without_objects_is_an_empty_scene(tmp_path: Path) -> None:
     graph, report = read_file(tmp_path / "nothing.blend")
     assert len(graph) == 0
     assert any("no objects" in line for line in report)
+
+
+def test_one_of_several_scenes(tmp_path: Path) -> None:
+    add("First", box())
+    other = bpy.data.scenes.new("Other")
+    other.collection.objects.link(bpy.data.objects.new("Second", None))
+    save_blend(tmp_path / "two.blend")
+    assert read_file(tmp_path / "two.blend")[0].name == ("First",)
+    graph, report = read_file(tmp_path / "two.blend", scene="Other")
+    assert graph.name == ("Second",)
+    assert "only the scene 'Other' is read; the others are 'Scene'" in list(report)
+    with pytest.raises(UniSGError, match="there is no scene 'Third'; there are 'Other', 'Scene'"):
+        read_file(tmp_path / "two.blend", scene="Third")

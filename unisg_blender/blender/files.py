@@ -64,9 +64,12 @@ def read_file(
     geometry: Geometry = "evaluated",
     details: bool = True,
     animation: bool = False,
+    scene: str = "",
     progress: Callable[[int, int], None] | None = None,
 ) -> tuple[SceneGraph, ReadReport]:
-    """Open a file and read its current scene; the arguments are those of :func:`~.read.read_scene`.
+    """Open a file and read its current scene, or the one that is named ``scene``.
+
+    The other arguments are those of :func:`~.read.read_scene`.
 
     Returns
     -------
@@ -76,16 +79,20 @@ def read_file(
     Raises
     ------
     UniSGError
-        As :func:`open_file`.
+        As :func:`open_file`, and if there is no such scene.
     """
     report = ReadReport()
     open_file(path, report)
+    found = bpy.data.scenes.get(scene) if scene else bpy.context.scene
+    if found is None:
+        names = ", ".join(repr(each.name) for each in bpy.data.scenes)
+        raise UniSGError(f"{path}: there is no scene {scene!r}; there are {names}")
     tell = None if progress is None else heard(progress)
     with captured_output():
-        graph = read_scene(geometry=geometry, details=details, animation=animation, report=report, progress=tell)
-    others = [scene.name for scene in bpy.data.scenes if scene != bpy.context.scene]
+        graph = read_scene(found, geometry=geometry, details=details, animation=animation, report=report, progress=tell)
+    others = [each.name for each in bpy.data.scenes if each != found]
     if others:
-        report.add("", f"only the current scene is read; the others are {', '.join(map(repr, others))}")
+        report.add("", f"only the scene {found.name!r} is read; the others are {', '.join(map(repr, others))}")
     return graph, report
 
 

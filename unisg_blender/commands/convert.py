@@ -23,6 +23,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default="evaluated",
         help="of Blender scenes: meshes with modifiers applied (default), as they are edited, or none",
     )
+    parser.add_argument("--scene", default="", metavar="NAME", help="of a Blender file with several scenes: this one")
     parser.add_argument("--still", action="store_true", help="leave out how things move in a Blender scene")
     parser.add_argument("--realize", action="store_true", help="turn instances into entities of their own")
 
@@ -37,7 +38,9 @@ def run(args: argparse.Namespace) -> int:
 
     quiet = args.quiet or args.json
     with shown(quiet, "frames" if args.source.suffix.lower() in BLENDER else "entities read") as tell:
-        graph, lost = read_scene_file(args.source, tell, geometry=args.geometry, animation=not args.still)
+        graph, lost = read_scene_file(
+            args.source, tell, geometry=args.geometry, animation=not args.still, scene=args.scene
+        )
     if args.realize:
         graph = realize(graph)
     with shown(quiet, "entities written") as tell:  # instanced ones included

@@ -23,6 +23,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default="evaluated",
         help="meshes with modifiers applied (default), as they are edited, or none",
     )
+    parser.add_argument("--scene", default="", metavar="NAME", help="of a Blender file with several scenes: this one")
     parser.add_argument(
         "--limit", type=int, default=SHOWN, metavar="N", help=f"show at most N entities ({SHOWN}; 0: all)"
     )
@@ -38,7 +39,7 @@ def run(args: argparse.Namespace) -> int:
 
     check_kinds(args.path, None)
     with shown(args.quiet or args.json, "entities") as tell:
-        graph, report = read_scene_file(args.path, tell, geometry=args.geometry)
+        graph, report = read_scene_file(args.path, tell, geometry=args.geometry, scene=args.scene)
     if args.json:
         record = {"file": str(args.path), **summary(graph), "records": to_records(graph), "not_represented": report}
         print(json.dumps(record, ensure_ascii=False, default=str))

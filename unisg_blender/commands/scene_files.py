@@ -62,12 +62,18 @@ def shown(quiet: bool, unit: str) -> Iterator[Progress]:
 
 
 def read_scene_file(
-    path: Path, progress: Progress | None = None, *, geometry: Any = "evaluated", animation: bool = False
+    path: Path,
+    progress: Progress | None = None,
+    *,
+    geometry: Any = "evaluated",
+    animation: bool = False,
+    scene: str = "",
 ) -> tuple[SceneGraph, list[str]]:
     """The scenegraph of a file, and what it could not hold, one line each.
 
     USD files are read directly, all others through Blender, which samples their motion
-    where ``animation`` is wanted; ``progress`` then counts frames.
+    where ``animation`` is wanted; ``progress`` then counts frames. ``scene`` names one of a
+    Blender file's scenes.
 
     Raises
     ------
@@ -77,13 +83,15 @@ def read_scene_file(
     if path.suffix.lower() in USD:
         from ..usd import read_usd
 
+        if scene:
+            raise UniSGError(f"{path}: a USD file has one scene")
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always", UserWarning)
             graph = read_usd(path, progress)
         return graph, [str(item.message) for item in caught if issubclass(item.category, UserWarning)]
     from ..blender.files import read_file
 
-    graph, report = read_file(path, geometry=geometry, animation=animation, progress=progress)
+    graph, report = read_file(path, geometry=geometry, animation=animation, scene=scene, progress=progress)
     return graph, list(report)
 
 
