@@ -1,4 +1,4 @@
-"""The fields of the active action as properties that panels can show: they read and write the object's own JSON.
+"""Types and fields of actions as panels show them: the fields read and write the object's own JSON.
 
 Nothing is stored beside it. The properties belong to objects, so every edit is one
 undo step, and Blender itself greys them for linked objects.
@@ -169,7 +169,34 @@ def _properties() -> dict[str, Any]:
     return found
 
 
-CLASSES = ()
+class UNISG_OT_load_types(bpy.types.Operator):
+    """Run a Python file that defines action types of your own; they are known until Blender ends"""
+
+    bl_idname = "unisg.load_types"
+    bl_label = "Load Action Types"
+    bl_options = {"REGISTER"}
+
+    filepath: bpy.props.StringProperty(name="File", subtype="FILE_PATH")
+    filter_glob: bpy.props.StringProperty(default="*.py", options={"HIDDEN"})
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        context.window_manager.fileselect_add(self)
+        return {"RUNNING_MODAL"}
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        from ..unisg_blender.errors import UniSGError
+        from ..unisg_blender.scene.behaviour.own_types import load_types
+
+        try:
+            names = load_types(bpy.path.abspath(self.filepath))
+        except UniSGError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        self.report({"INFO"}, f"Action types: {', '.join(names)}")
+        return {"FINISHED"}
+
+
+CLASSES = (UNISG_OT_load_types,)
 
 
 def register() -> None:

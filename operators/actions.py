@@ -70,33 +70,6 @@ class UNISG_OT_action_add(ActionOperator, bpy.types.Operator):
             link_objects(context.scene, item, place, "tools", others)
 
 
-class UNISG_OT_load_types(bpy.types.Operator):
-    """Run a Python file that defines action types of your own; they are known until Blender ends"""
-
-    bl_idname = "unisg.load_types"
-    bl_label = "Load Action Types"
-    bl_options = {"REGISTER"}
-
-    filepath: bpy.props.StringProperty(name="File", subtype="FILE_PATH")
-    filter_glob: bpy.props.StringProperty(default="*.py", options={"HIDDEN"})
-
-    def invoke(self, context, event):
-        context.window_manager.fileselect_add(self)
-        return {"RUNNING_MODAL"}
-
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        from ..unisg_blender.errors import UniSGError
-        from ..unisg_blender.scene.behaviour.own_types import load_types
-
-        try:
-            names = load_types(bpy.path.abspath(self.filepath))
-        except UniSGError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
-        self.report({"INFO"}, f"Action types: {', '.join(names)}")
-        return {"FINISHED"}
-
-
 class UNISG_OT_action_remove(ActionOperator, bpy.types.Operator):
     """Remove the active action"""
 
@@ -297,7 +270,6 @@ class UNISG_OT_action_answers(ActionOperator, bpy.types.Operator):
 
 CLASSES = (
     UNISG_OT_action_add,
-    UNISG_OT_load_types,
     UNISG_OT_action_remove,
     UNISG_OT_action_duplicate,
     UNISG_OT_action_select,
