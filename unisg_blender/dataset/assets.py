@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from ..scene import SceneGraph, subtree, take, world_matrices
+from ..scene import SceneGraph, take, world_matrices
 from ..scene.outline import FLOOR
 
 STRUCTURE = ("Floor", "Wall", "Ceiling", "Door", "Window", "Column", "Stairs")
@@ -67,16 +67,20 @@ def turn(angle: float) -> NDArray[np.float64]:
     return matrix
 
 
-def thing_of(graph: SceneGraph, row: int) -> Asset:
-    """The entity at ``row`` and its uncategorised descendants, as an asset."""
-    own = [row]
-    for below in subtree(graph, row):
-        if below != row and graph.parent[below] in own and graph.category[below] < 0:
-            own.append(int(below))
-    part = take(graph, np.array(own))
+def thing_of(
+    graph: SceneGraph, row: int, owner: NDArray[np.int64] | None = None, world: NDArray[np.float64] | None = None
+) -> Asset:
+    """The entity at ``row`` and its uncategorised descendants, as an asset.
+
+    ``owner`` and ``world`` are :func:`owners` and the world matrices of the scene, for who has them already.
+    """
+    own = np.flatnonzero(owners(graph, row) == row if owner is None else owner == row)
+    matrix = (world_matrices(graph) if world is None else world)[row]
+    parent = graph.parent.copy()
+    parent[row] = -1
+    part = take(graph.replace(parent=parent), own)
     local = part.local.copy()
-    world = world_matrices(graph)[row]
-    local[0] = turn(-float(heading(world[:3, :3]))) @ world
+    local[0] = turn(-float(heading(matrix[:3, :3]))) @ matrix
     local[0, :3, 3] = 0
     kept = {name: value for name, value in part.components.items() if name not in _SCENE_WIDE}
     part = part.replace(local=local, components=kept)
@@ -86,19 +90,21 @@ def thing_of(graph: SceneGraph, row: int) -> Asset:
 _SCENE_WIDE = ("world", "relations", "lsa", "animation", "recording", "channels", "parenting")
 
 
-def owners(graph: SceneGraph) -> NDArray[np.int64]:
-    """int64 (N,): row of the categorised entity that each entity is or belongs to, -1 for none."""
+def owners(graph: SceneGraph, also: int = -1) -> NDArray[np.int64]:
+    """int64 (N,): row of the categorised entity (or of ``also``) that each entity is or belongs to, -1 for none."""
     found = np.where(graph.category >= 0, np.arange(len(graph)), -1)
+    if also >= 0:
+        found[also] = also
     for row in np.flatnonzero((found < 0) & (graph.parent >= 0)):  # parents come first
         found[row] = found[graph.parent[row]]
     return found
 
 
-def shell_of(graph: SceneGraph) -> Asset | None:
+def shell_of(graph: SceneGraph, owner: NDArray[np.int64] | None = None) -> Asset | None:
     """The room that a scene stands in: its things of the categories in :data:`STRUCTURE`; None without a floor."""
     if FLOOR not in graph.vocabulary:
         return None
-    owner = owners(graph)
+    owner = owners(graph) if owner is None else owner
     structure = np.array([name in STRUCTURE for name in graph.vocabulary] + [False])
     part = take(graph, np.flatnonzero((owner >= 0) & structure[graph.category[owner]]))
     return Asset("", _lean(part.replace(components={})))

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Callable, Iterable, Iterator
+from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import UniSGError
-from ..scene import SceneGraph
+from ..scene import SceneGraph, world_matrices
 from ..scene.outline import FLOOR, mesh_outline
 from ..scene.overlap import mesh_parts
 from .asset_file import Assets, pack_assets
@@ -46,9 +47,11 @@ class AssetCollector:
             if mesh.checksum not in self.parts:
                 self.parts[mesh.checksum] = mesh_parts(mesh).astype(np.float32)
         self._add_outlines(graph)
-        for row, key, faces in _things(graph):
-            self._offer(graph.category_name(row), key, faces, source, lambda row=row: thing_of(graph, row))  # type: ignore[misc]
-        if len(self.shells) < SHELLS and (shell := shell_of(graph)) is not None:
+        owner, world = owners(graph), world_matrices(graph)
+        for row, key, faces in _things(graph, owner):
+            make = partial(thing_of, graph, row, owner, world)
+            self._offer(graph.category_name(row), key, faces, source, make)
+        if len(self.shells) < SHELLS and (shell := shell_of(graph, owner)) is not None:
             self._offer_shell(shell.faces, source, lambda: shell)
 
     def merge(self, assets: Assets, source: str, meshes: Iterable[str]) -> None:
@@ -61,7 +64,7 @@ class AssetCollector:
         for number, record in enumerate(assets.index["assets"]):
             if record["source"] != source:
                 continue
-            make = lambda number=number: assets.asset(number)  # noqa: E731
+            make = partial(assets.asset, number)
             if record["category"]:
                 self._offer(record["category"], record["key"], record["faces"], source, make)
             else:
@@ -100,9 +103,8 @@ class AssetCollector:
         return bool(self.parts)
 
 
-def _things(graph: SceneGraph) -> Iterator[tuple[int, str, int]]:
+def _things(graph: SceneGraph, owner: NDArray[np.int64]) -> Iterator[tuple[int, str, int]]:
     """Row, key and number of faces of the things with geometry that could be instanced."""
-    owner = owners(graph)
     rows = np.flatnonzero((owner >= 0) & (graph.mesh >= 0))
     rows = rows[np.argsort(owner[rows], kind="stable")]
     faces = np.array([len(mesh.offsets) - 1 for mesh in graph.meshes], np.int64)
