@@ -16,6 +16,7 @@ from . import train_meshes
 HELP = "Train a model on a dataset and write it as an ONNX file that runs without torch."
 JOBS = {
     "cgvae": "a generator of objects for scenes: conditional graph variational autoencoder",
+    "atiss": "an autoregressive set model at small size, a baseline for 'unisg evaluate --also'",
     "topology": "which thing stands on which, from datasets with relations",
     "classifier": "what kind of scene it is, from datasets with labels, or one dataset per kind",
     "meshes": "the mesh feature (AtlasNet) and the model of categories, from folders of mesh files",
