@@ -16,7 +16,7 @@ from unisg_blender.cli import main  # noqa: E402
 from unisg_blender.dataset import open_dataset, write_dataset  # noqa: E402
 from unisg_blender.errors import UniSGError  # noqa: E402
 from unisg_blender.generate.model import assets_path, load_model  # noqa: E402
-from unisg_blender.learn import train_anchors, train_cgvae  # noqa: E402
+from unisg_blender.learn import train_anchors, train_behaviour, train_cgvae  # noqa: E402
 from unisg_blender.learn.settings import Settings  # noqa: E402
 from unisg_blender.scene import SceneBuilder  # noqa: E402
 
@@ -39,7 +39,8 @@ def test_a_model_says_where_it_comes_from(
     assert any("few" in note for note in report["notes"])
     assert assets_path(out).is_file()
     assert (logs / "metrics.csv").read_text().count("\n") >= 3
-    assert sorted(path.suffix for path in tmp_path.iterdir() if path.is_file()) == [".onnx", ".safetensors"]
+    names = ["model.assets.safetensors", "model.behaviour.onnx", "model.onnx"]
+    assert sorted(path.name for path in tmp_path.iterdir() if path.is_file()) == names
 
 
 def networks(monkeypatch: pytest.MonkeyPatch) -> list[torch.nn.Module]:
@@ -48,6 +49,7 @@ def networks(monkeypatch: pytest.MonkeyPatch) -> list[torch.nn.Module]:
     for module, name in ((train_cgvae, "write_cgvae"), (train_anchors, "write_anchors")):
         monkeypatch.setattr(module, name, lambda network, contract, out: found.append(network))
     monkeypatch.setattr(train_anchors, "PER_EPOCH", 64)
+    monkeypatch.setattr(train_behaviour, "train", lambda dataset, model, settings: {})
     return found
 
 
