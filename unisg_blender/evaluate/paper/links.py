@@ -18,7 +18,7 @@ from .classification import scenes_of, standardised, widths_of
 from .pairs import SHARES, judge, load_pairs
 from .topology import COMPONENTS
 
-RATE, HIDDEN = 1e-2, 32
+RATE, HIDDEN = 3e-3, 32
 
 
 @lru_cache(maxsize=3)

@@ -62,7 +62,7 @@ class Plan:
     few: int = 40
     topology: int = 100
     generation: int = 100
-    links: int = 60
+    links: int = 100
     steps: int = 300
     most_cubes: int = 1_000_000
 

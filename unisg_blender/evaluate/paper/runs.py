@@ -25,7 +25,7 @@ EXPERIMENTS = {
     "pairs": (1, ".pairs:run"),
     "rules": (1, ".pairs:run_rules"),
     "scale": (1, ".scale:run"),
-    "link_prediction": (1, ".links:run"),
+    "link_prediction": (2, ".links:run"),
 }
 """Version of the code (another one makes results anew) and "module:function": (settings, data folder) -> result."""
 

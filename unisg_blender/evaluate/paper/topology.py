@@ -31,8 +31,9 @@ def _batch(folder: Path) -> Any:
 def run(settings: Mapping[str, Any], data: Path) -> dict[str, Any]:
     """Loss, average precision and ROC area after every epoch, on edges to learn from and held-out ones.
 
-    ``settings``: form, seed, epochs. Inputs are standardised: the floor has 10,000 children and the field is 106 m wide,
-    raw numbers make inner products of a million and kill every unit. Negatives are random pairs of cubes, as many as edges, drawn anew each epoch.
+    ``settings``: form, seed, epochs. Inputs are standardised: the floor has 10,000 children and the field is 106 m
+    wide, raw numbers make inner products of a million and kill every unit. Negatives are random pairs of cubes, as
+    many as edges, drawn anew each epoch.
     """
     batch = _batch(data / "pairs")
     raw = scenes_of(batch, settings["form"], False, COMPONENTS)
