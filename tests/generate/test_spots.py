@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from tests.generate.rooms import at, box, room
+from unisg_blender.generate.anchors import _behind_walls
 from unisg_blender.generate.boards import board_at, boards_of
 from unisg_blender.generate.context import room_of, tokens_for
 from unisg_blender.generate.habits import learn_habits
@@ -84,6 +85,16 @@ def test_walls_know_on_which_side_the_room_is() -> None:
     assert (np.abs(found.inner[walls]) == 1).all()
     assert not found.inner[~walls].any()
     assert room_of(scene) is found
+
+
+def test_places_behind_a_wall_are_told_from_places_in_the_room() -> None:
+    wall = np.array([[0, 2, 1.25, 3, 0.05, 1.25, 1, 0]], np.float32)  # along x at y = 2, the room below it
+    flags = np.zeros((1, 7), np.float32)
+    flags[0, 4] = -1
+    places = np.array([[0, 1.5], [0, 1.84], [0, 1.99], [0, 2.5], [4, 2.5], [0, 9.0]])
+    assert _behind_walls(wall, flags, places, 0.1).tolist() == [False, False, True, True, False, False]
+    flags[0, 0] = 1  # the wall holds it: a door
+    assert not _behind_walls(wall, flags, places, 0.1).any()
 
 
 def test_matrices_relative_to_others_agree_with_the_inverse() -> None:

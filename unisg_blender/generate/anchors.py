@@ -23,6 +23,9 @@ MOST_SPOTS = 3
 ALIGNED, SNAP = np.exp(8.0), np.radians(4)
 """A heading of at least this concentration within so many radians of its token's axes is meant to be along them."""
 
+BEHIND, OUT = 1.5, -50.0
+"""Places up to so many metres behind a wall are out of the room, and lose so much of their log weight."""
+
 PLACED = ("weight", "mean", "sigma", "heading", "kappa")
 CHOSEN = ("support_score", "height_weight", "height_mean", "height_sigma")
 
@@ -138,7 +141,13 @@ class AnchorProposer:
             "row": coming_vector(row.counts, self.unknown)[None],
             "mask": np.ones((1, len(tokens)), np.float32),
         }
-        return inputs, self._run(inputs, *PLACED) if len(tokens) else []
+        if not len(tokens):
+            return inputs, []
+        weight, mean, *rest = self._run(inputs, *PLACED)
+        kept = weight + np.where(
+            _behind_walls(inputs["box"][0], inputs["flags"][0], mean, float(half[:2].min())), OUT, 0.0
+        )
+        return inputs, [kept - np.logaddexp.reduce(kept), mean, *rest]
 
     def propose_on(
         self, scene: Scene, category: int, piece: Piece, count: int, rng: np.random.Generator,
@@ -185,6 +194,23 @@ class AnchorProposer:
 
 def _batch(arrays: Arrays) -> dict[str, Any]:
     return {name: array[None] for name, array in arrays.items()}
+
+
+def _behind_walls(
+    box: NDArray[np.float32], flags: NDArray[np.float32], mean: NDArray[np.float64], half: float
+) -> NDArray[np.bool_]:
+    """Which places (N, 2) of a thing lie behind one of the walls in view or deep in it, unless a wall holds the thing.
+
+    ``half`` is its smaller half extent, metres, half of which may be in the wall.
+    """
+    walls = flags[:, 4] != 0
+    if not walls.any() or (walls & (flags[:, 0] > 0)).any():
+        return np.zeros(len(mean), bool)
+    x, y, _, long, thick, _, cos, sin = box[walls].astype(np.float64).T
+    offset = mean[:, None] - np.stack([x, y], axis=1)
+    along = np.abs(cos * offset[..., 0] + sin * offset[..., 1])
+    into = (cos * offset[..., 1] - sin * offset[..., 0]) * flags[walls, 4]
+    return ((along < long) & (into < thick + half / 2) & (into > -BEHIND)).any(axis=1)
 
 
 def _wrapped(angle: NDArray[np.float64]) -> NDArray[np.float64]:
