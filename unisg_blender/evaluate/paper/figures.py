@@ -63,12 +63,14 @@ def draw_panels(tables: Mapping[str, Table], paths: Sequence[Path]) -> None:
 
 def draw_errors(tables: Mapping[str, Table], paths: Sequence[Path]) -> None:
     """Median errors in centimetres and degrees by form, with 95 % confidence intervals."""
-    figure, places = _figure((13, 7), 2, len(FACTORS))
-    for column, factor in enumerate(FACTORS):
+    there = {row["setting"] for row in tables["poses"]}
+    factors = [factor for factor in FACTORS if factor in there] or [FACTORS[0]]
+    figure, places = _figure((13, 7), 2, len(factors))
+    for column, factor in enumerate(factors):
         rows = [row for row in tables["poses"] if row["setting"] == factor]
         names = [row["form"] for row in rows]
         for line, (name, unit) in enumerate((("cm_median", "centimetres"), ("degrees_median", "degrees"))):
-            axes = places[line * len(FACTORS) + column]
+            axes = places[line * len(factors) + column]
             axes.barh(names, [row[name] for row in rows], xerr=[row[f"{name}_ci"] or 0 for row in rows], height=0.6)
             axes.invert_yaxis()
             axes.set_xlabel(f"median error, {unit}")

@@ -206,4 +206,6 @@ def _cell(row: Mapping[str, Any], name: str) -> str:
         return str(value)
     spread = next((row[f"{name}{end}"] for end in ("_ci", "_std") if row.get(f"{name}{end}") is not None), None)
     shown = 0.0 if spread is not None and spread < 1e-6 else spread
+    if row.get("runs") == 1:  # one run has no spread
+        shown = None
     return f"{value:.3g}" + (f" ± {shown:.2g}" if shown is not None else "")
