@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import UniSGError
-from ..scene import SceneGraph, world_matrices
+from ..scene import Mesh, SceneGraph, world_matrices
 from ..scene.outline import FLOOR, mesh_outline
 from ..scene.overlap import mesh_parts
 from .asset_file import Assets, pack_assets
@@ -23,6 +23,7 @@ MOST_FACES = 20_000
 """Faces of a thing that is kept; where its category has none yet, up to :data:`LARGEST`."""
 
 LARGEST = 250_000
+REMEMBERED = 20_000
 BUDGET = 4_000_000
 """Faces of all that is kept together, the first thing of each category apart: some 300 MB at most."""
 
@@ -45,7 +46,7 @@ class AssetCollector:
         """Take in one scene."""
         for mesh in graph.meshes:
             if mesh.checksum not in self.parts:
-                self.parts[mesh.checksum] = mesh_parts(mesh).astype(np.float32)
+                self.parts[mesh.checksum] = _boxes(mesh)
         self._add_outlines(graph)
         owner, world = owners(graph), world_matrices(graph)
         for row, key, faces in _things(graph, owner):
@@ -101,6 +102,18 @@ class AssetCollector:
 
     def __bool__(self) -> bool:
         return bool(self.parts)
+
+
+def _boxes(mesh: Mesh) -> NDArray[np.float32]:
+    """Boxes of a mesh's parts; files that are read one after another often share meshes."""
+    if mesh.checksum not in _boxes_of:
+        if len(_boxes_of) >= REMEMBERED:
+            _boxes_of.clear()
+        _boxes_of[mesh.checksum] = mesh_parts(mesh).astype(np.float32)
+    return _boxes_of[mesh.checksum]
+
+
+_boxes_of: dict[str, NDArray[np.float32]] = {}
 
 
 def _things(graph: SceneGraph, owner: NDArray[np.int64]) -> Iterator[tuple[int, str, int]]:
