@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import os
+import sys
 from pathlib import Path
 
 import pytest
 
+STATUS = pytest.StashKey[int]()
 SCENE_ENDINGS = (".blend", ".glb", ".gltf", ".fbx", ".obj", ".usd", ".usda", ".usdc", ".usdz")
 
 
@@ -19,3 +21,17 @@ def scene_files() -> list[Path]:
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
     """Say how many real scenes this run used; a header would not show in a quiet run."""
     terminalreporter.write_line(f"real scenes: {len(scene_files())} (UNISG_SCENES names a folder of scenes to use)")
+
+
+def pytest_sessionfinish(session: pytest.Session, exitstatus: int) -> None:
+    """Keep the status for leaving."""
+    session.config.stash[STATUS] = int(exitstatus)
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_unconfigure(config: pytest.Config) -> None:
+    """Leave without bpy's own cleaning up: after an undo, 4.5 waits there for a thread of its own for ever."""
+    if "bpy" in sys.modules and STATUS in config.stash:
+        sys.stdout.flush()
+        sys.stderr.flush()
+        os._exit(config.stash[STATUS])

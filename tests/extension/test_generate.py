@@ -25,7 +25,13 @@ def extension():
     package = types.ModuleType("unisg_generating")
     package.__path__ = [str(ROOT)]
     sys.modules["unisg_generating"] = package
-    names = ("operators.generation_settings", "operators.generate", "operators.settle", "panels.main", "panels.generate")
+    names = (
+        "operators.generation_settings",
+        "operators.generate",
+        "operators.settle",
+        "panels.main",
+        "panels.generate",
+    )
     modules = [importlib.import_module(f"unisg_generating.{name}") for name in names]
     registration = importlib.import_module("unisg_generating.operators.registration")
     registration.register_modules(modules)

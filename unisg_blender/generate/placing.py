@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from ..dataset.assets import STRUCTURE, Asset
 from ..scene import SceneGraph, world_matrices
 from ..scene.outline import FLOOR, room_outline
+from .anchors import AnchorProposer
 from .contract import Contract
 from .extend import Addition, Names, UidMaker
 from .habits import RESTS, Habit
@@ -82,7 +83,7 @@ class Placing:
 
     def order(self, wanted: Sequence[str]) -> Iterator[Planned]:
         """The objects in the order of placing, with the spots planned for them; level by level, as the scene grows."""
-        if not hasattr(self.proposer, "choose"):
+        if not isinstance(self.proposer, AnchorProposer):
             yield from (Planned(number) for number in range(len(wanted)))
             return
         planner = Planner(self.proposer, self.scene, self.contract, self.pieces, self.rng)

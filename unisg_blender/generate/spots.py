@@ -37,7 +37,9 @@ class Spots:
     def of(scene: Scene, things: Sequence[int] | NDArray[np.int64]) -> Spots:
         """The spots of some things of a scene."""
         first = np.full(len(scene.category), -1, np.int64)
-        thing, board, measures = [], [], [np.zeros((0, 4))]
+        thing: list[int] = []
+        board: list[int] = []
+        measures = [np.zeros((0, 4))]
         for number in things:
             boards = scene.boards(int(number))
             first[number] = len(thing)
@@ -45,7 +47,8 @@ class Spots:
             board += [*range(len(boards)), -1]
             place = np.arange(len(boards)) / max(len(boards) - 1, 1)
             half = scene.half[number]
-            measures += [np.column_stack([boards, place]), [[0.0, 4 * half[0] * half[1], 2 * half[2], 0.0]]]
+            inside = np.array([[0.0, 4 * half[0] * half[1], 2 * half[2], 0.0]])
+            measures += [np.column_stack([boards, place]), inside]
         return Spots(np.array(thing, np.int64), np.array(board, np.int64), np.concatenate(measures), first)
 
     def at(self, thing: NDArray[np.int64], board: NDArray[np.int64]) -> NDArray[np.int64]:
