@@ -29,7 +29,9 @@ class UNISG_OT_generate(bpy.types.Operator):
     bulk: bpy.props.BoolProperty(name="All at once", description="Propose all places together: faster, less tidy")
 
     behaviour: bpy.props.BoolProperty(
-        name="With actions", description="Give the objects actions and extend the lesson by them", default=True
+        name="With actions",
+        description="Give the objects the actions that the lesson lacks, and extend it by them; spare things get none",
+        default=True,
     )
 
     @classmethod
@@ -145,9 +147,19 @@ class UNISG_OT_generate(bpy.types.Operator):
                 self.report({"WARNING"}, f"{placement.name or placement.category}: {placement.note}")
         spent = time.perf_counter() - self._began
         refused = f", {len(result.refused)} found no place" if result.refused else ""
-        actions = f" with {result.actions} actions" if result.actions else ""
-        self.report({"INFO"}, f"{result.added} objects added{actions} in {spent:.2f} s{refused} (seed {self.seed})")
+        added = f"{_number(result.added, 'object')} added{self._actions(result.actions)}"
+        self.report({"INFO"}, f"{added} in {spent:.2f} s{refused} (seed {self.seed})")
         return {"FINISHED"} if result.added else {"CANCELLED"}
+
+    def _actions(self, count: int) -> str:
+        """What is said of the actions that were asked for."""
+        if not self.behaviour:
+            return ""
+        return f" with {_number(count, 'action')}" if count else " (the lesson needs no actions with them)"
+
+
+def _number(count: int, word: str) -> str:
+    return f"{count} {word}{'s' * (count != 1)}"
 
 
 CLASSES = (UNISG_OT_generate,)

@@ -77,7 +77,9 @@ class UNISG_GenerationSettings(bpy.types.PropertyGroup):
     )
 
     behaviour: bpy.props.BoolProperty(
-        name="With actions", description="Give the objects actions and extend the lesson by them", default=True
+        name="With actions",
+        description="Give the objects the actions that the lesson lacks, and extend it by them; spare things get none",
+        default=True,
     )
 
     def model_file(self) -> str:

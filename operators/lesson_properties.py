@@ -55,7 +55,9 @@ def register() -> None:
     manager.unisg_lesson = props.StringProperty(name="Lesson", options={"SKIP_SAVE"})
     manager.unisg_lesson_node = props.StringProperty(options={"SKIP_SAVE"})
     read, write = _node_property("name", "")
-    item.unisg_node_name = props.StringProperty(name="Name", get=read, set=write)
+    item.unisg_node_name = props.StringProperty(
+        name="Name", description="What this part of the lesson is called", get=read, set=write
+    )
     read, write = _node_property("optional", False)
     item.unisg_node_optional = props.BoolProperty(
         name="Optional", description="The lesson can be finished without it", get=read, set=write

@@ -128,7 +128,8 @@ def _tree(layout: bpy.types.UILayout, node: object, depth: int, active: str) -> 
 
 def _node(layout: bpy.types.UILayout, item: bpy.types.Object, root: object, node: object) -> None:
     box = layout.box().column()
-    box.prop(item, "unisg_node_name", text=node.kind.capitalize())
+    kind = node.kind.capitalize()
+    box.prop(item, "unisg_node_name", text="", icon=KIND_ICONS[node.kind], placeholder=kind)
     row = box.row()
     if node.uid != root.uid:
         row.prop(item, "unisg_node_optional")
