@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import bpy
+from bpy.app.handlers import persistent
 
 KINDS_OF: dict[str, str] = {}
 """What was said of each scene, by its name, for the panel."""
@@ -43,4 +44,19 @@ class UNISG_OT_classify(bpy.types.Operator):
         return {"FINISHED"}
 
 
+@persistent
+def _loaded(*_: object) -> None:
+    KINDS_OF.clear()  # another file's scenes have the same names
+
+
 CLASSES = (UNISG_OT_classify,)
+
+
+def register() -> None:
+    """Forget what was said when another file is opened."""
+    bpy.app.handlers.load_post.append(_loaded)
+
+
+def unregister() -> None:
+    """Stop that."""
+    bpy.app.handlers.load_post.remove(_loaded)

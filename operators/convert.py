@@ -24,6 +24,10 @@ class UNISG_OT_convert(bpy.types.Operator):
     )
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        from ..unisg_blender.usd.library import missing_pxr
+
+        if missing_pxr() and self.filepath.endswith(USD):
+            self.filepath = str(Path(self.filepath).with_suffix(".json"))
         context.window_manager.fileselect_add(self)
         return {"RUNNING_MODAL"}
 

@@ -56,7 +56,7 @@ def _missing_usd(path: str) -> str:
 
 
 class UNISG_OT_record(bpy.types.Operator):
-    """Record while you move things, and play a lesson; Esc, Enter or the button stops. From a script: the playback"""
+    """Record while you move things, and play a lesson; Esc, Enter or the button stops"""
 
     bl_idname = "unisg.record"
     bl_label = "Record Motion"
@@ -69,6 +69,17 @@ class UNISG_OT_record(bpy.types.Operator):
         name="Millimetres", description="How far a sample may be off", default=0.5, min=0
     )
     degrees: bpy.props.FloatProperty(name="Degrees", description="How far a sample may be turned", default=0.1, min=0)
+    playback: bpy.props.BoolProperty(
+        name="Playback",
+        description="Record the animation, not what you do; a script records that anyway",
+        options={"SKIP_SAVE"},
+    )
+
+    @classmethod
+    def description(cls, context: bpy.types.Context, properties: bpy.types.OperatorProperties) -> str:
+        if properties.playback:
+            return "Step through the animation from start to end and record it, the lesson along with it"
+        return cls.__doc__
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
@@ -91,6 +102,8 @@ class UNISG_OT_record(bpy.types.Operator):
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         from ..unisg_blender.blender.recording import Recorder
 
+        if self.playback:
+            return self.execute(context)
         reason = _missing_usd(self.filepath)
         if reason:
             self.report({"ERROR"}, reason)

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 SHIPPED = "shipped"
 NAME_OF: dict[str, str] = {}
-"""Names of the objects by uid when relations were last computed, for the panel."""
+"""Names of the objects by uid, for the panel, from when they were last looked up."""
 
 
 class UNISG_OT_relations(bpy.types.Operator):
@@ -38,6 +38,12 @@ class UNISG_OT_relations(bpy.types.Operator):
         "empty: all relations by geometry",
         subtype="FILE_PATH",
     )
+
+    @classmethod
+    def description(cls, context: bpy.types.Context, properties: bpy.types.OperatorProperties) -> str:
+        if properties.model:
+            return 'Have a network tell what is on top of what, from boxes and categories; only "on top of" is replaced'
+        return "Compute relations from the geometry and keep them with the objects; relations of other kinds stay"
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
@@ -77,6 +83,15 @@ class UNISG_OT_relations(bpy.types.Operator):
                 del item[RELATIONS]
         self.report({"INFO"}, f"{count} relations")
         return {"FINISHED"}
+
+
+def name_of(scene: bpy.types.Scene, uid: str) -> str:
+    """The name of the object with a uid, "..." if there is none; looked up once, for a panel is drawn often."""
+    from ..unisg_blender.blender.lookup import objects_by_uid
+
+    if uid not in NAME_OF:
+        NAME_OF.update((each, item.name) for each, item in objects_by_uid(scene).items())
+    return NAME_OF.setdefault(uid, "...")
 
 
 def _predicted(graph: SceneGraph, model: str) -> SceneGraph:

@@ -27,9 +27,8 @@ class UNISG_PT_recording(SidebarPanel, bpy.types.Panel):
             column.label(text="Move things, or play the lesson", icon="REC")
             return
         column.operator_context = "INVOKE_DEFAULT"
-        column.operator("unisg.record", icon="REC")
-        column.operator_context = "EXEC_DEFAULT"
-        column.operator("unisg.record", text="Record Playback", icon="RENDER_ANIMATION")
+        column.operator("unisg.record", icon="REC").playback = False
+        column.operator("unisg.record", text="Record Playback", icon="RENDER_ANIMATION").playback = True
         _kept(self.layout, context)
         column = self.layout.column()
         column.operator_context = "INVOKE_DEFAULT"

@@ -1,4 +1,4 @@
-"""Sub-panel "Relations and Files": relations of the scene, master file, recordings."""
+"""Sub-panel "Relations": what stands on, in or beside what, and what kind of scene it is."""
 
 from __future__ import annotations
 
@@ -7,10 +7,11 @@ import json
 import bpy
 
 from ..operators.classify import KINDS_OF
-from ..operators.relations import NAME_OF, SHIPPED
+from ..operators.relations import SHIPPED, name_of
 from .main import SidebarPanel
 
 SHOWN = 12
+DIRECTIONS = ("above", "below", "beside", "left_of", "right_of", "in_front_of", "behind")
 
 
 class UNISG_PT_relations(SidebarPanel, bpy.types.Panel):
@@ -26,8 +27,8 @@ class UNISG_PT_relations(SidebarPanel, bpy.types.Panel):
         column.operator("unisg.relations", icon="LINKED").model = ""
         column.operator("unisg.relations", text="Predict What Is on What", icon="EXPERIMENTAL").model = SHIPPED
         column.operator("unisg.classify", icon="SCENE_DATA")
-        if kinds := KINDS_OF.get(context.scene.name):
-            column.label(text=kinds)
+        for kind in filter(None, KINDS_OF.get(context.scene.name, "").split(", ")):
+            column.label(text=kind)
         lines = _lines(context)
         column = self.layout.column(align=True)
         for line in lines[:SHOWN]:
@@ -43,9 +44,17 @@ def _lines(context: bpy.types.Context) -> list[str]:
         found = (
             json.loads(item["unisg_relations"])["relations"] if item is not None and "unisg_relations" in item else []
         )
-        return [f"{pair['kind'].replace('_', ' ')} {NAME_OF.get(pair['target'], '...')}" for pair in found]
+        return [
+            f"{pair['kind'].replace('_', ' ')} {name_of(context.scene, pair['target'])}"
+            for pair in sorted(found, key=_vague)
+        ]
     except (ValueError, KeyError, TypeError, AttributeError):
         return ["its relations cannot be read"]
+
+
+def _vague(pair: dict[str, str]) -> bool:
+    """Whether it only tells a direction: what carries and what holds a thing is shown first."""
+    return pair["kind"] in DIRECTIONS
 
 
 CLASSES = (UNISG_PT_relations,)
