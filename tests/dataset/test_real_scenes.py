@@ -14,7 +14,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from unisg_blender.dataset import open_dataset, to_scenegraph
-from unisg_blender.dataset.export import export_dataset
+from unisg_blender.dataset.export import ExportOptions, export_dataset
 from unisg_blender.dataset.sources import SUFFIXES, find_sources
 from unisg_blender.scene import world_matrices
 
@@ -25,7 +25,8 @@ FOLDERS = [HERE.parent / "data", *map(Path, filter(None, [os.environ.get("UNISG_
 
 
 def test_hierarchy_and_world_matrices_are_kept(tmp_path: Path) -> None:
-    records = export_dataset(FOLDERS, tmp_path / "ds", jobs=2)
+    options = ExportOptions(instances="keep")  # copies would have the names of what they are copies of
+    records = export_dataset(FOLDERS, tmp_path / "ds", options, jobs=2)
     assert [record["source"] for record in records if record["status"] != "ok"] == []
     paths = [record["source"] for record in records if record["scenes"]]
     command = [sys.executable, str(HERE / "blender_worlds.py"), *paths]
