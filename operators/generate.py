@@ -155,6 +155,8 @@ class UNISG_OT_generate(bpy.types.Operator):
         """What is said of the actions that were asked for."""
         if not self.behaviour:
             return ""
+        if load_generator(self.model).behaviour is None:
+            return " (this model knows no actions)"
         return f" with {_number(count, 'action')}" if count else " (the lesson needs no actions with them)"
 
 
