@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Iterator
 
 import bpy
 
 WAIT = 0.05
-"""Seconds that a step may wait for a file: the window stays responsive."""
+"""Seconds of work, or of waiting for a file, between two redraws: the window stays responsive."""
 
 FAILURES = "files-*.jsonl"
 _form_items: list[tuple[str, str, str]] = []
@@ -106,7 +107,7 @@ class UNISG_OT_export_dataset(DatasetSettings, bpy.types.Operator):
         if event.type != "TIMER":
             return {"RUNNING_MODAL"}
         try:
-            share, text = next(self._work)
+            share, text = self._work_on()
         except StopIteration:
             self._end(context)
             return self._done()
@@ -116,6 +117,14 @@ class UNISG_OT_export_dataset(DatasetSettings, bpy.types.Operator):
             return {"CANCELLED"}
         self._show(context, share, text)
         return {"RUNNING_MODAL"}
+
+    def _work_on(self) -> tuple[float, str]:
+        """Work for a moment, not for one file only: a redraw may take longer than a file that is known already."""
+        end = time.perf_counter() + WAIT
+        while True:
+            done = next(self._work)
+            if time.perf_counter() >= end:
+                return done
 
     def _show(self, context: bpy.types.Context, share: float, text: str) -> None:
         settings = context.window_manager.unisg_dataset
