@@ -14,7 +14,7 @@ class UNISG_OT_convert(bpy.types.Operator):
     """Save the scene through the scenegraph: as a USD master file (.usda, .usdc, .usdz) or as .json"""
 
     bl_idname = "unisg.convert"
-    bl_label = "Convert Scene"
+    bl_label = "Save Master File"
     bl_options = {"REGISTER"}
 
     filepath: bpy.props.StringProperty(name="File", subtype="FILE_PATH", default="//scene.usdc")

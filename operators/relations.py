@@ -42,7 +42,7 @@ class UNISG_OT_relations(bpy.types.Operator):
     @classmethod
     def description(cls, context: bpy.types.Context, properties: bpy.types.OperatorProperties) -> str:
         if properties.model:
-            return 'Have a network tell what is on top of what, from boxes and categories; only "on top of" is replaced'
+            return 'Have a network tell what is on top of what, seen as boxes; only "on top of" is replaced'
         return "Compute relations from the geometry and keep them with the objects; relations of other kinds stay"
 
     @classmethod

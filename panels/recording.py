@@ -18,7 +18,7 @@ class UNISG_PT_recording(SidebarPanel, bpy.types.Panel):
 
     def draw(self, context: bpy.types.Context) -> None:
         column = self.layout.column(align=True)
-        column.operator("unisg.convert", text="Save Master File", icon="EXPORT")
+        column.operator("unisg.convert", icon="EXPORT")
         column.operator("unisg.open_master_file", icon="IMPORT")
         column = self.layout.column(align=True)
         if take() is not None:
