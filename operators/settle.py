@@ -39,12 +39,14 @@ class UNISG_OT_settle(bpy.types.Operator):
             return {"CANCELLED"}
         for settled in found:
             if settled.note:
-                self.report({"WARNING"}, f"{graph.name[settled.row]}: {settled.note}")
                 continue
             items[graph.uid[settled.row]].matrix_world = mathutils.Matrix(settled.world.tolist())
             context.view_layer.update()  # parents come first: the next one is set in the world again
         moved = sum(not settled.note for settled in found)
         self.report({"INFO"}, f"{moved} of {len(found)} objects settled")
+        for settled in found:  # last: the status bar shows the last report only
+            if settled.note:
+                self.report({"WARNING"}, f"{graph.name[settled.row]}: {settled.note}")
         return {"FINISHED"} if moved else {"CANCELLED"}
 
 
