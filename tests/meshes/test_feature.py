@@ -160,7 +160,7 @@ def test_unusable_model_files(tmp_path: Path) -> None:
     with pytest.raises(UniSGError, match="no such model file"):
         load_network(tmp_path / "missing.onnx")
     (tmp_path / "damaged.onnx").write_bytes(b"nothing")
-    with pytest.raises(UniSGError, match="cannot be loaded"):
+    with pytest.raises(UniSGError, match="no ONNX model that can be run"):
         load_network(tmp_path / "damaged.onnx")
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Mapping
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,11 +13,12 @@ from numpy.typing import NDArray
 from ..errors import UniSGError
 from ..generate import Generator
 from ..generate.context import ground_of, room_middle
-from ..generate.contract import KEY, Contract
+from ..generate.contract import Contract
 from ..generate.habits import Habits
 from ..generate.model import Model
 from ..generate.pieces import Piece
 from ..generate.proposals import Proposals, Scene
+from ..inference import open_session
 from .baselines import carrier_of
 
 KIND = "atiss"
@@ -38,17 +40,10 @@ def load_generator(path: str | os.PathLike[str]) -> Generator:
 
 def _open(path: str | os.PathLike[str]) -> Model | None:
     """The model, None if it is none of this kind."""
-    import onnxruntime
-
-    if not os.path.isfile(path):
-        return None
-    options = onnxruntime.SessionOptions()
-    options.intra_op_num_threads = 1
-    options.log_severity_level = 3
     try:
-        session = onnxruntime.InferenceSession(os.fspath(path), options, providers=["CPUExecutionProvider"])
-        record = json.loads(session.get_modelmeta().custom_metadata_map.get(KEY, "{}"))
-    except Exception:  # onnxruntime has no base class for its errors; the usual loader says what is wrong
+        session, text = open_session(path, "")
+        record = json.loads(text or "{}")
+    except (UniSGError, ValueError):  # the usual loader says what is wrong
         return None
     if record.get("kind") != KIND:
         return None
@@ -57,8 +52,6 @@ def _open(path: str | os.PathLike[str]) -> Model | None:
         contract = Contract(KIND, tuple(record["vocabulary"]), habits, provenance=record["provenance"])
     except (KeyError, TypeError):
         raise UniSGError(f"{path}: the model's metadata is damaged: train it again") from None
-    from pathlib import Path
-
     return Model(Path(path), session, contract)
 
 

@@ -16,9 +16,6 @@ VERSION = 2
 SINCE = {"anchors": 2}
 """The first version of a kind that this software runs, where that is not 1."""
 
-KEY = "unisg"
-"""Name of the entry in the ONNX file's metadata."""
-
 TASK = "generate"
 KINDS = ("cgvae", "anchors")
 

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 from ..dataset.asset_file import AssetFile
 from ..errors import UniSGError
-from .contract import KEY, Contract
+from ..inference import open_session
+from .contract import Contract
 
 ASSETS_SUFFIX = ".assets.safetensors"
 
@@ -70,20 +71,9 @@ def load_model(path: str | os.PathLike[str], threads: int = 1) -> Model:
     UniSGError
         If the file is missing, no ONNX file, without a contract, or of another contract or task.
     """
-    import onnxruntime
-
     file = Path(path)
-    if not file.is_file():
-        raise UniSGError(f"there is no model {file}: train one with 'unisg train cgvae', or give another path")
-    options = onnxruntime.SessionOptions()
-    options.intra_op_num_threads = threads
-    options.log_severity_level = 3
-    try:
-        session = onnxruntime.InferenceSession(str(file), options, providers=["CPUExecutionProvider"])
-    except Exception as error:  # onnxruntime has no common base class for its errors
-        reason = str(error).strip().splitlines()[0][:120]
-        raise UniSGError(f"{file} is no ONNX model that can be run ({reason}): give another file") from None
-    text = session.get_modelmeta().custom_metadata_map.get(KEY)
+    missing = f"there is no model {file}: train one with 'unisg train cgvae', or give another path"
+    session, text = open_session(file, missing, threads)
     if text is None:
         raise UniSGError(f"{file} is an ONNX model of another kind: it has no UniSG metadata; use 'unisg train'")
     return Model(file, session, Contract.from_json(text, file))

@@ -15,7 +15,7 @@ import onnx
 import torch
 from torch import Tensor, nn
 
-from ..generate.contract import KEY
+from ..inference import KEY
 
 OPSET = 20
 IR_VERSION = 10

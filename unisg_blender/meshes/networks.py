@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import UniSGError
+from ..inference import KEY, open_session
 
 PRETRAINED = Path(__file__).parent.parent / "pretrained"
 ENCODER_FILE = "atlasnet_encoder.onnx"
@@ -15,8 +16,6 @@ DECODER_FILE = "atlasnet_decoder.onnx"
 FEATURE_WIDTH = 1024
 CONTRACT = 2
 TASK = "atlasnet"
-KEY = "unisg"
-"""Name of the entry in the ONNX file's metadata."""
 
 
 @lru_cache(maxsize=4)
@@ -28,18 +27,9 @@ def load_network(path: Path, threads: int = 1) -> Any:
     UniSGError
         If the file is missing, no ONNX model, or not of this library's AtlasNet contract.
     """
-    import onnxruntime
-
-    if not path.is_file():
-        raise UniSGError(f"{path}: no such model file; 'unisg train meshes' makes one")
-    options = onnxruntime.SessionOptions()
-    options.intra_op_num_threads = threads
-    options.log_severity_level = 3
-    try:
-        session = onnxruntime.InferenceSession(str(path), options, providers=["CPUExecutionProvider"])
-    except Exception as error:  # onnxruntime has no common class of errors
-        raise UniSGError(f"{path}: cannot be loaded as a model: {error}") from error
-    _check(session.get_modelmeta().custom_metadata_map.get(KEY, "{}"), path)
+    missing = f"{path}: no such model file; 'unisg train meshes' makes one"
+    session, text = open_session(path, missing, threads)
+    _check(text or "{}", path)
     return session
 
 

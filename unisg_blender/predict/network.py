@@ -12,8 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import UniSGError
+from ..inference import open_session
 
-KEY, VERSION = "unisg", 1
+VERSION = 1
 PRETRAINED = Path(__file__).parent.parent / "pretrained"
 TASKS = {"topology": "which thing stands on which", "classifier": "what kind of scene it is"}
 """What there are networks for; ``unisg train TASK`` makes one, ``pretrained/TASK.onnx`` is the shipped one."""
@@ -46,20 +47,10 @@ def load_network(task: str, path: str | os.PathLike[str] | None = None, threads:
     UniSGError
         If the file is missing, no ONNX file, or without a contract for that task.
     """
-    import onnxruntime
-
     file = PRETRAINED / f"{task}.onnx" if path is None else Path(path)
-    if not file.is_file():
-        raise UniSGError(f"there is no model {file}: train one with 'unisg train {task}', or give another path")
-    options = onnxruntime.SessionOptions()
-    options.intra_op_num_threads = threads
-    options.log_severity_level = 3
-    try:
-        session = onnxruntime.InferenceSession(str(file), options, providers=["CPUExecutionProvider"])
-    except Exception as error:  # onnxruntime has no common base class for its errors
-        reason = str(error).strip().splitlines()[0][:120]
-        raise UniSGError(f"{file} is no ONNX model that can be run ({reason}): give another file") from None
-    return Network(file, _contract(session.get_modelmeta().custom_metadata_map.get(KEY), task, file), session)
+    missing = f"there is no model {file}: train one with 'unisg train {task}', or give another path"
+    session, text = open_session(file, missing, threads)
+    return Network(file, _contract(text, task, file), session)
 
 
 def _contract(text: str | None, task: str, file: Path) -> dict[str, Any]:

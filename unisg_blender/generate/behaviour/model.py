@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import UniSGError
-from ..contract import KEY
+from ...inference import open_session
 from .kinds import Kinds
 from .network import OUTPUTS, NetworkChooser
 
@@ -22,19 +22,8 @@ def load_behaviour(path: Path, threads: int = 1) -> NetworkChooser:
     UniSGError
         If the file is missing, no ONNX file, or no model of behaviour that this software knows.
     """
-    import onnxruntime
-
-    if not path.is_file():
-        raise UniSGError(f"there is no behaviour {path}: 'unisg train cgvae' writes it beside the model")
-    options = onnxruntime.SessionOptions()
-    options.intra_op_num_threads = threads
-    options.log_severity_level = 3
-    try:
-        session = onnxruntime.InferenceSession(str(path), options, providers=["CPUExecutionProvider"])
-    except Exception as error:  # onnxruntime has no common base class for its errors
-        reason = str(error).strip().splitlines()[0][:120]
-        raise UniSGError(f"{path} is no ONNX model that can be run ({reason}): give another file") from None
-    text = session.get_modelmeta().custom_metadata_map.get(KEY)
+    missing = f"there is no behaviour {path}: 'unisg train cgvae' writes it beside the model"
+    session, text = open_session(path, missing, threads)
     if text is None:
         raise UniSGError(f"{path} is an ONNX model of another kind: it has no UniSG metadata; use 'unisg train'")
 
