@@ -25,6 +25,9 @@ RATE, FEW_RATE = 1e-3, 3e-3
 
 TRAIN_SHARE = 0.7
 
+POSITION = {"trs_matrix": (3, 7, 11), "dual_quaternion": (4, 5, 6, 7)}
+"""Channels that hold the position; the first three of the other forms whose pose has no copies in it."""
+
 
 @dataclass(frozen=True, eq=False)
 class Scenes:
@@ -56,6 +59,13 @@ def scenes_of(batch: Any, form: str, stretch: bool, components: Sequence[str] = 
     return Scenes(x, edges, {"mesh": place} if "mesh" in components else {}, batch["entity"].batch, batch.y)
 
 
+def doubled(scenes: Scenes, form: str) -> Scenes:
+    """The same with the position's channels twice, as CGA's motors have theirs."""
+    poses = scenes.x["trs"]
+    again = poses[:, list(POSITION.get(form, (0, 1, 2)))]
+    return replace(scenes, x={**scenes.x, "trs": torch.cat([poses, again], dim=1)})
+
+
 def standardised(parts: Sequence[Scenes], like: Sequence[Scenes]) -> list[Scenes]:
     """Features by the means and spreads that their channels have in ``like``; constant channels become 0."""
     result = [replace(part, x=dict(part.x)) for part in parts]
@@ -82,8 +92,8 @@ def run(settings: Mapping[str, Any], data: Path) -> dict[str, Any]:
     """The paper's setting: loss and accuracy after every epoch, in training and held-out scenes.
 
     ``settings``: form, seed, epochs; and for the second set of tables ``training`` (number of scenes),
-    ``components`` and ``stretch``: features are then standardised, and the accuracy on all sets of
-    :data:`.data.TESTS` is told too.
+    ``components``, ``stretch``, ``scaling`` ("standard" or "raw" features) and ``doubled`` (see :func:`doubled`); the
+    accuracy on all sets of :data:`.data.TESTS` is then told too.
     """
     dataset = _dataset(data / "classification")
     few = "training" in settings
@@ -91,7 +101,8 @@ def run(settings: Mapping[str, Any], data: Path) -> dict[str, Any]:
 
     def part(whole: UniSGDataset, rows: Any) -> Scenes:
         components = tuple(settings.get("components", COMPONENTS))
-        return scenes_of(whole.batch(rows), settings["form"], settings.get("stretch", False), components)
+        scenes = scenes_of(whole.batch(rows), settings["form"], settings.get("stretch", False), components)
+        return doubled(scenes, settings["form"]) if settings.get("doubled") else scenes
 
     torch.manual_seed(settings["seed"])
     rng = np.random.default_rng(settings["seed"])
@@ -100,8 +111,9 @@ def run(settings: Mapping[str, Any], data: Path) -> dict[str, Any]:
     if few:
         whole = _dataset(data / "classification_tests")
         tests = {name: part(whole, range(i, len(whole), len(TESTS))) for i, name in enumerate(TESTS)}
-        tests = dict(zip(tests, standardised(list(tests.values()), batches), strict=True))
-        batches = standardised(batches, batches)
+        if settings.get("scaling", "standard") == "standard":
+            tests = dict(zip(tests, standardised(list(tests.values()), batches), strict=True))
+            batches = standardised(batches, batches)
     network = SceneClassifier(widths_of(batches[0]), 2, HIDDEN)
     first = next(iter(tests.values()))
     curves = _train(network, batches, first, settings["epochs"], FEW_RATE if few else RATE, rng)

@@ -21,6 +21,9 @@ PANELS = (
 )
 """Experiment, curve and title of each panel: the paper's three, and below what they leave open."""
 
+SHARES = ("test_accuracy", "test_average_precision")
+"""Curves that cannot be above 1: neither is their band."""
+
 FACTORS = ("target, base case", "target, large translations", "input, base case", "in and out, parent-relative")
 
 
@@ -51,7 +54,10 @@ def draw_panels(tables: Mapping[str, Table], paths: Sequence[Path]) -> None:
             epochs, mean = [row["epoch"] for row in own], np.array([row[name] for row in own])
             spread = np.array([row[f"{name}_std"] for row in own])
             line = axes.plot(epochs, mean, label=f"{form} ({own[0]['runs']} runs)", linewidth=1.2)[0]
-            axes.fill_between(epochs, mean - spread, mean + spread, color=line.get_color(), alpha=0.18, linewidth=0)
+            low, high = mean - spread, mean + spread
+            if name in SHARES:
+                high = np.minimum(high, 1.0)
+            axes.fill_between(epochs, low, high, color=line.get_color(), alpha=0.18, linewidth=0)
         axes.set_title(title, fontsize=10)
         axes.set_xlabel("epoch")
         if rows:

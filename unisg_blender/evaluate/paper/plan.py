@@ -124,18 +124,30 @@ def link_runs(plan: Plan) -> dict[str, list[Run]]:
     }
 
 
+DOUBLED_FORMS = ("trs_matrix", "axis_angle", "sixd", "dual_quaternion")
+"""Forms whose position's channels can be given twice: CGA's motors have theirs twice already."""
+
+FEW_FACTORS: dict[str, tuple[dict[str, Any], tuple[int, ...], tuple[str, ...]]] = {
+    "poses": ({}, (4, 8, 16), FEW_FORMS),
+    "poses, not standardised": ({"scaling": "raw"}, (4,), FEW_FORMS),
+    "poses, position twice": ({"doubled": True}, (4,), DOUBLED_FORMS),
+    "all components": ({}, (4,), tuple(PAPER_FORMS.values())),
+}
+"""What the network sees: settings, numbers of training scenes, and forms."""
+
+
 def few_runs(plan: Plan) -> dict[tuple[str, int, str], list[Run]]:
     """Classification from few scenes: by what the network sees, number of scenes and form, one run per seed."""
     found = {}
-    for see, count, form in (
-        *product(["poses"], (4, 8, 16), FEW_FORMS),
-        *product(["all components"], (4,), PAPER_FORMS.values()),
-    ):
-        components = ["trs"] if see == "poses" else ["info", "trs", "mesh", "action"]
-        settings: dict[str, Any] = {
-            "form": form, "epochs": plan.few, "training": count, "components": components, "stretch": see == "poses",
-        }  # fmt: skip
-        found[see, count, form] = [Run("classification", settings | {"seed": seed}) for seed in range(plan.seeds)]
+    for see, (factor, counts, forms) in FEW_FACTORS.items():
+        only_poses = see != "all components"
+        components = ["trs"] if only_poses else ["info", "trs", "mesh", "action"]
+        for count, form in product(counts, forms):
+            settings: dict[str, Any] = {
+                "form": form, "epochs": plan.few, "training": count, "components": components, "stretch": only_poses,
+                **factor,
+            }  # fmt: skip
+            found[see, count, form] = [Run("classification", settings | {"seed": seed}) for seed in range(plan.seeds)]
     return found
 
 
