@@ -28,6 +28,11 @@ class UNISG_OT_generate(bpy.types.Operator):
     seed: bpy.props.IntProperty(name="Seed", description="-1: another result each time", default=-1, min=-1)
     bulk: bpy.props.BoolProperty(name="All at once", description="Propose all places together: faster, less tidy")
 
+    on: bpy.props.StringProperty(name="On", description="Name of an object on which all are wanted; empty: anywhere")
+    beside: bpy.props.StringProperty(
+        name="Beside", description="Name of an object beside which all are wanted; empty: anywhere"
+    )
+
     behaviour: bpy.props.BoolProperty(
         name="With actions",
         description="Give the objects the actions that the lesson lacks, and extend it by them; spare things get none",
@@ -103,8 +108,9 @@ class UNISG_OT_generate(bpy.types.Operator):
         counts = parse_counts(self.add)
         self._began, self._done, self._total = time.perf_counter(), 0, sum(counts.values())
         self._steps = generator.steps(
-            read_scene(context.scene), counts, self.seed, bulk=self.bulk, behaviour=self.behaviour
-        )
+            read_scene(context.scene), counts, self.seed, bulk=self.bulk, behaviour=self.behaviour, on=self.on,
+            beside=self.beside,
+        )  # fmt: skip
         self._result: Any = None
 
     def _advance(self, seconds: float) -> bool:

@@ -76,6 +76,16 @@ class UNISG_GenerationSettings(bpy.types.PropertyGroup):
         name="All at once", description="Propose all places together instead of one after another: faster, less tidy"
     )
 
+    where: bpy.props.EnumProperty(
+        name="Where",
+        description="Where the new objects are wanted",
+        items=(
+            ("ANYWHERE", "Anywhere", "Where the model thinks they belong"),
+            ("ON", "On Active", "On the active object"),
+            ("BESIDE", "Beside Active", "Beside the active object, within half a metre if there is room"),
+        ),
+    )
+
     behaviour: bpy.props.BoolProperty(
         name="With actions",
         description="Give the objects the actions that the lesson lacks, and extend it by them; spare things get none",

@@ -41,16 +41,22 @@ class UNISG_PT_generate(SidebarPanel, bpy.types.Panel):
         row = layout.row(align=True)
         row.prop(settings, "seed")
         row.prop(settings, "bulk", toggle=True)
+        layout.row().prop(settings, "where", expand=True)
         layout.prop(settings, "behaviour")
-        wanted = settings.wanted()
+        wanted, active = settings.wanted(), context.active_object
         column = layout.column()
-        column.enabled = bool(wanted)
+        column.enabled = bool(wanted) and (settings.where == "ANYWHERE" or active is not None)
         column.scale_y = 1.4
         total = sum(wanted.values())
         text = f"Generate {total} object{'s' * (total != 1)}" if wanted else "Set a count above to generate"
+        if wanted and settings.where != "ANYWHERE":
+            place = settings.where.lower()
+            text = f"{text} {place} {active.name}" if active else f"Select what they are wanted {place}"
         button = column.operator("unisg.generate", text=text, icon="ADD")
         button.model, button.seed, button.bulk = settings.model_file(), settings.seed, settings.bulk
         button.behaviour = settings.behaviour
+        button.on = active.name if active and settings.where == "ON" else ""
+        button.beside = active.name if active and settings.where == "BESIDE" else ""
         button.add = ",".join(f"{name}={count}" for name, count in wanted.items())
         layout.operator("unisg.settle", icon="TRIA_DOWN_BAR")
 

@@ -5,7 +5,8 @@ import pytest
 
 from unisg_blender.evaluate.cases import case_of, hole_of, place_of, without
 from unisg_blender.evaluate.completion import most_common, paired_test, pose_error
-from unisg_blender.evaluate.requested import footprint_gap, is_beside, is_on
+from unisg_blender.evaluate.requested import is_beside, is_on
+from unisg_blender.generate.requests import footprint_gap
 
 from .hand_made import Scene, box_mesh, table_mesh
 
@@ -117,6 +118,6 @@ def test_beside_is_half_a_metre_at_the_same_height(gap, height, good):
 
 def test_gaps_of_turned_footprints():
     square = np.array([0.5, 0.5, 0.5])
-    assert footprint_gap(np.zeros(3), square, 0.0, np.array([1.3, 0, 0, 0]), square) == pytest.approx(0.3)
+    assert footprint_gap(np.zeros(3), square, 0.0, np.array([[1.3, 0, 0, 0]]), square)[0] == pytest.approx(0.3)
     turned = np.array([1.3, 0, 0, np.pi / 4])
-    assert footprint_gap(np.zeros(3), square, 0.0, turned, square) == pytest.approx(0.8 - np.sqrt(0.5))
+    assert footprint_gap(np.zeros(3), square, 0.0, turned[None], square)[0] == pytest.approx(0.8 - np.sqrt(0.5))

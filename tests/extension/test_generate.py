@@ -77,6 +77,19 @@ def test_same_seed_same_places(room: dict[str, np.ndarray]) -> None:
         np.testing.assert_array_equal(second[uid], world)
 
 
+def test_objects_come_on_and_beside_what_is_named(room: dict[str, np.ndarray]) -> None:
+    table = next(item for item in bpy.context.scene.objects if item.get("unisg_category") == "Instrument Table")
+    assert bpy.ops.unisg.generate(add="Bowl=1", seed=4, on=table.name) == {"FINISHED"}
+    assert bpy.context.active_object.parent == table
+    bin_ = next(item for item in bpy.context.scene.objects if item.get("unisg_category") == "Waste Bin")
+    assert bpy.ops.unisg.generate(add="Stool=1", seed=4, beside=bin_.name) == {"FINISHED"}
+    new = bpy.context.active_object
+    assert new["unisg_category"] == "Stool"
+    assert (new.matrix_world.translation - bin_.matrix_world.translation).length < 1.5
+    with pytest.raises(RuntimeError, match="nothing in the scene is called 'Sofa'"):
+        bpy.ops.unisg.generate(add="Stool=1", beside="Sofa")
+
+
 def test_settles_the_selected_objects_and_nothing_else(room: dict[str, np.ndarray]) -> None:
     stool = next(item for item in bpy.context.scene.objects if item.get("unisg_category") == "Stool")
     uid, stands = stool["unisg_uid"], stool.matrix_world.copy()

@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 from tests.generate.rooms import at, box, room
 from unisg_blender.generate.anchors import _behind_walls
 from unisg_blender.generate.boards import board_at, boards_of
 from unisg_blender.generate.context import room_of, tokens_for
 from unisg_blender.generate.habits import learn_habits
+from unisg_blender.generate.leaders import find_leaders
 from unisg_blender.generate.order import along, groups, learn_orders, row_order
 from unisg_blender.generate.proposals import Scene, within
-from unisg_blender.generate.spots import Load, Spots, support_arrays
-from unisg_blender.generate.things import things_of
+from unisg_blender.generate.spots import Load, Nearness, Spots, support_arrays
+from unisg_blender.generate.surfaces import Surfaces, rectangles, with_joined
+from unisg_blender.generate.things import Things, things_of
 from unisg_blender.scene import Boxes, SceneBuilder, world_matrices
 
 VOCABULARY = ("Cup", "Floor", "Lamp", "Table", "Wall")
@@ -46,11 +49,60 @@ def test_spots_tell_what_lies_where() -> None:
     table = int(np.flatnonzero(scene.category == 3)[0])
     spots = Spots.of(scene, [table])
     assert spots.board.tolist() == [0, -1]
-    arrays = support_arrays(scene, spots, Load.of(scene, np.ones(len(scene.category), bool)), 0, np.full(3, 0.04), 5)
+    everything, near, half = np.ones(len(scene.category), bool), np.zeros((len(scene.category), 6)), np.full(3, 0.04)
+    arrays = support_arrays(scene, spots, Load.of(scene, everything), near, 0, half, 5)
     np.testing.assert_allclose(arrays["support_content"][0], np.log1p([3, 0, 0, 0, 0, 0]), atol=1e-6)
     assert not arrays["support_content"][1].any()
-    nothing = support_arrays(scene, spots, Load.of(scene, np.zeros(len(scene.category), bool)), 0, np.full(3, 0.04), 5)
+    nothing = support_arrays(scene, spots, Load.of(scene, ~everything), near, 0, half, 5)
     assert not nothing["support_content"].any()
+
+
+def test_what_stands_near_a_support_is_told_by_category() -> None:
+    scene = scene_of(1)
+    table, floor = (int(np.flatnonzero(scene.category == number)[0]) for number in (3, 1))
+    everything = np.ones(len(scene.category), bool)
+    nearness = Nearness.of(scene)
+    found = nearness.by_kind(scene, everything, 5)
+    walls = np.flatnonzero(scene.category == 4)
+    assert set(nearness.thing.tolist()) == {table, *walls.tolist()}  # what stands on the floor
+    assert found[floor, 3] == pytest.approx(1.0)  # the table's middle is over it
+    assert found[table, 3] == 0  # not near itself
+    assert 0 < found[table, 4] < 1
+    cup = int(np.flatnonzero(scene.category == 0)[0])
+    assert found[cup, 3] == pytest.approx(1.0)
+    unseen = everything.copy()
+    unseen[walls] = False
+    assert not nearness.by_kind(scene, unseen, 5)[:, 4].any()
+
+
+def test_a_table_top_of_pieces_is_one_surface_and_steps_are_not() -> None:
+    def tops(places: list[tuple[float, float, float]]) -> Surfaces:
+        center = np.array(places)
+        half = np.tile([0.25, 0.3, 0.02], (len(places), 1))
+        return rectangles(Boxes(center, np.tile(np.eye(3), (len(places), 1, 1)), half, np.ones(len(places), bool)))
+
+    table = with_joined(tops([(-0.5, 0, 0.7), (0.02, 0, 0.7), (0.54, 0, 0.7)]))
+    assert len(table.top) == 4
+    np.testing.assert_allclose(sorted(table.half[0]), [0.3, 0.77])
+    np.testing.assert_allclose(table.center[0], [0.02, 0], atol=1e-9)
+    assert len(with_joined(tops([(-0.5, 0, 0.7), (0.02, 0, 0.5)])).top) == 2  # on two levels
+    assert len(with_joined(tops([(-2.0, 0, 0.7), (2.0, 0, 0.7)])).top) == 2  # far apart
+
+
+def test_leaders_are_those_from_whom_others_can_be_told() -> None:
+    rng, scenes = np.random.default_rng(0), []
+    for _ in range(40):
+        table, yaw = rng.uniform(-3, 3, 2), rng.uniform(-np.pi, np.pi)
+        turn = np.array([[np.cos(yaw), -np.sin(yaw)], [np.sin(yaw), np.cos(yaw)]])
+        chairs = table + (turn @ np.array([[0.0, 0.0], [1.0, -1.0]])).T + rng.normal(0, 0.02, (2, 2))
+        bin_place = rng.uniform(-3, 3, 2)
+        center = np.column_stack([np.vstack([[0, 0], table, chairs, bin_place]), np.zeros(5)])
+        turns = np.array([0.0, yaw, yaw, yaw, 0.0])
+        kinds, support = np.array([0, 1, 2, 2, 3]), np.array([-1, 0, 0, 0, 0])
+        none = Boxes(np.zeros((0, 3)), np.zeros((0, 3, 3)), np.zeros((0, 3)), np.zeros(0, bool))
+        owner = np.zeros(0, np.int64)
+        scenes.append(Things(np.arange(5), kinds, support, center, np.ones((5, 3)), turns, none, owner, ()))
+    assert find_leaders(scenes, ("Floor", "Table", "Chair", "Bin")) == ["Table"]
 
 
 def test_things_are_ordered_by_level_and_rows_from_end_to_end() -> None:

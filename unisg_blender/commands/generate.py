@@ -27,6 +27,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--scene", metavar="IN", type=Path, help="scene file to complete (default: an empty scene)")
     parser.add_argument("--add", metavar="WHAT", help='such as "Scalpel=2,Monitor=1" (default: a whole room)')
+    parser.add_argument("--on", metavar="NAME", default="", help="thing of the scene on which all of it is wanted")
+    parser.add_argument("--beside", metavar="NAME", default="", help="thing of the scene beside which it is wanted")
     parser.add_argument("--out", metavar="OUT", type=Path, required=True, help="file to write: .blend, .usda or .json")
     parser.add_argument("--seed", type=int, help="same seed, same result (default: another result every time)")
     mode = parser.add_mutually_exclusive_group()
@@ -56,8 +58,9 @@ def run(args: argparse.Namespace) -> int:
     counts = asked or generator.sample_counts(np.random.default_rng(args.seed))
     start = time.perf_counter()
     result = generator.add(
-        scene, counts, args.seed, bulk=args.bulk, settle=not args.raw, behaviour=not args.no_behaviour
-    )
+        scene, counts, args.seed, bulk=args.bulk, settle=not args.raw, behaviour=not args.no_behaviour, on=args.on,
+        beside=args.beside,
+    )  # fmt: skip
     spent = time.perf_counter() - start
     _write(args, result)
     report = {"out": str(args.out), **to_report(result), "seconds": round(spent, 4)}
@@ -92,6 +95,8 @@ def _check(args: argparse.Namespace) -> None:
     for path in (args.out, args.render):
         if path is not None and not path.parent.is_dir():
             raise UniSGError(f"there is no folder {path.parent} to write {path.name} to")
+    if (args.on or args.beside) and (args.scene is None or args.add is None):
+        raise UniSGError("--on and --beside need a --scene that has such a thing, and --add for what is wanted there")
     if args.scene is not None:
         check_kinds(args.scene, args.out if args.render is None else args.out.with_suffix(".blend"))
         if not args.scene.is_file():

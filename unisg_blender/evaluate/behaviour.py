@@ -26,6 +26,7 @@ from collections.abc import Callable, Iterable, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..dataset.assets import STRUCTURE, thing_of
 from ..errors import UniSGError
@@ -122,6 +123,19 @@ def compare_behaviour(
         progress(name)
         rows.append(measure_behaviour(name, some, make, kinds, seed, play))
     return rows
+
+
+def count_right(generator: Generator, graphs: Sequence[SceneGraph], seed: int = 0) -> NDArray[np.float64]:
+    """Actions taken out, those of them that the model's network makes again right, and made in all, (3,).
+
+    Zeros if there is no behaviour beside the model.
+    """
+    if generator.behaviour is None:
+        return np.zeros(3)
+    make, tally = by_chooser(generator.behaviour), Tally(generator.behaviour.kinds)
+    for number, case in enumerate(behaviour_cases(graphs, seed)):
+        tally.add(case, *make(case, seed + number))
+    return np.array([tally.counts[name] for name in ("wanted", "right", "made")], np.float64)
 
 
 def _is_free(case: BehaviourCase, generator: Generator) -> bool:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..dataset.assets import STRUCTURE, Asset, heading, thing_of
+from ..dataset.assets import STRUCTURE, Asset, heading, owners, thing_of
 from ..scene import SceneGraph, take, world_matrices
 from .scene_support import find_supports
 
@@ -63,8 +63,9 @@ def case_of(graph: SceneGraph, known: Sequence[str]) -> Case | None:
     if not movable.any():
         return None
     assets: dict[str, list[Asset]] = {}
+    owner, world = owners(graph), world_matrices(graph)
     for row in np.flatnonzero(movable):
-        assets.setdefault(graph.category_name(row), []).append(thing_of(graph, int(row)))
+        assets.setdefault(graph.category_name(row), []).append(thing_of(graph, int(row), owner, world))
     shell = without(graph, movable)
     return Case(graph, shell, assets, {name: len(group) for name, group in assets.items()})
 
@@ -119,9 +120,8 @@ def place_of(graph: SceneGraph, row: int) -> NDArray[np.float64]:
     """Place (4,) of an entity: x, y and bottom of its upright box's middle, metres, and its turn, radians."""
     from ..generate.pieces import Piece
 
-    asset = thing_of(graph, row)
-    world = world_matrices(graph)[row]
-    yaw = float(heading(world[:3, :3]))
+    world = world_matrices(graph)
+    x, y, z = Piece(thing_of(graph, row, world=world)).foot
+    yaw = float(heading(world[row, :3, :3]))
     cos, sin = np.cos(yaw), np.sin(yaw)
-    x, y, z = Piece(asset).foot
-    return np.array([*(world[:3, 3] + (cos * x - sin * y, sin * x + cos * y, z)), yaw])
+    return np.array([*(world[row, :3, 3] + (cos * x - sin * y, sin * x + cos * y, z)), yaw])

@@ -21,7 +21,7 @@ from ..scene import SceneGraph, world_matrices
 from .cases import Hole, place_of
 from .furnish import ByCopying, ByModel
 from .realism_features import wrapped
-from .requested import Requested, is_beside, is_on
+from .requested import is_beside, is_on
 
 DRAWS = 5
 TEST_LEVEL = 0.05
@@ -81,11 +81,12 @@ def complete(way: ByModel | ByCopying, hole: Hole, seed: int) -> Completed:
     if not places:
         return NOTHING
     centimetres, degrees = pose_error(places, hole.places)
-    named = _ranked_first(way, hole) or most_common(supports)
+    seen = _seen(hole, way.generator.categories)
+    named = _ranked_first(way, hole, *seen) or most_common(supports)
     kinds = {hole.real.category_name(hole.real.row_of_uid[uid]) for uid in hole.supports}
     kind = hole.real.category_name(hole.real.row_of_uid[named]) if named else ""
     on_top, beside = _requests(way, hole, seed)
-    nll = -log_density(way.generator._proposer, way.generator.categories, hole)
+    nll = -log_density(way.generator._proposer, way.generator.categories, hole, *seen)
     return Completed(centimetres, degrees, float(named in hole.supports), float(kind in kinds), on_top, beside, nll)
 
 
@@ -98,13 +99,12 @@ def pose_error(drawn: Sequence[NDArray[np.float64]], true: NDArray[np.float64]) 
     return 100 * float(far.min()), float(np.degrees(abs(turn)))
 
 
-def _ranked_first(way: ByModel, hole: Hole) -> str:
-    """uid of the support with the highest chance; "" for models that give none."""
+def _ranked_first(way: ByModel, hole: Hole, scene: Scene, uids: Sequence[str]) -> str:
+    """uid of the support with the highest chance; "" for models that give none. See :func:`_seen` for the last two."""
     of = getattr(way.generator._proposer, "support_chances", None)
     if of is None:
         return ""
     generator = way.generator
-    scene, uids = _seen(hole, generator.categories)
     usual = {habit.support for habit in generator.contract.habits.supports[hole.category]}
     kinds = [hole.rest.category_name(hole.rest.row_of_uid[uid]) for uid in uids]
     allowed = np.array([kind in usual for kind in kinds], bool)
@@ -121,21 +121,19 @@ def most_common(names: Sequence[str]) -> str:
 
 def _requests(way: ByModel, hole: Hole, seed: int) -> tuple[float, float]:
     """Whether the thing comes to stand on its old support, and beside its old neighbour, when that is asked for."""
-    place = {uid: number for number, uid in enumerate(_uids(hole.rest))}
-    found = []
-    for target, beside in ((hole.support, False), (hole.neighbour, True)):
-        if target not in place:
+    there, found = set(_uids(hole.rest)), []
+    for target, test in ((hole.support, is_on), (hole.neighbour, is_beside)):
+        if target not in there:
             found.append(np.nan)
             continue
-        near = {"beside": place[target], "on": place.get(hole.support, -1)} if beside else {"on": place[target]}
-        graph, row = way.fill(hole, seed, Requested(way.generator._proposer, **near))
-        test = is_beside if beside else is_on
+        request = {"on": target} if test is is_on else {"beside": target}
+        graph, row = way.fill(hole, seed, **request)
         found.append(float(row >= 0 and test(graph, row, target)))
     return found[0], found[1]
 
 
 def _uids(graph: SceneGraph) -> list[str]:
-    """uids of the scene's things in the order in which a proposer sees them."""
+    """uids of the scene's things."""
     rows = thing_rows(graph)
     return [graph.uid[row] for row in np.unique(rows[rows >= 0])]
 
@@ -146,12 +144,16 @@ def _seen(hole: Hole, vocabulary: tuple[str, ...]) -> tuple[Scene, list[str]]:
     return Scene.of(things, world_matrices(hole.rest)[things.row]), [hole.rest.uid[row] for row in things.row]
 
 
-def log_density(proposer: Proposer, vocabulary: tuple[str, ...], hole: Hole) -> float:
-    """Log-density of where the thing was, given what it stood on, nats; NaN for proposers without a density."""
+def log_density(
+    proposer: Proposer, vocabulary: tuple[str, ...], hole: Hole, scene: Scene, uids: Sequence[str]
+) -> float:
+    """Log-density of where the thing was, given what it stood on, nats; NaN for proposers without a density.
+
+    ``scene`` and ``uids`` are the half-emptied room as the proposer sees it.
+    """
     of = getattr(proposer, "log_density", None)
     if of is None:
         return np.nan
-    scene, uids = _seen(hole, vocabulary)
     if hole.support not in uids:
         return np.nan
     category = vocabulary.index(hole.category)

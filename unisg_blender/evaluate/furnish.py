@@ -38,15 +38,20 @@ class ByModel:
     def furnish(self, case: Case, seed: int) -> Furnished:
         """The whole room, thing by thing."""
         start = time.process_time()
-        made = self.generator.add(case.shell, case.wanted, seed, settle=self.settle, assets=case.assets)
+        made = self.generator.add(
+            case.shell, case.wanted, seed, settle=self.settle, assets=case.assets, behaviour=False
+        )
         return Furnished(made.scene, len(made.refused), _per_thing(start, case))
 
-    def fill(self, hole: Hole, seed: int, proposer: Proposer | None = None) -> tuple[SceneGraph, int]:
-        """One thing back into a half-emptied room: the scene and the row, -1 if it was refused."""
-        generator = self.generator if proposer is None else Generator(self.generator.model, proposer)
-        made = generator.add(
-            hole.rest, {hole.category: 1}, seed, settle=self.settle, assets={hole.category: [hole.asset]}
-        )
+    def fill(self, hole: Hole, seed: int, on: str = "", beside: str = "") -> tuple[SceneGraph, int]:
+        """One thing back into a half-emptied room: the scene and the row, -1 if it was refused.
+
+        ``on`` and ``beside`` are uids of what it is asked for on or beside, "" for anything.
+        """
+        made = self.generator.add(
+            hole.rest, {hole.category: 1}, seed, settle=self.settle, assets={hole.category: [hole.asset]},
+            behaviour=False, on=on, beside=beside,
+        )  # fmt: skip
         new = made.rows[[made.scene.category_name(row) == hole.category for row in made.rows]]
         return made.scene, int(new[0]) if len(new) else -1
 

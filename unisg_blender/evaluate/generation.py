@@ -17,10 +17,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..dataset.reader import open_dataset
+from ..generate.behaviour import behaviour_path
+from .behaviour import count_right
 from .measure import VERSION, Arrays, features_of, joined, measure_rooms, split_ragged, training_layouts
 from .realism import FOLDS, LEVELS, NOISES, TREES, c2st
 from .realism_features import VERSION as FEATURES_VERSION
-from .rows import LEARNED, Data, RowSpec, table_rows, training_rooms, vocabulary_of
+from .rows import LEARNED, Data, RowSpec, generator_of, table_rows, test_rooms, training_rooms, vocabulary_of
 from .scene_metrics import overlapping_categories
 from .summary import Measured, Row, row_of
 from .variety import Rooms, mean_pairwise, nearest_distances
@@ -72,10 +74,13 @@ def compare(plan: Plan, folder: Path, jobs: int, progress: Progress = lambda *_:
     found = _measured(plan, rows, depends, sums, folder, jobs, progress)
     judged = _judged(plan, rows, found, depends, sums, folder, jobs, progress)
     layouts = _training_layouts(plan, depends, folder, jobs, progress)
+    acted = _acted(plan, rows, depends, sums, folder, jobs, progress)
     progress("comparing layouts", 0, 1)
     real = next(spec for spec in rows if spec.kind == "real")
     variety = {key: _variety(arrays, layouts, len(vocabulary_of(plan.data))) for key, arrays in found.items()}
-    measured = {key: Measured(found[key], judged.get(key, {}), *variety[key]) for key in found}
+    measured = {
+        key: Measured(found[key], judged.get(key, {}), *variety[key], acted.get(key, float("nan"))) for key in found
+    }
     progress("comparing layouts", 1, 1)
     best = next((spec for spec in rows if spec.kind == "model" and spec.settle), real)
     reference, ours = measured[real, plan.first_seed], [measured[best, seed] for seed in plan.seeds_of(best)]
@@ -116,8 +121,6 @@ def _allowed(data: Data, depends: dict[str, Any], folder: Path) -> frozenset[tup
 
 
 def _overlapping(data: Data) -> Arrays:
-    from .rows import test_rooms
-
     names = vocabulary_of(data)
     pairs = overlapping_categories(training_rooms(data, LEARNED) or test_rooms(data), parts=True)
     known = [(names.index(a), names.index(b)) for a, b in sorted(pairs) if a in names and b in names]
@@ -153,6 +156,34 @@ def told_apart(
     """:func:`~.realism.c2st` of measured rooms."""
     right = c2st(features_of(real), features_of(made), level, noise, vocabulary, seed, trees)
     return {"right": right}
+
+
+def _acted(
+    plan: Plan, rows: Sequence[RowSpec], depends: dict[str, Any], sums: dict[str, str], folder: Path, jobs: int,
+    progress: Progress,
+) -> dict[Key, float]:  # fmt: skip
+    """Recall of the actions of the model's settled row, by seed; nothing if no behaviour lies beside it."""
+    beside = behaviour_path(plan.model)
+    own = [spec for spec in rows if spec.model == str(plan.model) and spec.settle]
+    if not own or not beside.is_file():
+        return {}
+    seeds, count = list(plan.seeds_of(own[0])), min(plan.data.scenes, len(open_dataset(plan.data.tests)))
+    lots = [tuple(range(start, min(start + LOT, count))) for start in range(0, count, LOT)]
+    model = [sums[str(plan.model)], _sum_of(str(beside))]
+    tasks = [
+        Task(behaviour_of_rooms, (own[0], plan.data, seed, lot), depends | {"model": model, "seed": seed, "lot": lot})
+        for seed in seeds
+        for lot in lots
+    ]
+    results = run_all(tasks, folder, jobs, lambda done: progress("behaviour", done, len(tasks)))
+    totals = np.array([part["counts"] for part in results]).reshape(len(seeds), len(lots), 3).sum(axis=1)
+    return {(own[0], seed): right / wanted for seed, (wanted, right, _) in zip(seeds, totals, strict=True) if wanted}
+
+
+def behaviour_of_rooms(spec: RowSpec, data: Data, seed: int, numbers: Sequence[int]) -> Arrays:
+    """:func:`~.behaviour.count_right` of some test rooms."""
+    rooms = [test_rooms(data)[number] for number in numbers]
+    return {"counts": count_right(generator_of(spec.model), rooms, 1000 * seed + numbers[0])}
 
 
 def _training_layouts(plan: Plan, depends: dict[str, Any], folder: Path, jobs: int, progress: Progress) -> Rooms | None:

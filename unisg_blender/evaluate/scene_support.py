@@ -33,10 +33,11 @@ def find_supports(graph: SceneGraph) -> Supports:
     The relations ``on_top_of``, ``inside`` and ``hangs_from`` count; an entity may
     have several. Entities without either have no entry.
     """
-    ancestor = np.full(len(graph), -1, np.int64)
-    for child, above in enumerate(graph.parent):  # parents come first
-        if above >= 0:
-            ancestor[child] = above if graph.mesh[above] >= 0 else ancestor[above]
+    solid = (graph.mesh >= 0).tolist()
+    carrier: list[int] = []
+    for above in graph.parent.tolist():  # parents come first
+        carrier.append(above if above < 0 or solid[above] else carrier[above])
+    ancestor = np.array(carrier, np.int64)
     row, on, hangs = np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros(0, bool)
     relations = graph.components.get("relations")
     if relations is not None:

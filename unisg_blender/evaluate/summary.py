@@ -26,12 +26,16 @@ NAMES = {
 
 @dataclass(frozen=True, eq=False)
 class Measured:
-    """One row and seed: arrays of :mod:`.measure`, the classifiers' right answers, distances of :mod:`.variety`."""
+    """One row and seed: arrays of :mod:`.measure`, the classifiers' right answers, distances of :mod:`.variety`.
+
+    ``behaviour`` is the recall of actions, NaN for rows without.
+    """
 
     found: Arrays
     judged: Mapping[str, NDArray[np.float64]]
     nearest: NDArray[np.float64]
     pairwise: float
+    behaviour: float = np.nan
 
 
 @dataclass(frozen=True)
@@ -92,6 +96,7 @@ def _values(one: Measured, real: Measured) -> dict[str, float]:
     if np.isfinite(real.nearest).all() and (one.nearest > 0).any():  # not of the training rooms themselves
         values["novelty"] = float((one.nearest > novelty_limit(real.nearest)).mean())
     values["diversity"] = one.pairwise / real.pairwise
+    values["behaviour"] = one.behaviour
     for place, name in enumerate(Completed.FIELDS):
         column = one.found["completion"][:, place]
         middle = np.nanmedian if name in ("centimetres", "degrees") else np.nanmean

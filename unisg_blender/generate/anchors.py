@@ -8,13 +8,13 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import i0e
+from scipy.special import i0e, ndtr, ndtri
 
 from .context import Arrays, coming_vector, context_arrays, plan_vector, room_of, tokens_for
 from .model import Model
 from .pieces import Piece
 from .proposals import Proposals, Scene
-from .spots import Load, Spots, support_arrays
+from .spots import Load, Nearness, Spots, support_arrays
 
 COMPONENTS = 48
 MOST_SPOTS = 3
@@ -22,6 +22,12 @@ MOST_SPOTS = 3
 
 ALIGNED, SNAP = np.exp(8.0), np.radians(4)
 """A heading of at least this concentration within so many radians of its token's axes is meant to be along them."""
+
+TAIL = 2.5
+"""Positions are drawn within so many standard deviations: the tails of a normal distribution reach into others."""
+
+CODES = 16
+"""Latent codes over which a density is averaged."""
 
 BEHIND, OUT = 1.5, -50.0
 """Places up to so many metres behind a wall are out of the room, and lose so much of their log weight."""
@@ -87,8 +93,9 @@ class AnchorProposer:
     ) -> Choice:  # fmt: skip
         """Log probabilities of all spots of the ``allowed`` things, bool (K,), of which there is at least one."""
         spots = Spots.of(scene, np.flatnonzero(allowed))
+        near = Nearness.of(scene).by_kind(scene, np.ones(len(allowed), bool), self.unknown)
         inputs = {
-            **_batch(support_arrays(scene, spots, load, category, half, self.unknown)),
+            **_batch(support_arrays(scene, spots, load, near, category, half, self.unknown)),
             "target_category": np.array([category], np.int64),
             "target_half": half[None].astype(np.float32),
             "coming": coming_vector(coming, self.unknown)[None],
@@ -108,31 +115,35 @@ class AnchorProposer:
         return found
 
     def log_density(self, scene: Scene, category: int, piece: Piece, support: int, place: NDArray[np.float64]) -> float:
-        """Log-density of position and heading of a place (4,) given its height on a support, nats (metres, radians)."""
+        """Log-density of position and heading of a place (4,) given its height on a support, nats (metres, radians).
+
+        With a latent code: of the mean over :data:`CODES` draws of it.
+        """
         board = scene.board_of(float(place[2]), support) if support >= 0 else -1
-        seen = np.ones(len(scene.category), bool)
-        spot = support, board
-        inputs, mixture = self.density(scene, seen, category, piece.half, float(place[2]), spot, Row({}, 0.0))
-        if not mixture:
+        inputs = self._inputs(scene, category, piece.half, float(place[2]), (support, board), Row({}, 0.0))
+        if not inputs["box"].shape[1]:
             return float("nan")
-        weight, mean, sigma, heading, kappa = mixture
-        cos, sin = np.repeat(inputs["box"][0, :, 6:], COMPONENTS, axis=0).T.astype(np.float64)
-        offset = place[:2] - mean
-        along = (cos * offset[:, 0] + sin * offset[:, 1]) / sigma[:, 0]
-        across = (cos * offset[:, 1] - sin * offset[:, 0]) / sigma[:, 1]
-        at = -0.5 * (along**2 + across**2) - np.log(sigma).sum(axis=1) - np.log(2 * np.pi)
-        turned = kappa * (np.cos(place[3] - heading) - 1) - np.log(2 * np.pi * i0e(kappa))
-        return float(np.logaddexp.reduce(weight + at + turned))
+        rng, found = np.random.default_rng(0), []
+        for _ in range(CODES if self.model.contract.latent else 1):
+            found.append(_log_density(inputs, self._mixture(inputs, rng), place))
+        return float(np.logaddexp.reduce(found) - np.log(len(found)))
 
     def density(
-        self, scene: Scene, seen: NDArray[np.bool_], category: int, half: NDArray[np.float64], bottom: float,
-        spot: tuple[int, int], row: Row,
+        self, scene: Scene, category: int, half: NDArray[np.float64], bottom: float, spot: tuple[int, int], row: Row,
+        rng: np.random.Generator,
     ) -> tuple[Arrays, list[NDArray[np.float64]]]:  # fmt: skip
         """The network's inputs and the mixture (:data:`PLACED`) over places on a spot at a height, metres."""
+        inputs = self._inputs(scene, category, half, bottom, spot, row)
+        return inputs, self._mixture(inputs, rng) if inputs["box"].shape[1] else []
+
+    def _inputs(
+        self, scene: Scene, category: int, half: NDArray[np.float64], bottom: float, spot: tuple[int, int], row: Row
+    ) -> Arrays:
         support, board = spot
+        seen = np.ones(len(scene.category), bool)
         tokens = tokens_for(scene, seen, support, board, bottom, half)
         plan = plan_vector(scene, seen, category, support, board, half, row.counts, row.area)
-        inputs: dict[str, Any] = {
+        return {
             **_batch(context_arrays(scene, tokens, category, support, board, self.unknown)),
             "target_category": np.array([category], np.int64),
             "target_half": half[None].astype(np.float32),
@@ -141,13 +152,14 @@ class AnchorProposer:
             "row": coming_vector(row.counts, self.unknown)[None],
             "mask": np.ones((1, len(tokens)), np.float32),
         }
-        if not len(tokens):
-            return inputs, []
-        weight, mean, *rest = self._run(inputs, *PLACED)
-        kept = weight + np.where(
-            _behind_walls(inputs["box"][0], inputs["flags"][0], mean, float(half[:2].min())), OUT, 0.0
-        )
-        return inputs, [kept - np.logaddexp.reduce(kept), mean, *rest]
+
+    def _mixture(self, inputs: Arrays, rng: np.random.Generator) -> list[NDArray[np.float64]]:
+        """The mixture for one latent code; places behind walls have next to no weight."""
+        code = rng.standard_normal((1, self.model.contract.latent)).astype(np.float32)
+        weight, mean, *rest = self._run({**inputs, "latent": code}, *PLACED)
+        behind = _behind_walls(inputs["box"][0], inputs["flags"][0], mean, float(inputs["target_half"][0, :2].min()))
+        kept = weight + np.where(behind, OUT, 0.0)
+        return [kept - np.logaddexp.reduce(kept), mean, *rest]
 
     def propose_on(
         self, scene: Scene, category: int, piece: Piece, count: int, rng: np.random.Generator,
@@ -156,19 +168,19 @@ class AnchorProposer:
         """``count`` proposals on one spot (thing, board); thing -1 is the ground."""
         support = spot[0]
         bottoms = self._bottoms(scene, spot, count, rng, choice)
-        seen = np.ones(len(scene.category), bool)
-        inputs, mixture = self.density(scene, seen, category, piece.half, float(np.median(bottoms)), spot, row)
+        inputs, mixture = self.density(scene, category, piece.half, float(np.median(bottoms)), spot, row, rng)
         if not mixture:
             return Proposals(np.full(count, support), _around_origin(bottoms, rng))
         weight, mean, sigma, heading, kappa = mixture
         total = np.cumsum(np.exp(weight))
         part = np.searchsorted(total, rng.random(count) * total[-1]).clip(max=len(total) - 1)
         box = inputs["box"][0, part // COMPONENTS].astype(np.float64)
-        noise = rng.standard_normal((count, 2)) * sigma[part]
+        noise = ndtri(rng.uniform(ndtr(-TAIL), ndtr(TAIL), (count, 2))) * sigma[part]
         x = mean[part, 0] + box[:, 6] * noise[:, 0] - box[:, 7] * noise[:, 1]
         y = mean[part, 1] + box[:, 7] * noise[:, 0] + box[:, 6] * noise[:, 1]
         turn = rng.vonmises(_wrapped(heading[part]), kappa[part])
-        yaw = _snapped(turn, np.arctan2(box[:, 7], box[:, 6]), kappa[part])
+        axis = np.arctan2(box[:, 7].copy(), box[:, 6].copy())  # of strided columns it varies by the last bit
+        yaw = _snapped(turn, axis, kappa[part])
         return Proposals(np.full(count, support), np.stack([x, y, bottoms, yaw], axis=1))
 
     def _bottoms(
@@ -190,6 +202,18 @@ class AnchorProposer:
 
     def _run(self, inputs: Mapping[str, Any], *outputs: str) -> list[NDArray[np.float64]]:
         return [part[0].astype(np.float64) for part in self.model.run(list(outputs), **inputs)]
+
+
+def _log_density(inputs: Arrays, mixture: list[NDArray[np.float64]], place: NDArray[np.float64]) -> float:
+    """Log-density of a place (4,) in a mixture."""
+    weight, mean, sigma, heading, kappa = mixture
+    cos, sin = np.repeat(inputs["box"][0, :, 6:], COMPONENTS, axis=0).T.astype(np.float64)
+    offset = place[:2] - mean
+    along = (cos * offset[:, 0] + sin * offset[:, 1]) / sigma[:, 0]
+    across = (cos * offset[:, 1] - sin * offset[:, 0]) / sigma[:, 1]
+    at = -0.5 * (along**2 + across**2) - np.log(sigma).sum(axis=1) - np.log(2 * np.pi)
+    turned = kappa * (np.cos(place[3] - heading) - 1) - np.log(2 * np.pi * i0e(kappa))
+    return float(np.logaddexp.reduce(weight + at + turned))
 
 
 def _batch(arrays: Arrays) -> dict[str, Any]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -30,13 +32,14 @@ def boards_of(parts: Boxes, bottom: float) -> NDArray[np.float64]:
         return np.zeros((0, 3))
     tops, lows = part_tops(parts), part_bottoms(parts)
     reach = (np.abs(parts.axes[:, :2, :]) * parts.half[:, None, :]).sum(axis=2)
-    flat = np.abs(parts.axes[:, 2, :]).argmax(axis=1)
-    sides = np.take_along_axis(parts.half, (flat[:, None] + (1, 2)) % 3, axis=1)
-    area = 4 * sides.prod(axis=1)
+    flat, each = np.abs(parts.axes[:, 2, :]).argmax(axis=1), np.arange(len(tops))
+    area = 4 * (parts.half[each, (flat + 1) % 3] * parts.half[each, (flat + 2) % 3])
     order = np.argsort(tops, kind="stable")
-    starts = np.flatnonzero(np.diff(tops[order], prepend=-np.inf) > SAME)
+    rising = tops[order]
+    starts = np.append(0, np.flatnonzero(rising[1:] - rising[:-1] > SAME) + 1)
     total = np.add.reduceat(area[order], starts)
-    largest = np.array([group[area[group].argmax()] for group in np.split(order, starts[1:])])
+    levels = pairwise([*starts.tolist(), len(order)])
+    largest = np.array([order[start:stop][area[order[start:stop]].argmax()] for start, stop in levels])
     kept = np.flatnonzero(total >= SHARE * total.max())
     kept = np.sort(kept[np.argsort(-total[kept], kind="stable")[:MOST]])
     rooms = [_headroom(part, tops, lows, parts.center[:, :2], reach) for part in largest[kept]]

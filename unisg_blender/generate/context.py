@@ -88,12 +88,12 @@ def tokens_for(
 
 def _apart(scene: Scene, parent: int) -> NDArray[np.float64]:
     """How far each thing's middle is from the parent's footprint, or the parent's from the thing's, metres (K,)."""
-    offset = scene.center[:, :2] - scene.center[parent, :2]
+    x, y = (scene.center[:, :2] - scene.center[parent, :2]).T
     found = []
-    for yaw, half in ((scene.yaw[parent], scene.half[parent, :2]), (scene.yaw, scene.half[:, :2])):
+    for yaw, half in ((scene.yaw[parent], scene.half[parent]), (scene.yaw, scene.half.T)):
         cos, sin = np.cos(yaw), np.sin(yaw)
-        local = np.stack([cos * offset[:, 0] + sin * offset[:, 1], cos * offset[:, 1] - sin * offset[:, 0]], axis=1)
-        found.append(np.hypot(*(np.abs(local) - half).clip(0).T))
+        along, across = np.abs(cos * x + sin * y) - half[0], np.abs(cos * y - sin * x) - half[1]
+        found.append(np.hypot(np.maximum(along, 0), np.maximum(across, 0)))
     return np.minimum(*found)
 
 

@@ -12,8 +12,8 @@ from typing import Any
 from ..errors import UniSGError
 from .habits import Habits
 
-VERSION = 2
-SINCE = {"anchors": 2}
+VERSION = 3
+SINCE = {"anchors": 3}
 """The first version of a kind that this software runs, where that is not 1."""
 
 TASK = "generate"

@@ -69,6 +69,7 @@ class Generator:
     def add(
         self, scene: SceneGraph, counts: Mapping[str, int], seed: int | None = None, *, bulk: bool = False,
         settle: bool = True, assets: Mapping[str, Sequence[Asset]] | None = None, behaviour: bool = True,
+        on: str = "", beside: str = "",
     ) -> Generated:  # fmt: skip
         """Add objects to a scene; what is there already stays as it is.
 
@@ -91,13 +92,18 @@ class Generator:
         behaviour
             Give the new objects actions, and these places in the lesson, as far as a model of behaviour
             lies beside this one.
+        on, beside
+            uid or name of a thing of the scene on which, or beside which, all objects are wanted. What finds
+            no room there is refused (on), or stands as near as there is room (beside).
 
         Raises
         ------
         UniSGError
-            For a category that the model does not know, a number below 1, or nothing to add.
+            For a category that the model does not know, a number below 1, nothing to add, or a thing that is not there.
         """
-        steps = self.steps(scene, counts, seed, bulk=bulk, settle=settle, assets=assets, behaviour=behaviour)
+        steps = self.steps(
+            scene, counts, seed, bulk=bulk, settle=settle, assets=assets, behaviour=behaviour, on=on, beside=beside
+        )
         while True:
             try:
                 next(steps)
@@ -108,6 +114,7 @@ class Generator:
     def steps(
         self, scene: SceneGraph, counts: Mapping[str, int], seed: int | None = None, *, bulk: bool = False,
         settle: bool = True, assets: Mapping[str, Sequence[Asset]] | None = None, behaviour: bool = True,
+        on: str = "", beside: str = "",
     ) -> abc.Generator[Placement, None, Generated]:  # fmt: skip
         """As :meth:`add`, object by object: yields each placement, returns the result at the end."""
         _check_counts(counts, self.contract)
@@ -121,6 +128,7 @@ class Generator:
             wanted = [name for name in wanted if name not in STRUCTURE]
             yield from placements
         work = Placing(self._proposer, self.library, self.contract, scene, rng, settle, wanted, assets)
+        work.request(on, beside)
         early = work.propose_all(wanted) if bulk else []
         for planned in map(Planned, range(len(wanted))) if bulk else work.order(wanted):
             proposals = early[planned.number] if bulk else None

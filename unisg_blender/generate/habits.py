@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from ..scene.overlap import nearby_pairs, penetration
+from .leaders import find_leaders
 from .things import CONTACT, Things, covers, part_tops
 
 RESTS, HANGS, BESIDE, INSIDE = "rests", "hangs", "beside", "inside"
@@ -58,6 +59,8 @@ class Habits:
         Counts of the categories (in vocabulary order) in some of the scenes.
     orders
         By "Support>Category": where along such a support the category was found, see :mod:`.order`.
+    leaders
+        Categories that come first on the floor, see :mod:`.leaders`.
     """
 
     supports: dict[str, list[Habit]]
@@ -65,6 +68,7 @@ class Habits:
     overlaps: dict[str, float]
     rooms: list[list[int]]
     orders: dict[str, list[float]] = field(default_factory=dict)
+    leaders: list[str] = field(default_factory=list)
 
     def to_record(self) -> dict[str, Any]:
         """Plain data for JSON."""
@@ -74,7 +78,10 @@ class Habits:
     def from_record(record: dict[str, Any]) -> Habits:
         """The habits of a record; KeyError or TypeError if it is none."""
         supports = {name: [Habit(**habit) for habit in habits] for name, habits in record["supports"].items()}
-        return Habits(supports, record["sizes"], record["overlaps"], record["rooms"], record.get("orders", {}))
+        return Habits(
+            supports, record["sizes"], record["overlaps"], record["rooms"], record.get("orders", {}),
+            record.get("leaders", []),
+        )  # fmt: skip
 
     def habit(self, category: str, support: str) -> Habit | None:
         """How a category stands on a kind of support; None if that was never seen."""
@@ -88,6 +95,7 @@ def learn_habits(scenes: Iterable[Things], vocabulary: Sequence[str], rooms: int
     sizes: dict[str, list[Any]] = defaultdict(list)
     depths: dict[str, list[float]] = defaultdict(list)
     counts = []
+    scenes = list(scenes)
     for number, things in enumerate(scenes):
         counts.append(np.bincount(things.category[things.category >= 0], minlength=len(vocabulary)).tolist())
         for thing in np.flatnonzero(things.category >= 0):
@@ -102,6 +110,7 @@ def learn_habits(scenes: Iterable[Things], vocabulary: Sequence[str], rooms: int
         sizes={name: np.median(sizes[name], axis=0).round(4).tolist() for name in vocabulary if name in sizes},
         overlaps={pair: round(limit, 4) for pair, values in depths.items() if (limit := _tolerance(values)) > _SHALLOW},
         rooms=counts[:: max(1, len(counts) // rooms)][:rooms],
+        leaders=find_leaders(scenes, vocabulary),
     )
 
 

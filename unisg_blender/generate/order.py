@@ -1,8 +1,8 @@
 """In which order things are placed: what holds others first, large before small, and rows from one end to the other.
 
 What holds others is placed first, level by level. Within a level the supports of
-all things are chosen, and then support by support is filled: the floor with large
-things first, others along their length, things of one category together, as one
+all things are chosen, and then support by support is filled: the floor with what
+leads others and then large things first, others along their length, things of one category together, as one
 lays a row of instruments.
 """
 
@@ -36,10 +36,11 @@ def levels(habits: Habits) -> dict[str, int]:
 def in_order(counts: Mapping[str, int], habits: Habits) -> list[str]:
     """One entry per object asked for, in the order of placing."""
     level = levels(habits)
+    first = {name: place for place, name in enumerate(habits.leaders)}
 
-    def key(name: str) -> tuple[int, float, str]:
+    def key(name: str) -> tuple[int, int, float, str]:
         width, depth, _ = habits.sizes.get(name, (0.0, 0.0, 0.0))
-        return level.get(name, 0), -width * depth, name
+        return level.get(name, 0), first.get(name, len(first)), -width * depth, name
 
     return [name for name in sorted(counts, key=key) for _ in range(int(counts[name]))]
 

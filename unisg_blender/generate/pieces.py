@@ -64,8 +64,10 @@ class Piece:
 
     def boxes_at(self, places: NDArray[np.float64]) -> Boxes:
         """World boxes of the parts at places (T, 4): T times P boxes, place by place."""
-        cos, sin, zero, one = np.cos(places[:, 3]), np.sin(places[:, 3]), np.zeros(len(places)), np.ones(len(places))
-        turns = np.stack([cos, -sin, zero, sin, cos, zero, zero, zero, one], axis=1).reshape(-1, 1, 3, 3)
+        cos, sin = np.cos(places[:, 3]), np.sin(places[:, 3])
+        turns = np.zeros((len(places), 1, 3, 3))
+        turns[:, 0, 0, 0], turns[:, 0, 0, 1], turns[:, 0, 1, 0], turns[:, 0, 1, 1] = cos, -sin, sin, cos
+        turns[:, 0, 2, 2] = 1
         center = (turns @ self.parts.center[None, :, :, None])[..., 0] + places[:, None, :3]
         axes = turns @ self.parts.axes[None]
         half = np.broadcast_to(self.parts.half, center.shape)

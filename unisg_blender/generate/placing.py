@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..dataset.assets import STRUCTURE, Asset
+from ..errors import UniSGError
 from ..scene import SceneGraph, world_matrices
 from ..scene.outline import FLOOR, room_outline
 from .anchors import AnchorProposer
@@ -22,6 +23,7 @@ from .library import Library
 from .pieces import Piece
 from .planning import Planned, Planner, usual_kinds
 from .proposals import Proposals, Proposer, Scene
+from .requests import Beside
 from .results import Placement
 from .settle import Support, fitting, rest, search
 from .space import Space
@@ -79,14 +81,32 @@ class Placing:
         self.pieces = self._pieces(wanted, assets or {})
         self.usual = usual_kinds(self.vocabulary, self.habits)
         self.floor = self.vocabulary.index(FLOOR) if FLOOR in self.vocabulary else -2
+        self.on = -1
         self._resting: dict[tuple[str, int], Support] = {}
+
+    def request(self, on: str, beside: str) -> None:
+        """Put all objects on, or beside, the thing with that uid or name; "" for anywhere."""
+        if on:
+            self.on = self._number_of(on)
+        if beside:
+            self.proposer = Beside(self.proposer, self._number_of(beside))
+
+    def _number_of(self, text: str) -> int:
+        if text in self.uids:
+            return self.uids.index(text)
+        found = [number for number, name in enumerate(self.names) if name == text]
+        if not found:
+            raise UniSGError(f"nothing in the scene is called {text!r}: give the name of an object with a category")
+        if len(found) > 1:
+            raise UniSGError(f"{len(found)} things are called {text!r}: give the uid of one ('unisg inspect' shows it)")
+        return found[0]
 
     def order(self, wanted: Sequence[str]) -> Iterator[Planned]:
         """The objects in the order of placing, with the spots planned for them; level by level, as the scene grows."""
-        if not isinstance(self.proposer, AnchorProposer):
+        if self.on >= 0 or not isinstance(self.proposer, AnchorProposer):
             yield from (Planned(number) for number in range(len(wanted)))
             return
-        planner = Planner(self.proposer, self.scene, self.contract, self.pieces, self.rng)
+        planner = Planner(self.proposer, self.scene, self.contract, self.pieces, self.usual, self.rng)
         yield from planner.order(wanted, self.coming)
 
     def _pieces(self, wanted: Sequence[str], assets: Mapping[str, Sequence[Asset]]) -> list[Piece]:
@@ -114,6 +134,8 @@ class Placing:
 
     def _allowed(self, name: str) -> tuple[NDArray[np.bool_], str]:
         """Which things may hold a category, and what to say where none of the usual ones is there."""
+        if self.on >= 0:
+            return np.arange(len(self.scene.category)) == self.on, ""
         usual = self.usual[self.vocabulary.index(name)]
         allowed = usual[self.scene.category]
         if allowed.any() or usual[-1]:
@@ -213,9 +235,10 @@ class Placing:
         self, piece: Piece, name: str, spot: _Spot, names: Names, make_uid: UidMaker, note: str, spent: float
     ) -> Placement:
         category, world = self.vocabulary.index(name), piece.world(spot.place)
-        depth = float(self.space.depth(piece, spot.place[None], category, spot.thing)[0])
+        place = spot.place[None]
+        depth = 0.0 if self.settle else float(self.space.depth(piece, place, category, spot.thing)[0])
         self.scene.add(category, spot.thing, world, piece, spot.place)
-        self.space.add(piece.boxes_at(spot.place[None]), category)
+        self.space.add(piece.boxes_at(place), category)
         own, uid = names.new(name), make_uid(name)
         above, held_by = (self.uids[spot.thing], self.names[spot.thing]) if spot.thing >= 0 else ("", "")
         relation = self._support(name, spot.thing).habit.relation

@@ -43,15 +43,17 @@ def usual_kinds(vocabulary: Sequence[str], habits: Habits) -> NDArray[np.bool_]:
 
 
 class Planner:
-    """Chooses supports with the model, among what the scene has when a level begins."""
+    """Chooses supports with the model, among what the scene has when a level begins.
+
+    ``usual`` is what :func:`usual_kinds` gives for the contract.
+    """
 
     def __init__(
         self, proposer: AnchorProposer, scene: Scene, contract: Contract, pieces: Sequence[Piece],
-        rng: np.random.Generator,
+        usual: NDArray[np.bool_], rng: np.random.Generator,
     ) -> None:  # fmt: skip
-        self.proposer, self.scene, self.contract, self.pieces, self.rng = proposer, scene, contract, pieces, rng
+        self.proposer, self.scene, self.pieces, self.usual, self.rng = proposer, scene, pieces, usual, rng
         self.vocabulary, self.habits = contract.vocabulary, contract.habits
-        self.usual = usual_kinds(self.vocabulary, self.habits)
 
     def order(self, wanted: Sequence[str], coming: Mapping[str, int]) -> Iterator[Planned]:
         """All objects in the order of placing; whoever takes one places it before asking for the next."""

@@ -23,8 +23,8 @@ class Scene:
     ----------
     category, support
         int64 (K,): number in the model's vocabulary (-1 for others), and the thing that holds it (-1: none).
-    world, local
-        (K, 4, 4): matrices of the things' entities in the world, and relative to their supports.
+    world
+        (K, 4, 4): matrices of the things' entities in the world.
     center, half, yaw
         (K, 3), (K, 3), (K,): the upright boxes, as in :class:`~.things.Things`.
     board
@@ -38,7 +38,6 @@ class Scene:
     category: NDArray[np.int64]
     support: NDArray[np.int64]
     world: NDArray[np.float64]
-    local: NDArray[np.float64]
     center: NDArray[np.float64]
     half: NDArray[np.float64]
     yaw: NDArray[np.float64]
@@ -46,21 +45,28 @@ class Scene:
     parts: Callable[[int], Boxes]
     room: object = None
     _boards: dict[int, NDArray[np.float64]] = field(default_factory=dict)
+    _pieces: dict[int, Piece] = field(default_factory=dict)
 
     @staticmethod
     def of(things: Things, world: NDArray[np.float64]) -> Scene:
         """The scene of some things whose entities have ``world`` (K, 4, 4) matrices."""
-        local, none = relative(world, things.support), np.full(len(things), -1, np.int64)
+        none = np.full(len(things), -1, np.int64)
         scene = Scene(
-            things.category, things.support, world, local, things.center, things.half, things.yaw, none,
-            things.parts_of,
-        )  # fmt: skip
+            things.category, things.support, world, things.center, things.half, things.yaw, none, things.parts_of
+        )
         held = np.flatnonzero(things.support >= 0)
         none[held] = [scene.board_of(things.bottom[thing], things.support[thing]) for thing in held]
         return scene
 
+    @property
+    def local(self) -> NDArray[np.float64]:
+        """Matrices (K, 4, 4) relative to the things' supports."""
+        return relative(self.world, self.support)
+
     def boards(self, thing: int) -> NDArray[np.float64]:
         """The boards of a thing, see :func:`~.boards.boards_of`."""
+        if thing in self._pieces:
+            return self._pieces[thing].boards
         if thing not in self._boards:
             bottom = float(self.center[thing, 2] - self.half[thing, 2])
             self._boards[thing] = boards_of(self.parts(thing), bottom)
@@ -75,18 +81,16 @@ class Scene:
     ) -> int:
         """A further thing at a place (4,); returns its number."""
         number, self.room = len(self.category), None
-        above = self.world[support] if support >= 0 else np.eye(4)
         center = place[:3] + np.array([0, 0, piece.half[2]])
         board = self.board_of(float(place[2]), support) if support >= 0 else -1
         self.category = np.append(self.category, category)
         self.support = np.append(self.support, support)
         self.board = np.append(self.board, board)
-        self.local = np.concatenate([self.local, within(above, world)[None]])
         self.world = np.concatenate([self.world, world[None]])
         self.center = np.concatenate([self.center, center[None]])
         self.half = np.concatenate([self.half, piece.half[None]])
         self.yaw = np.append(self.yaw, place[3])
-        self._boards[number] = piece.boards
+        self._pieces[number] = piece
         return number
 
 

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..scene import Boxes
-from ..scene.outline import inside, outside_distance
+from ..scene.outline import inside, next_corners, outside_distance
 from .habits import BESIDE, HANGS, RESTS, Habit
 from .pieces import Piece
 from .space import Space, footprints
+from .surfaces import LEVEL, Surfaces, rectangles, with_joined
 
 OUTSIDE = 0.001
 """Metres by which a footprint may leave the room."""
@@ -40,6 +42,11 @@ class Support:
     floor: bool
     structural: bool = False
 
+    @cached_property
+    def tops(self) -> Surfaces:
+        """The upper sides of its parts."""
+        return with_joined(rectangles(self.surfaces))
+
     @property
     def contact(self) -> str:
         """How the thing is held."""
@@ -54,28 +61,6 @@ class Support:
         return bool(outside_distance(space.outline, self.surfaces.center[:, :2]).min() < NEAR_ROOM)
 
 
-@dataclass(frozen=True, eq=False)
-class Surfaces:
-    """Level rectangles: ``center``, direction ``along`` of the first side, ``half`` (S, 2) each, and height ``top``."""
-
-    center: NDArray[np.float64]
-    along: NDArray[np.float64]
-    half: NDArray[np.float64]
-    top: NDArray[np.float64]
-
-
-def rectangles(parts: Boxes) -> Surfaces:
-    """The upper sides of boxes that have an axis near the vertical."""
-    up = np.abs(parts.axes[:, 2, :]).argmax(axis=1)
-    each = np.arange(len(up))
-    first, second = (up + 1) % 3, (up + 2) % 3
-    along = parts.axes[each, :2, first]
-    along = along / np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-9)
-    half = np.stack([parts.half[each, first], parts.half[each, second]], axis=1)
-    top = parts.center[:, 2] + np.abs(parts.axes[each, 2, up]) * parts.half[each, up]
-    return Surfaces(parts.center[:, :2], along, half, top)
-
-
 def rest(piece: Piece, places: NDArray[np.float64], support: Support, space: Space) -> NDArray[np.float64]:
     """The places (T, 4), each moved as little as need be so that the piece is held the way its habit says."""
     places = places.copy()
@@ -83,7 +68,7 @@ def rest(piece: Piece, places: NDArray[np.float64], support: Support, space: Spa
         if support.thing < 0:
             places[:, 2] = 0.0
         elif len(support.surfaces.center):
-            places = _onto_surface(piece, places, rectangles(support.surfaces), clamp=not support.floor)
+            places = _onto_surface(piece, places, support.tops, clamp=not support.floor)
         if support.floor:
             places = into_room(piece, places, space)
     elif support.contact == HANGS and len(support.surfaces.center):
@@ -125,6 +110,8 @@ def _onto_surface(piece: Piece, places: NDArray[np.float64], tops: Surfaces, cla
     nearest = (np.abs(tops.top - places[:, 2, None]) + 2 * beyond + small).argmin(axis=1)
     result = places.copy()
     result[:, 2] = tops.top[nearest]
+    if len(tops.top) > 1:
+        result[:, 2] = _highest_under(piece, places, local, tops, nearest)
     if not clamp:
         return result
     turn = places[:, 3] - np.arctan2(tops.along[nearest, 1], tops.along[nearest, 0])
@@ -136,12 +123,28 @@ def _onto_surface(piece: Piece, places: NDArray[np.float64], tops: Surfaces, cla
     return result
 
 
+def _highest_under(
+    piece: Piece, places: NDArray[np.float64], local: NDArray[np.float64], tops: Surfaces, nearest: NDArray[np.int64]
+) -> NDArray[np.float64]:
+    """Height (T,) of the highest surface of the nearest one's level under each footprint: a rug is thicker inside.
+
+    ``local`` (T, S, 2) are the places as the surfaces see them.
+    """
+    turn = places[:, 3, None] - np.arctan2(tops.along[:, 1], tops.along[:, 0])
+    cos, sin = np.abs(np.cos(turn)), np.abs(np.sin(turn))
+    reach = np.stack([cos * piece.half[0] + sin * piece.half[1], sin * piece.half[0] + cos * piece.half[1]], axis=2)
+    under = (np.abs(local) < tops.half + reach).all(axis=2)
+    own = tops.top[nearest, None]
+    level = under & (tops.top >= own) & (tops.top <= own + LEVEL)
+    return np.where(level, tops.top, own).max(axis=1)
+
+
 def into_room(piece: Piece, places: NDArray[np.float64], space: Space) -> NDArray[np.float64]:
     """The places pulled into the room's outline where their footprints leave it."""
     if space.outline is None:
         return places
     result = places.copy()
-    start, edge = space.outline, np.roll(space.outline, -1, axis=0) - space.outline
+    start, edge = space.outline, next_corners(space.outline) - space.outline
     for _ in range(4):
         corners = footprints(piece.half, result)
         wrong = ~inside(space.outline, corners)
@@ -207,7 +210,7 @@ def search(
         spread = np.linspace(-1.5, 1.5, SEARCH)
         grid = near[:2] + np.stack(np.meshgrid(spread, spread), axis=-1).reshape(-1, 2)
     else:
-        tops = rectangles(support.surfaces)
+        tops = support.tops
         best = int((np.abs(tops.top - near[2]) - 0.1 * tops.half.prod(axis=1)).argmin())
         across = np.array([-tops.along[best, 1], tops.along[best, 0]])
         straight = np.arctan2(tops.along[best, 1], tops.along[best, 0])

@@ -76,8 +76,7 @@ class Space:
             return found
         low, high = world_bounds(boxes)
         near = np.flatnonzero(((self.low < high.max(axis=0)) & (self.high > low.min(axis=0))).all(axis=1))
-        hit = ((low[:, None] < self.high[near]) & (high[:, None] > self.low[near])).all(axis=2)
-        mine, other = np.nonzero(hit)
+        mine, other = np.nonzero(_meeting(low, high, self.low[near], self.high[near]))
         if len(mine):
             other = near[other]
             owner = self.owner[other]
@@ -106,6 +105,16 @@ def world_bounds(boxes: Boxes) -> tuple[NDArray[np.float64], NDArray[np.float64]
     """Lowest and highest corners (P, 3) of boxes in the world."""
     reach = (np.abs(boxes.axes) @ boxes.half[:, :, None])[:, :, 0]
     return boxes.center - reach, boxes.center + reach
+
+
+def _meeting(
+    low: NDArray[np.float64], high: NDArray[np.float64], other_low: NDArray[np.float64], other_high: NDArray[np.float64]
+) -> NDArray[np.bool_]:
+    """Which of N upright boxes overlap which of M others, bool (N, M); axis by axis: numpy is slow at rows of three."""
+    hit = np.ones((len(low), len(other_low)), bool)
+    for axis in range(3):
+        hit &= (low[:, None, axis] < other_high[:, axis]) & (high[:, None, axis] > other_low[:, axis])
+    return hit
 
 
 def _limits(habits: Habits, vocabulary: Sequence[str]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -13,6 +13,9 @@ from .proposals import Scene
 
 LOAD_WIDTH = 14
 
+NEARBY = 1.0
+"""Metres over which it counts less by a factor of e that something stands near a support."""
+
 
 @dataclass(frozen=True, eq=False)
 class Spots:
@@ -36,20 +39,22 @@ class Spots:
     @staticmethod
     def of(scene: Scene, things: Sequence[int] | NDArray[np.int64]) -> Spots:
         """The spots of some things of a scene."""
+        things = np.asarray(things, np.int64)
+        boards = [scene.boards(number) for number in things.tolist()]
+        count = np.array([len(found) for found in boards], np.int64)
+        elsewhere = np.cumsum(count + 1) - 1
         first = np.full(len(scene.category), -1, np.int64)
-        thing: list[int] = []
-        board: list[int] = []
-        measures = [np.zeros((0, 4))]
-        for number in things:
-            boards = scene.boards(int(number))
-            first[number] = len(thing)
-            thing += [int(number)] * (len(boards) + 1)
-            board += [*range(len(boards)), -1]
-            place = np.arange(len(boards)) / max(len(boards) - 1, 1)
-            half = scene.half[number]
-            inside = np.array([[0.0, 4 * half[0] * half[1], 2 * half[2], 0.0]])
-            measures += [np.column_stack([boards, place]), inside]
-        return Spots(np.array(thing, np.int64), np.array(board, np.int64), np.concatenate(measures), first)
+        first[things] = elsewhere - count
+        thing = np.repeat(things, count + 1)
+        board = np.arange(len(thing)) - first[thing]
+        level = np.ones(len(thing), bool)
+        level[elsewhere] = False
+        measures, half = np.zeros((len(thing), 4)), scene.half[things]
+        measures[level, :3] = np.concatenate([np.zeros((0, 3)), *boards])
+        measures[level, 3] = board[level] / np.repeat(np.maximum(count - 1, 1), count)
+        measures[elsewhere, 1], measures[elsewhere, 2] = 4 * half[:, 0] * half[:, 1], 2 * half[:, 2]
+        board[elsewhere] = -1
+        return Spots(thing, board, measures, first)
 
     def at(self, thing: NDArray[np.int64], board: NDArray[np.int64]) -> NDArray[np.int64]:
         """Numbers of the spots for things int64 (T,) (-1: none) and boards (T,), -1 for none."""
@@ -82,10 +87,56 @@ class Load:
         )  # fmt: skip
 
 
+@dataclass(frozen=True, eq=False)
+class Nearness:
+    """How near to each of K things those J things are that stand on a root: ``share`` (K, J) is 1 where they touch.
+
+    ``thing`` int64 (J,) are their numbers, by category.
+    """
+
+    thing: NDArray[np.int64]
+    share: NDArray[np.float32]
+
+    @staticmethod
+    def of(scene: Scene) -> Nearness:
+        """Of a scene."""
+        held = np.flatnonzero(scene.support >= 0)
+        thing = held[scene.support[scene.support[held]] < 0]
+        thing = thing[np.argsort(scene.category[thing], kind="stable")]
+        offset = scene.center[thing, None, :2] - scene.center[:, :2]
+        gaps = []
+        for yaw, half in (
+            (scene.yaw[None], scene.half[None, :, :2]),
+            (scene.yaw[thing, None], scene.half[thing, None, :2]),
+        ):
+            cos, sin = np.cos(yaw), np.sin(yaw)
+            along = np.abs(cos * offset[..., 0] + sin * offset[..., 1]) - half[..., 0]
+            across = np.abs(cos * offset[..., 1] - sin * offset[..., 0]) - half[..., 1]
+            gaps.append(np.hypot(along.clip(0), across.clip(0)))
+        share = np.exp(-np.minimum(*gaps) / NEARBY)
+        share[np.arange(len(thing)), thing] = 0
+        return Nearness(thing, share.T.astype(np.float32))
+
+    def by_kind(self, scene: Scene, seen: NDArray[np.bool_], unknown: int) -> NDArray[np.float32]:
+        """The nearest of each category that is there, bool (K,), to each thing: (K, C + 1)."""
+        result = np.zeros((len(self.share), unknown + 1), np.float32)
+        there = seen[self.thing]
+        kind = scene.category[self.thing[there]]
+        if len(kind):
+            starts = np.flatnonzero(np.diff(kind, prepend=kind[0] - 1))
+            number = np.where(kind[starts] < 0, unknown, kind[starts])
+            result[:, number] = np.maximum.reduceat(self.share[:, there], starts, axis=1)
+        return result
+
+
 def support_arrays(
-    scene: Scene, spots: Spots, load: Load, category: int, half: NDArray[np.float64], unknown: int
-) -> Arrays:
-    """Inputs for choosing among spots (N,) for a target of half extents (3,): what they are and what lies there."""
+    scene: Scene, spots: Spots, load: Load, near: NDArray[np.float32], category: int, half: NDArray[np.float64],
+    unknown: int,
+) -> Arrays:  # fmt: skip
+    """Inputs for choosing among spots (N,) for a target of half extents (3,): what they are, lies there, and is near.
+
+    ``near`` (K, C + 1) is what :meth:`Nearness.by_kind` says.
+    """
     count, things = len(spots.thing), len(scene.category)
     place = spots.at(load.support, load.board)
     on = place >= 0
@@ -113,4 +164,5 @@ def support_arrays(
         "support_half": own.astype(np.float32),
         "support_load": features.T,
         "support_content": np.log1p(content),
+        "support_near": near[spots.thing],
     }

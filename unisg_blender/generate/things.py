@@ -109,15 +109,15 @@ def thing_rows(graph: SceneGraph) -> NDArray[np.int64]:
 
     A thing is an entity with a category, or one with a mesh that hangs under none.
     """
-    found = np.full(len(graph) + 1, -1, np.int64)
-    for row in range(len(graph)):  # parents come first
-        above = found[graph.parent[row]]
-        inherits = graph.category[row] < 0 and above >= 0 and graph.category[above] >= 0
-        if inherits:
-            found[row] = above
-        elif graph.category[row] >= 0 or graph.mesh[row] >= 0:
-            found[row] = row
-    return found[:-1]
+    category, mesh = graph.category.tolist(), graph.mesh.tolist()
+    found: list[int] = []
+    for row, parent in enumerate(graph.parent.tolist()):  # parents come first
+        above = found[parent] if parent >= 0 else -1
+        if category[row] < 0 and above >= 0 and category[above] >= 0:
+            found.append(above)
+        else:
+            found.append(row if category[row] >= 0 or mesh[row] >= 0 else -1)
+    return np.array(found, np.int64)
 
 
 def upright_box(parts: Boxes, yaw: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -17,11 +17,14 @@ from ..generate.context import chain, coming_vector, context_arrays, plan_vector
 from ..generate.habits import Habits
 from ..generate.order import along, groups, holders, middles, ranks
 from ..generate.proposals import Scene
-from ..generate.spots import Load, Spots, support_arrays
+from ..generate.spots import Load, Nearness, Spots, support_arrays
 from .scenes import TrainingScene
 
 RANDOM_SUBSETS = 0.35
 """Share of examples in which any other things may be missing; in the rest the scene is built up in order."""
+
+BALANCE = 0.75
+"""How far all categories of a scene are targets equally often: 0 as often as they occur, 1 equally often."""
 
 LESS = 0.3
 """Share of examples in which less is still to come than is missing: a user may ask for less than a whole room."""
@@ -59,11 +62,15 @@ class Layout:
         support, category = self.scene.support, self.scene.category
         count = len(support)
         self.targets = np.flatnonzero((category >= 0) & (self.scene.half.max(axis=1) > 0) & (support >= 0))
+        _, kind, times = np.unique(category[self.targets], return_inverse=True, return_counts=True)
+        chance = times[kind] ** -BALANCE
+        self.chance = chance / chance.sum()
         self.above = np.zeros((count, count), bool)
         for thing in range(count):
             self.above[thing, chain(support, thing)] = True
         carriers = np.union1d(np.flatnonzero(order.kinds.any(axis=0)[category]), support[support >= 0])
         self.spots = Spots.of(self.scene, carriers)
+        self.nearness = Nearness.of(self.scene)
         self.truth = self.spots.at(support, self.scene.board)
         share = along(self.scene)
         middle = middles(self.scene, share)
@@ -108,7 +115,7 @@ class Examples(Dataset[dict[str, Any]]):
         """The same for the same numbers; processes that share an epoch ask for different ones."""
         rng = np.random.default_rng((self.seed, *number))
         layout = self.layouts[int(rng.integers(len(self.layouts)))]
-        return example(layout, int(rng.choice(layout.targets)), self.order, rng)
+        return example(layout, int(rng.choice(layout.targets, p=layout.chance)), self.order, rng)
 
 
 def visible_with(layout: Layout, target: int, rng: np.random.Generator) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
@@ -175,7 +182,8 @@ def _choice(
     usual = seen & order.kinds[category][scene.category]
     usual[parent] = True
     among = np.flatnonzero(usual[layout.spots.thing])
-    arrays = support_arrays(scene, layout.spots, Load.of(scene, seen), category, scene.half[target], unknown)
+    near = layout.nearness.by_kind(scene, seen, unknown)
+    arrays = support_arrays(scene, layout.spots, Load.of(scene, seen), near, category, scene.half[target], unknown)
     later = kept & ~seen & (scene.category >= 0)
     later[target] = False
     height = scene.center[target, 2] - scene.half[target, 2] - (scene.center[parent, 2] - scene.half[parent, 2])
@@ -196,7 +204,9 @@ def _shaken(scene: Scene, rng: np.random.Generator, scale: float) -> Scene:
 
 
 TOKEN_KEYS = ("category", "box", "flags")
-SUPPORT_KEYS = ("support_category", "support_holder", "support_half", "support_load", "support_content", "kind")
+SUPPORT_KEYS = (
+    "support_category", "support_holder", "support_half", "support_load", "support_content", "support_near", "kind",
+)  # fmt: skip
 CUTS = (14,)
 """A batch is cut into parts of up to so many tokens, since padding costs time."""
 

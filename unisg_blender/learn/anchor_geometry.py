@@ -13,6 +13,12 @@ PAIR_FEATURES = 28
 TOUCHING = 0.002
 """Metres: things that are equally high, or overlap, by less do not meet."""
 
+BEHIND = 1.5
+"""Metres behind a wall that count as out of the room, for what no wall holds."""
+
+FREE = -10.0
+"""Metres: how deep everything is in what is no obstacle."""
+
 
 def scale_of(box: Tensor, flags: Tensor) -> Tensor:
     """The size of the support, (B, 1): half its longer side; 1 m where there is none."""
@@ -40,6 +46,29 @@ def pair_features(box: Tensor, scale: Tensor) -> Tensor:
     return torch.stack([x / 3, y / 3, *scaled, *waves, turn_cos, turn_sin, *gaps, offset[..., 2], distance / 3], dim=-1)
 
 
+def solid_boxes(box: Tensor, flags: Tensor) -> Tensor:
+    """The tokens' boxes (B, M, 8); walls with :data:`BEHIND` metres behind them, unless a wall holds the target."""
+    inner = flags[..., 4]
+    held_by_wall = (inner.abs() * flags[..., 0]).sum(1, keepdim=True) > 0
+    back = torch.where(held_by_wall, torch.zeros_like(inner), inner) * (BEHIND / 2)
+    x, y, z, long, thick, tall, cos, sin = box.unbind(-1)
+    return torch.stack([x + sin * back, y - cos * back, z, long, thick + back.abs(), tall, cos, sin], dim=-1)
+
+
+def obstacles(
+    box: Tensor, flags: Tensor, mask: Tensor, target_half: Tensor, bottom: Tensor, tolerance: Tensor
+) -> Tensor:
+    """What is added to the depth in each token (B, M): minus the ``tolerance``, or :data:`FREE` for no obstacle.
+
+    Obstacles are as high as the target and do not hold it.
+    """
+    low, high = box[..., 2] - box[..., 5], box[..., 2] + box[..., 5]
+    top = bottom + 2 * target_half[:, 2]
+    level = torch.minimum(high, top.unsqueeze(1)) - torch.maximum(low, bottom.unsqueeze(1))
+    stands = (level > TOUCHING) & (flags[..., 0] + flags[..., 2] == 0) & (mask > 0)
+    return torch.where(stands, -tolerance, FREE)
+
+
 @torch.no_grad()
 def clearances(
     box: Tensor, flags: Tensor, mask: Tensor, target_half: Tensor, bottom: Tensor, tolerance: Tensor, x: Tensor,
@@ -47,38 +76,60 @@ def clearances(
 ) -> tuple[Tensor, Tensor, Tensor, Tensor]:  # fmt: skip
     """How deep the target at places (B, M, 48) in the tokens' frames reaches into others, and out of its support.
 
-    Metres, negative where it is clear, by separating axes of the boxes' footprints; of things
-    that are as high as the target, whose ``bottom`` is (B,), and do not hold it, beyond the
-    ``tolerance`` (B, M) that is usual. Then how far it can go along x and along y to the
+    Metres, negative where it is clear, by separating axes of the boxes' footprints, with the
+    target's ``bottom`` (B,), beyond the ``tolerance`` (B, M) that is usual, see
+    :func:`obstacles`. Then how far it can go along x and along y to the
     nearest of those that it does not meet, at most 10 m.
     """
     p, q = _turned_half(target_half)
-    low, high = box[..., 2] - box[..., 5], box[..., 2] + box[..., 5]
-    top = bottom + 2 * target_half[:, 2]
-    level = torch.minimum(high, top.unsqueeze(1)) - torch.maximum(low, bottom.unsqueeze(1))
-    obstacle = (level > TOUCHING) & (flags[..., 0] + flags[..., 2] == 0) & (mask > 0)
-    blocked = torch.where(obstacle, -tolerance, -10.0)[:, None, None, :]
+    blocked = obstacles(box, flags, mask, target_half, bottom, tolerance)[:, None, None, :]
+    solid = solid_boxes(box, flags)
     cos, sin = box[:, :, None, 6], box[:, :, None, 7]
-    offset = box[:, None, :, :2] - box[:, :, None, :2]
+    offset = solid[:, None, :, :2] - box[:, :, None, :2]
     far_x, far_y = cos * offset[..., 0] + sin * offset[..., 1], cos * offset[..., 1] - sin * offset[..., 0]
-    wide, deep = _extents(box)
+    wide, deep = _extents(box, solid)
     to_x, to_y = x.unsqueeze(-1) - far_x.unsqueeze(2), y.unsqueeze(-1) - far_y.unsqueeze(2)
     into_x = (p + wide.unsqueeze(2)) - to_x.abs() + blocked
     into_y = (q + deep.unsqueeze(2)) - to_y.abs() + blocked
     turn_cos = (cos * box[:, None, :, 6] + sin * box[:, None, :, 7]).unsqueeze(2)
     turn_sin = (cos * box[:, None, :, 7] - sin * box[:, None, :, 6]).unsqueeze(2)
-    own_x = box[:, None, None, :, 3] + p * turn_cos.abs() + q * turn_sin.abs()
-    own_y = box[:, None, None, :, 4] + p * turn_sin.abs() + q * turn_cos.abs()
+    own_x = solid[:, None, None, :, 3] + p * turn_cos.abs() + q * turn_sin.abs()
+    own_y = solid[:, None, None, :, 4] + p * turn_sin.abs() + q * turn_cos.abs()
     into_own = torch.minimum(own_x - (turn_cos * to_x + turn_sin * to_y).abs(),
                              own_y - (turn_cos * to_y - turn_sin * to_x).abs()) + blocked  # fmt: skip
     meets = torch.minimum(torch.minimum(into_x, into_y), into_own).amax(-1)
-    room_x = -torch.where((into_y > TOUCHING) & (into_x <= 0), into_x, -10.0).amax(-1)
-    room_y = -torch.where((into_x > TOUCHING) & (into_y <= 0), into_y, -10.0).amax(-1)
+    room_x = -torch.where((into_y > TOUCHING) & (into_x <= 0), into_x, FREE).amax(-1)
+    room_y = -torch.where((into_x > TOUCHING) & (into_y <= 0), into_y, FREE).amax(-1)
     support = (flags[..., 0] * (flags[..., 5] > 0)).unsqueeze(1)  # what stands on a root may stand anywhere
     out_x = (x - (far_x * support).sum(-1, keepdim=True)).abs() + p[..., 0] - (wide * support).sum(-1, keepdim=True)
     out_y = (y - (far_y * support).sum(-1, keepdim=True)).abs() + q[..., 0] - (deep * support).sum(-1, keepdim=True)
     leaves = torch.maximum(out_x, out_y) * support.sum(-1, keepdim=True)
     return meets.clamp(-1, 1), leaves.clamp(-1, 1), room_x, room_y
+
+
+@torch.no_grad()
+def depths(
+    box: Tensor, flags: Tensor, mask: Tensor, target_half: Tensor, bottom: Tensor, tolerance: Tensor,
+    position: Tensor, heading: Tensor,
+) -> Tensor:  # fmt: skip
+    """How deep the target reaches into others at positions (B, S, 2) and headings (B, S) in the world, metres (B, S).
+
+    As :func:`clearances` says it, for any heading.
+    """
+    solid = solid_boxes(box, flags)[:, None]
+    blocked = obstacles(box, flags, mask, target_half, bottom, tolerance)[:, None]
+    cos, sin = solid[..., 6], solid[..., 7]
+    own_cos, own_sin = heading.cos().unsqueeze(-1), heading.sin().unsqueeze(-1)
+    turn_cos, turn_sin = (cos * own_cos + sin * own_sin).abs(), (cos * own_sin - sin * own_cos).abs()
+    half_x, half_y = target_half[:, None, :1], target_half[:, None, 1:2]
+    dx, dy = (position[:, :, None] - solid[..., :2]).unbind(-1)
+    apart = [
+        solid[..., 3] + half_x * turn_cos + half_y * turn_sin - (cos * dx + sin * dy).abs(),
+        solid[..., 4] + half_x * turn_sin + half_y * turn_cos - (cos * dy - sin * dx).abs(),
+        half_x + solid[..., 3] * turn_cos + solid[..., 4] * turn_sin - (own_cos * dx + own_sin * dy).abs(),
+        half_y + solid[..., 3] * turn_sin + solid[..., 4] * turn_cos - (own_cos * dy - own_sin * dx).abs(),
+    ]
+    return (torch.stack(apart).amin(0) + blocked).amax(-1)
 
 
 def _turned_half(target_half: Tensor) -> tuple[Tensor, Tensor]:
@@ -89,20 +140,21 @@ def _turned_half(target_half: Tensor) -> tuple[Tensor, Tensor]:
     return p[:, None, :, None], q[:, None, :, None]
 
 
-def _extents(box: Tensor) -> tuple[Tensor, Tensor]:
-    """Half extents (B, M, M) of token j along the axes of token i."""
+def _extents(box: Tensor, solid: Tensor) -> tuple[Tensor, Tensor]:
+    """Half extents (B, M, M) of the solid box of token j along the axes of token i."""
     cos, sin = box[:, :, None, 6], box[:, :, None, 7]
     turn_cos = (cos * box[:, None, :, 6] + sin * box[:, None, :, 7]).abs()
     turn_sin = (cos * box[:, None, :, 7] - sin * box[:, None, :, 6]).abs()
-    wide = turn_cos * box[:, None, :, 3] + turn_sin * box[:, None, :, 4]
-    return wide, turn_sin * box[:, None, :, 3] + turn_cos * box[:, None, :, 4]
+    wide = turn_cos * solid[:, None, :, 3] + turn_sin * solid[:, None, :, 4]
+    return wide, turn_sin * solid[:, None, :, 3] + turn_cos * solid[:, None, :, 4]
 
 
-def base_places(box: Tensor, flags: Tensor, target_half: Tensor) -> tuple[Tensor, Tensor, Tensor]:
+def base_places(box: Tensor, flags: Tensor, target_half: Tensor, bottom: Tensor) -> tuple[Tensor, Tensor, Tensor]:
     """Base places in each token's frame, x and y (B, M, 48) metres, and their headings (48,) radians.
 
     Component ``p * 4 + t`` is place p with the target turned t quarters. Neighbours
-    have the target flush to a side, at either end or in the middle; the support has
+    have the target flush to a side, at either end or in the middle; the support, and
+    what is wholly above or below a target with this ``bottom`` (B,), has
     it in a 3 x 3 grid on itself and between; walls along their inner side, touching
     or half a metre off.
     """
@@ -122,8 +174,12 @@ def base_places(box: Tensor, flags: Tensor, target_half: Tensor) -> tuple[Tensor
     inner = flags[..., 4, None]
     wall_x = row([-1, -0.75, -0.5, -0.25, 0, 0.25, 0.5, 0.75, 1, -0.6, 0, 0.6]) * (a - p).clamp(min=0)
     wall_y = inner * (b + q + row([0.0] * 9 + [0.5] * 3))
-    parent, wall = flags[..., 0, None], inner.abs()
-    free = (1 - wall) * (1 - parent)
-    x = wall * wall_x + (1 - wall) * parent * on_x + free * beside_x
-    y = wall * wall_y + (1 - wall) * parent * on_y + free * beside_y
+    low, high = box[..., 2] - box[..., 5], box[..., 2] + box[..., 5]
+    top = bottom + 2 * target_half[:, 2]
+    clear = (torch.minimum(high, top.unsqueeze(1)) - torch.maximum(low, bottom.unsqueeze(1)) <= TOUCHING).to(box.dtype)
+    wall = inner.abs()
+    over = (1 - wall) * torch.maximum(flags[..., 0, None], clear.unsqueeze(-1))
+    free = (1 - wall) * (1 - over)
+    x = wall * wall_x + over * on_x + free * beside_x
+    y = wall * wall_y + over * on_y + free * beside_y
     return x, y, quarter * (math.pi / 2)

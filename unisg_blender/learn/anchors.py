@@ -20,6 +20,7 @@ from torch import Tensor, nn
 from ..generate.context import FLAGS, PLAN_WIDTH
 from ..generate.spots import LOAD_WIDTH
 from .anchor_geometry import PAIR_FEATURES, PLACES, TURNS, base_places, clearances, pair_features, scale_of
+from .anchor_latent import LATENT, PoseEncoder
 
 COMPONENTS = PLACES * TURNS
 LEVELS = 6
@@ -28,7 +29,7 @@ LOG_KAPPA = (-2.0, 9.0)
 CLEARANCES = (0.004, 0.02, 0.1)
 """Metres: the scales on which the scores of places are told how far they are from the nearest obstacle."""
 
-ROOM_SIGMAS = 1.5
+ROOM_SIGMAS = 2.5
 """A place spreads to each side by so many sigmas at most before it meets an obstacle."""
 
 
@@ -42,6 +43,7 @@ class AnchorSizes:
     heads: int = 4
     layers: int = 2
     pair: int = 32
+    latent: int = LATENT
 
 
 class AnchorModel(nn.Module):
@@ -53,11 +55,12 @@ class AnchorModel(nn.Module):
         self.embedding = nn.Embedding(sizes.categories + 1, sizes.embedding)
         self.tolerance: Tensor
         self.register_buffer("tolerance", torch.zeros(sizes.categories + 1, sizes.categories + 1))
-        both = 5 * sizes.embedding + 6 + 6 + LOAD_WIDTH
+        both = 6 * sizes.embedding + 6 + 6 + LOAD_WIDTH
         self.support = nn.Sequential(nn.Linear(both, 96), nn.GELU(), nn.Linear(96, 64), nn.GELU())
         self.support_score = nn.Linear(64, 1)
         self.height = nn.Linear(64, LEVELS * 5)
-        self.target = nn.Linear(2 * sizes.embedding + 6 + PLAN_WIDTH, sizes.width)
+        self.target = nn.Linear(2 * sizes.embedding + 6 + PLAN_WIDTH + sizes.latent, sizes.width)
+        self.encoder = PoseEncoder(sizes.embedding, FLAGS, sizes.latent) if sizes.latent else None
         self.token = nn.Linear(sizes.embedding + 6 + 6 + FLAGS, sizes.width)
         self.pair = nn.Sequential(nn.Linear(PAIR_FEATURES, sizes.pair), nn.GELU(), nn.Linear(sizes.pair, sizes.pair))
         self.layers = nn.ModuleList(_PairAttention(sizes) for _ in range(sizes.layers))
@@ -72,6 +75,7 @@ class AnchorModel(nn.Module):
     def choose(
         self, target_category: Tensor, target_half: Tensor, coming: Tensor, support_category: Tensor,
         support_holder: Tensor, support_half: Tensor, support_load: Tensor, support_content: Tensor,
+        support_near: Tensor,
     ) -> tuple[Tensor, Tensor, Tensor, Tensor]:  # fmt: skip
         """Scores of K spots for B targets, and for each the mixture of heights above its thing's bottom.
 
@@ -84,7 +88,7 @@ class AnchorModel(nn.Module):
         mine = torch.cat([self.embedding(target_category), _size_features(target_half), ahead], dim=-1)
         there = torch.cat([
             self.embedding(support_category), self.embedding(support_holder), _size_features(support_half),
-            support_load, support_content @ self.embedding.weight,
+            support_load, support_content @ self.embedding.weight, support_near @ self.embedding.weight,
         ], dim=-1)  # fmt: skip
         hidden = self.support(torch.cat([mine.unsqueeze(1).expand(-1, count, -1), there], dim=-1))
         weight, of_support, of_target, shift, spread = self.height(hidden).unflatten(-1, (5, LEVELS)).unbind(-2)
@@ -94,7 +98,7 @@ class AnchorModel(nn.Module):
 
     def places(
         self, target_category: Tensor, target_half: Tensor, target_bottom: Tensor, plan: Tensor, row: Tensor,
-        category: Tensor, box: Tensor, flags: Tensor, mask: Tensor,
+        latent: Tensor, category: Tensor, box: Tensor, flags: Tensor, mask: Tensor,
     ) -> tuple[Tensor, Tensor, Tensor, Tensor, Tensor]:  # fmt: skip
         """The mixture over places of B targets among M tokens each.
 
@@ -104,6 +108,8 @@ class AnchorModel(nn.Module):
             int64 (B,), (B, 3) and (B,): what is placed, half extents and height of its bottom, metres.
         plan, row
             (B, PLAN_WIDTH) and (B, C), what is still to come to this board, see :mod:`..generate.context`.
+        latent
+            (B, latent): drawn from a standard normal, or what the encoder makes of the true pose.
         category, box, flags, mask
             int64 (B, M), (B, M, 8): centre, half extents, cosine and sine of the heading, (B, M, FLAGS), (B, M).
 
@@ -112,13 +118,15 @@ class AnchorModel(nn.Module):
         Log weights (B, M * 48), means (B, M * 48, 2) and headings (B, M * 48) in the world, spreads
         (B, M * 48, 2) along the token's axes, and concentrations (B, M * 48).
         """
-        context = self._encode(target_category, target_half, target_bottom, plan, row, category, box, flags, mask)
+        context = self._encode(
+            target_category, target_half, target_bottom, plan, row, latent, category, box, flags, mask
+        )
         raw = self.head(context).unflatten(-1, (COMPONENTS, 7))
         logit, shift_x, shift_y, spread_x, spread_y, lean, kappa = raw.unbind(-1)
         scale = scale_of(box, flags).unsqueeze(-1)
         sigma_x = SIGMA_FLOOR + scale * (spread_x - 2.5).clamp(-6, 2).exp()
         sigma_y = SIGMA_FLOOR + scale * (spread_y - 2.5).clamp(-6, 2).exp()
-        base_x, base_y, turn = base_places(box, flags, target_half)
+        base_x, base_y, turn = base_places(box, flags, target_half, target_bottom)
         local_x, local_y = base_x + sigma_x * shift_x, base_y + sigma_y * shift_y
         x, y, cos, sin = box[..., 0:1], box[..., 1:2], box[..., 6:7], box[..., 7:8]
         mean = torch.stack([x + cos * local_x - sin * local_y, y + sin * local_x + cos * local_y], dim=-1)
@@ -144,10 +152,12 @@ class AnchorModel(nn.Module):
 
     def _encode(
         self, target_category: Tensor, target_half: Tensor, target_bottom: Tensor, plan: Tensor, row: Tensor,
-        category: Tensor, box: Tensor, flags: Tensor, mask: Tensor,
+        latent: Tensor, category: Tensor, box: Tensor, flags: Tensor, mask: Tensor,
     ) -> Tensor:  # fmt: skip
         ahead = row @ self.embedding.weight[:-1]
-        target = self.target(torch.cat([self.embedding(target_category), ahead, _size_features(target_half), plan], -1))
+        target = self.target(
+            torch.cat([self.embedding(target_category), ahead, _size_features(target_half), plan, latent], -1)
+        )
         bottom, top = target_bottom.unsqueeze(1), (target_bottom + 2 * target_half[:, 2]).unsqueeze(1)
         low, high = box[..., 2] - box[..., 5], box[..., 2] + box[..., 5]
         overlap = (torch.minimum(high, top) - torch.maximum(low, bottom)).clamp(-1, 3)
@@ -166,15 +176,16 @@ class AnchorModel(nn.Module):
 
     def forward(
         self, target_category: Tensor, target_half: Tensor, target_bottom: Tensor, plan: Tensor, row: Tensor,
-        category: Tensor, box: Tensor, flags: Tensor, mask: Tensor, coming: Tensor, support_category: Tensor,
-        support_holder: Tensor, support_half: Tensor, support_load: Tensor, support_content: Tensor,
+        latent: Tensor, category: Tensor, box: Tensor, flags: Tensor, mask: Tensor, coming: Tensor,
+        support_category: Tensor, support_holder: Tensor, support_half: Tensor, support_load: Tensor,
+        support_content: Tensor, support_near: Tensor,
     ) -> tuple[Tensor, ...]:  # fmt: skip
         """What :meth:`choose` and :meth:`places` return, one after the other."""
         chosen = self.choose(
             target_category, target_half, coming, support_category, support_holder, support_half, support_load,
-            support_content,
+            support_content, support_near,
         )  # fmt: skip
-        placed = self.places(target_category, target_half, target_bottom, plan, row, category, box, flags, mask)
+        placed = self.places(target_category, target_half, target_bottom, plan, row, latent, category, box, flags, mask)
         return (*chosen, *placed)
 
 
@@ -210,17 +221,17 @@ def _size_features(half: Tensor) -> Tensor:
 
 
 def mixture_nll(mixture: tuple[Tensor, ...], box: Tensor, position: Tensor, heading: Tensor) -> Tensor:
-    """Negative log-density (B,) of true positions (B, 2) and headings (B,) under :meth:`AnchorModel.places`."""
-    weight, mean, sigma, turn, kappa = mixture
-    offset = position.unsqueeze(1) - mean
-    cos = box[..., 6].repeat_interleave(COMPONENTS, dim=1)
-    sin = box[..., 7].repeat_interleave(COMPONENTS, dim=1)
+    """Negative log-density (B, S) of positions (B, S, 2) and headings (B, S) under :meth:`AnchorModel.places`."""
+    weight, mean, sigma, turn, kappa = (part.unsqueeze(1) for part in mixture)
+    offset = position.unsqueeze(2) - mean
+    cos = box[..., 6].repeat_interleave(COMPONENTS, dim=1).unsqueeze(1)
+    sin = box[..., 7].repeat_interleave(COMPONENTS, dim=1).unsqueeze(1)
     along = (cos * offset[..., 0] + sin * offset[..., 1]) / sigma[..., 0]
     across = (cos * offset[..., 1] - sin * offset[..., 0]) / sigma[..., 1]
     place = -0.5 * (along.square() + across.square()) - sigma.log().sum(-1) - math.log(2 * math.pi)
     bessel = torch.special.i0e(kappa).log() + kappa
-    angle = kappa * torch.cos(heading.unsqueeze(1) - turn) - bessel - math.log(2 * math.pi)
-    return -torch.logsumexp(weight + place + angle, dim=1)
+    angle = kappa * torch.cos(heading.unsqueeze(2) - turn) - bessel - math.log(2 * math.pi)
+    return -torch.logsumexp(weight + place + angle, dim=2)
 
 
 def height_nll(weight: Tensor, mean: Tensor, sigma: Tensor, height: Tensor) -> Tensor:

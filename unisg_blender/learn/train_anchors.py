@@ -18,6 +18,8 @@ from ..generate.habits import learn_habits
 from ..generate.order import learn_orders
 from ..generate.spots import LOAD_WIDTH
 from .anchor_batches import Examples, Layout, Order, collate
+from .anchor_collisions import collision_term
+from .anchor_latent import LATENT, kl_divergence
 from .anchor_overlaps import usual_overlaps
 from .anchors import AnchorModel, AnchorSizes, height_nll, mixture_nll
 from .export import export_onnx
@@ -26,7 +28,7 @@ from .publish import provenance, save_model_assets
 from .scenes import load_scenes, split, vocabulary_of
 from .settings import Settings
 
-EPOCHS = 12
+EPOCHS = 24
 PER_EPOCH = 11200
 PER_TARGET = 2
 """Examples in an epoch: at most so many for each thing in the scenes."""
@@ -35,6 +37,10 @@ BATCH = 64
 BACKGROUND = 2000
 NLL_LIMIT = 20.0
 HEIGHT_WEIGHT, SUPPORT_WEIGHT = 0.3, 0.3
+COLLISION_WEIGHT = 2.0
+FREE_NATS = 0.1
+"""Nats of the latent code, in the mean over a batch, that cost nothing."""
+
 OUTPUTS = (
     "support_score", "height_weight", "height_mean", "height_sigma",
     "weight", "mean", "sigma", "heading", "kappa",
@@ -68,7 +74,7 @@ def train(dataset: Dataset, out: Path, settings: Settings) -> dict[str, Any]:
     schedule = Schedule(settings.epochs or EPOCHS, devices=settings.devices, nodes=settings.nodes)
     losses = fit(network, _terms, loaders[0], loaders[1], schedule, settings)
     source = provenance(dataset, settings, len(train_scenes), len(val_scenes), losses, network)
-    write_anchors(network, Contract("anchors", vocabulary, habits, provenance=source), out)
+    write_anchors(network, Contract("anchors", vocabulary, habits, latent=network.sizes.latent, provenance=source), out)
     save_model_assets(dataset, out)
     return source
 
@@ -89,7 +95,13 @@ def _terms(network: nn.Module, batch: Sequence[Mapping[str, Tensor]]) -> dict[st
     parts = [part_terms(network, part) for part in batch]
     size = sum(len(part["parent"]) for part in batch)
     terms = {name: sum((part[name].sum() for part in parts), start=torch.zeros(())) / size for name in parts[0]}
-    terms["loss"] = terms["nll"] + HEIGHT_WEIGHT * terms["height"] + SUPPORT_WEIGHT * terms["support"]
+    terms["loss"] = (
+        terms["nll"]
+        + terms["kl"].clamp(min=FREE_NATS)
+        + COLLISION_WEIGHT * terms.pop("collision")
+        + HEIGHT_WEIGHT * terms["height"]
+        + SUPPORT_WEIGHT * terms["support"]
+    )
     return terms
 
 
@@ -99,17 +111,22 @@ def part_terms(network: AnchorModel, batch: Mapping[str, Tensor]) -> dict[str, T
     score, *heights = network.choose(
         batch["target_category"], batch["target_half"], batch["coming"], batch["support_category"],
         batch["support_holder"], batch["support_half"], batch["support_load"], batch["support_content"],
+        batch["support_near"],
     )  # fmt: skip
     score = score + (batch["support_mask"] - 1) * 1e4
     likeliest = score.argmax(1)
     weight, mean, sigma = (part[each, batch["parent"]] for part in heights)
     loose = batch["support_load"][each, batch["parent"], 6]  # what stands on a board has the board's height
-    mixture = network.places(
-        batch["target_category"], batch["target_half"], batch["target_bottom"], batch["plan"], batch["row"],
-        batch["category"], batch["box"], batch["flags"], batch["mask"],
-    )  # fmt: skip
+    latent, divergence = _latent(network, batch)
+    nll, mixture = _place_nll(network, batch, latent)
+    collision, collides = collision_term(network, mixture, batch)
+    prior = {} if network.training else {"prior_nll": _place_nll(network, batch, torch.randn_like(latent))[0]}
     return {
-        "nll": mixture_nll(mixture, batch["box"], batch["position"], batch["heading"]).clamp(max=NLL_LIMIT),
+        "nll": nll,
+        "kl": divergence,
+        "collision": collision,
+        "collides": collides,
+        **prior,
         "height": height_nll(weight, mean, sigma, batch["height"]).clamp(max=NLL_LIMIT) * loose,
         "support": nn.functional.cross_entropy(score, batch["parent"], reduction="none"),
         "support_right": (likeliest == batch["parent"]).float(),
@@ -117,7 +134,31 @@ def part_terms(network: AnchorModel, batch: Mapping[str, Tensor]) -> dict[str, T
     }
 
 
-def example_inputs(categories: int, batch: int = 2, tokens: int = 3, supports: int = 4) -> dict[str, Tensor]:
+def _place_nll(network: AnchorModel, batch: Mapping[str, Tensor], latent: Tensor) -> tuple[Tensor, tuple[Tensor, ...]]:
+    """Negative log-likelihood (B,) of the true places given latent codes, and the mixtures."""
+    mixture = network.places(
+        batch["target_category"], batch["target_half"], batch["target_bottom"], batch["plan"], batch["row"], latent,
+        batch["category"], batch["box"], batch["flags"], batch["mask"],
+    )  # fmt: skip
+    nll = mixture_nll(mixture, batch["box"], batch["position"].unsqueeze(1), batch["heading"].unsqueeze(1))
+    return nll.squeeze(1).clamp(max=NLL_LIMIT), mixture
+
+
+def _latent(network: AnchorModel, batch: Mapping[str, Tensor]) -> tuple[Tensor, Tensor]:
+    """A code (B, latent) drawn from the encoder, and its divergence (B,) from the standard normal, nats."""
+    if network.encoder is None:
+        return torch.zeros(len(batch["heading"]), 0), torch.zeros(len(batch["heading"]))
+    mean, log_variance = network.encoder(
+        network.embedding(batch["target_category"]), network.embedding(batch["category"]), batch["box"],
+        batch["flags"], batch["mask"], batch["position"], batch["heading"],
+    )  # fmt: skip
+    noise = torch.randn_like(mean)
+    return mean + noise * (log_variance / 2).exp(), kl_divergence(mean, log_variance)
+
+
+def example_inputs(
+    categories: int, batch: int = 2, tokens: int = 3, supports: int = 4, latent: int = LATENT
+) -> dict[str, Tensor]:
     """Inputs of the right kinds."""
     box = torch.rand(batch, tokens, 8)
     box[..., 6:] = torch.nn.functional.normalize(box[..., 6:], dim=-1)
@@ -127,6 +168,7 @@ def example_inputs(categories: int, batch: int = 2, tokens: int = 3, supports: i
         "target_bottom": torch.rand(batch),
         "plan": torch.rand(batch, PLAN_WIDTH),
         "row": torch.rand(batch, categories),
+        "latent": torch.rand(batch, latent),
         "category": torch.zeros(batch, tokens, dtype=torch.int64),
         "box": box,
         "flags": torch.zeros(batch, tokens, FLAGS),
@@ -137,12 +179,13 @@ def example_inputs(categories: int, batch: int = 2, tokens: int = 3, supports: i
         "support_half": torch.rand(batch, supports, 3),
         "support_load": torch.rand(batch, supports, LOAD_WIDTH),
         "support_content": torch.rand(batch, supports, categories + 1),
+        "support_near": torch.rand(batch, supports, categories + 1),
     }
 
 
 def write_anchors(network: AnchorModel, contract: Contract, out: Path) -> None:
     """Write the network as an ONNX file with its contract."""
-    inputs = example_inputs(network.sizes.categories)
+    inputs = example_inputs(network.sizes.categories, latent=network.sizes.latent)
     dynamic: dict[str, dict[int, str]] = {name: {0: "targets"} for name in inputs}
     for name in ("category", "box", "flags", "mask"):
         dynamic[name][1] = "tokens"

@@ -60,10 +60,11 @@ def oriented_boxes(graph: SceneGraph) -> Boxes:
 def orthonormal_axes(linear: NDArray[np.float64]) -> NDArray[np.float64]:
     """Right-handed orthonormal axes (N, 3, 3) along the columns of ``linear``; world axes where a column vanishes."""
     axes, triangular = np.linalg.qr(linear)
-    axes = axes * np.where(np.einsum("nii->ni", triangular) < 0, -1.0, 1.0)[:, None, :]
+    diagonal = np.einsum("nii->ni", triangular)
+    axes = axes * np.where(diagonal < 0, -1.0, 1.0)[:, None, :]
     flipped = np.linalg.det(axes) < 0
     axes[flipped, :, 2] *= -1
-    scale = np.abs(np.einsum("nii->ni", triangular))
+    scale = np.abs(diagonal)
     broken = scale.min(axis=1, initial=np.inf) <= 1e-12 * np.maximum(scale.max(axis=1, initial=0), 1e-300)
     axes[broken] = np.eye(3)
     return axes

@@ -15,6 +15,8 @@ def compose_world(local: NDArray[np.float64], parent: NDArray[np.integer]) -> ND
     """World matrices (N, 4, 4) from child-to-parent ones, one product per level of the hierarchy."""
     world = np.array(local, np.float64)
     depth = depths(parent)
+    if not depth.any():
+        return world
     by_level = np.argsort(depth, kind="stable")
     ends = np.searchsorted(depth[by_level], np.arange(1, depth.max(initial=0) + 2))
     for start, stop in pairwise(ends):

@@ -18,7 +18,7 @@ from .mesh import Mesh
 PART_LIMIT = 64
 """A mesh with more connected parts than this has them gathered in a 4 x 4 x 4 grid of boxes."""
 
-_ALL_PAIRS_UP_TO = 400
+_SWEEP_UP_TO = 4000
 _parts_of: WeakKeyDictionary[Mesh, NDArray[np.float64]] = WeakKeyDictionary()
 
 
@@ -62,20 +62,27 @@ def penetration(first: Boxes, second: Boxes) -> NDArray[np.float64]:
 def nearby_pairs(boxes: Boxes, margin: float = 0.0) -> NDArray[np.int64]:
     """Pairs (K, 2) of boxes whose axis-aligned boxes come within ``margin`` metres; first < second, sorted.
 
-    O(N log N) for things spread out in space: every box is entered in a grid whose
-    cells are as large as itself, and looks among the boxes of its own and of larger
-    size only into the 27 cells around it.
+    Up to some thousand boxes are swept along one axis. More are O(N log N) for things spread
+    out in space: every box is entered in a grid whose cells are as large as itself, and
+    looks among the boxes of its own and of larger size only into the 27 cells around it.
     """
     reach = np.abs(boxes.axes) @ boxes.half[:, :, None]
     low, high = boxes.center - reach[:, :, 0] - margin / 2, boxes.center + reach[:, :, 0] + margin / 2
-    count = len(low)
-    if count <= _ALL_PAIRS_UP_TO:
-        first, second = np.triu_indices(count, 1)
-    else:
-        first, second = _grid_pairs(low, high)
+    first, second = _swept_pairs(low, high) if len(low) <= _SWEEP_UP_TO else _grid_pairs(low, high)
     hit = ((low[first] <= high[second]) & (low[second] <= high[first])).all(axis=1)
     pairs = np.stack([first[hit], second[hit]], axis=1)
     return pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
+
+
+def _swept_pairs(low: NDArray[np.float64], high: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Candidates that overlap along the axis on which the boxes are spread out most, each once."""
+    axis = int((low.max(axis=0, initial=-np.inf) - low.min(axis=0, initial=np.inf)).argmax())
+    order = np.argsort(low[:, axis], kind="stable")
+    after = np.arange(1, len(order) + 1)
+    repeat = np.maximum(np.searchsorted(low[order, axis], high[order, axis], "right") - after, 0)
+    step = np.arange(repeat.sum()) - np.repeat(np.cumsum(repeat) - repeat, repeat)
+    one, two = np.repeat(order, repeat), order[np.repeat(after, repeat) + step]
+    return np.minimum(one, two), np.maximum(one, two)
 
 
 def _grid_pairs(low: NDArray[np.float64], high: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:

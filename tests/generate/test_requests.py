@@ -1,0 +1,109 @@
+"""Requests: on a thing, beside a thing, and things that are not there."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tests.generate.rooms import room
+from unisg_blender.cli import main
+from unisg_blender.errors import UniSGError
+from unisg_blender.evaluate.requested import is_beside, is_on
+from unisg_blender.generate import Generator
+from unisg_blender.generate.pieces import box_piece
+from unisg_blender.generate.proposals import Scene
+from unisg_blender.generate.requests import BESIDE, aside
+from unisg_blender.generate.things import things_of
+from unisg_blender.scene import SceneGraph, world_matrices
+from unisg_blender.usd import write_usd
+
+
+@pytest.fixture(scope="module")
+def generator(model_file: Path) -> Generator:
+    return Generator.load(model_file)
+
+
+def row_of(graph: SceneGraph, category: str) -> int:
+    return int(np.flatnonzero(graph.category == graph.vocabulary.index(category))[0])
+
+
+def test_what_is_wanted_on_a_thing_stands_on_it(generator: Generator) -> None:
+    scene = room(100, cups=1)
+    table = scene.uid[row_of(scene, "Table")]
+    for seed in range(4):
+        result = generator.add(scene, {"Cup": 2}, seed=seed, on=table)
+        assert result.added > 0
+        assert all(is_on(result.scene, int(row), table) for row in result.rows)
+
+
+def test_a_support_that_was_never_seen_is_taken_if_it_is_asked_for(generator: Generator) -> None:
+    scene = room(100, cups=1)
+    floor = scene.uid[row_of(scene, "Floor")]
+    result = generator.add(scene, {"Cup": 1}, seed=0, on=floor)
+    assert result.added == 1
+    assert is_on(result.scene, int(result.rows[0]), floor)
+
+
+def test_what_is_wanted_beside_a_thing_stands_beside_it(generator: Generator) -> None:
+    scene = room(100, cups=1)
+    cup = scene.uid[row_of(scene, "Cup")]
+    found = [generator.add(scene, {"Cup": 1}, seed=seed, beside=cup) for seed in range(6)]
+    near = [is_beside(result.scene, int(row), cup) for result in found for row in result.rows]
+    assert len(near) == 6
+    assert np.mean(near) > 0.8
+
+
+def test_a_thing_may_be_given_by_its_name(generator: Generator) -> None:
+    scene = room(100, cups=1)
+    row = row_of(scene, "Table")
+    by_name = generator.add(scene, {"Cup": 1}, seed=3, on=scene.name[row])
+    by_uid = generator.add(scene, {"Cup": 1}, seed=3, on=scene.uid[row])
+    np.testing.assert_array_equal(by_name.scene.local, by_uid.scene.local)
+
+
+def test_things_that_are_not_there_or_many_are_told(generator: Generator) -> None:
+    scene = room(100, cups=2)
+    with pytest.raises(UniSGError, match="nothing in the scene is called 'Sofa'"):
+        generator.add(scene, {"Cup": 1}, seed=0, on="Sofa")
+    alike = scene.replace(name=tuple("Same" for _ in scene.name))
+    with pytest.raises(UniSGError, match="things are called 'Same'"):
+        generator.add(alike, {"Cup": 1}, seed=0, beside="Same")
+
+
+def test_gaps_are_those_of_footprints_on_a_common_height() -> None:
+    graph = room(100, cups=1)
+    things = things_of(graph, graph.vocabulary)
+    scene = Scene.of(things, world_matrices(graph)[things.row])
+    table = int(np.flatnonzero(things.category == graph.vocabulary.index("Table"))[0])
+    half = box_piece("box", np.array([0.2, 0.2, 2 * things.half[table, 2]])).half
+    x, y, z = things.center[table] - (0, 0, things.half[table, 2])
+    yaw = things.yaw[table]
+    away = things.half[table, 0] + 0.1 + 0.3
+    places = np.array([
+        [x + away * np.cos(yaw), y + away * np.sin(yaw), z, yaw],
+        [x, y, z, yaw],
+        [x + away * np.cos(yaw), y + away * np.sin(yaw), z + 5.0, yaw],
+    ])  # fmt: skip
+    gaps = aside(scene, table, half, places)
+    assert gaps[0] == pytest.approx(0.3)
+    assert gaps[1] < 0
+    assert gaps[2] == np.inf
+    assert BESIDE == 0.5
+
+
+def test_the_command_line_takes_requests(model_file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    scene = room(100, cups=1)
+    write_usd(scene, tmp_path / "room.usda")
+    name = scene.name[row_of(scene, "Table")]
+    words = ["generate", "--model", str(model_file), "--scene", str(tmp_path / "room.usda"), "--seed", "1", "--json"]
+    out = tmp_path / "more.json"
+    assert main([*words, "--add", "Cup=1", "--on", name, "--out", str(out)]) == 0
+    assert json.loads(capsys.readouterr().out)["objects"][0]["support"] == name
+    assert main([*words, "--add", "Cup=1", "--beside", "Nothing", "--out", str(tmp_path / "no.json")]) == 1
+    assert "nothing in the scene is called 'Nothing'" in capsys.readouterr().err
+    assert main(["generate", "--add", "Cup=1", "--on", name, "--out", str(tmp_path / "no.json")]) == 1
+    assert "--on and --beside need a --scene" in capsys.readouterr().err
+    assert not (tmp_path / "no.json").exists()

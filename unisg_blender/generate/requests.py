@@ -1,0 +1,68 @@
+"""Requests: new things beside a certain other thing."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..scene.relate import RelationTolerances
+from .anchors import AnchorProposer, Row
+from .pieces import Piece
+from .proposals import Proposals, Proposer, Scene
+
+DRAWS = 24
+"""How many times as many proposals are drawn; those that are beside the thing come first."""
+
+BESIDE, SHARED = RelationTolerances().beside, RelationTolerances().shared
+
+
+class Beside:
+    """Proposals of another proposer that are beside a thing, given by its number in the scene."""
+
+    def __init__(self, proposer: Proposer, thing: int) -> None:
+        self.proposer, self.thing = proposer, thing
+
+    def propose(
+        self, scene: Scene, category: int, piece: Piece, count: int, rng: np.random.Generator,
+        allowed: NDArray[np.bool_], coming: Mapping[int, int],
+    ) -> Proposals:  # fmt: skip
+        """See :class:`~.proposals.Proposer`; on the surface on which the thing stands, if that may hold the new one."""
+        support = int(scene.support[self.thing])
+        spot = support, int(scene.board[self.thing])
+        if isinstance(self.proposer, AnchorProposer) and support >= 0 and allowed[support] and spot[1] >= 0:
+            found = self.proposer.propose_on(scene, category, piece, DRAWS * count, rng, spot, Row(coming, 0.0))
+        else:
+            found = self.proposer.propose(scene, category, piece, DRAWS * count, rng, allowed, coming)
+        order = np.argsort(np.maximum(aside(scene, self.thing, piece.half, found.places), BESIDE), kind="stable")
+        return Proposals(found.support[order[:count]], found.places[order[:count]])
+
+
+def aside(scene: Scene, thing: int, half: NDArray[np.float64], places: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Gaps (T,) between the footprints of a thing and of another at places (T, 4), metres; infinite at other heights.
+
+    The other's half extents are ``half`` (3,); they share a height if a quarter of the lower one's is common to both.
+    """
+    low, high = scene.center[thing, 2] - scene.half[thing, 2], scene.center[thing, 2] + scene.half[thing, 2]
+    shared = np.minimum(high, places[:, 2] + 2 * half[2]) - np.maximum(low, places[:, 2])
+    gap = footprint_gap(scene.center[thing], scene.half[thing], float(scene.yaw[thing]), places, half)
+    return np.where(shared < SHARED * 2 * min(half[2], scene.half[thing, 2]), np.inf, gap)
+
+
+def footprint_gap(
+    center: NDArray[np.float64], half: NDArray[np.float64], yaw: float, places: NDArray[np.float64],
+    other: NDArray[np.float64],
+) -> NDArray[np.float64]:  # fmt: skip
+    """Separation (T,) of a rectangle from others at places (T, 4), seen from above, metres; negative: they overlap.
+
+    The largest along the axes of the two, of half extents ``half`` and ``other``.
+    """
+    dx, dy = (places[:, :2] - center[:2]).T
+    cos, sin = np.abs(np.cos(places[:, 3] - yaw)), np.abs(np.sin(places[:, 3] - yaw))
+    gaps = []
+    for turn, own, them in ((np.full(len(places), yaw), half, other), (places[:, 3], other, half)):
+        c, s = np.cos(turn), np.sin(turn)
+        gaps.append(np.abs(c * dx + s * dy) - own[0] - cos * them[0] - sin * them[1])
+        gaps.append(np.abs(c * dy - s * dx) - own[1] - sin * them[0] - cos * them[1])
+    return np.max(gaps, axis=0)
