@@ -40,6 +40,13 @@ class UNISG_OT_generate(bpy.types.Operator):
     )
 
     @classmethod
+    def description(cls, context: bpy.types.Context, properties: UNISG_OT_generate) -> str:
+        """The tooltip: it says where they go."""
+        places = [f"{word} {name}" for word, name in (("on", properties.on), ("beside", properties.beside)) if name]
+        where = " and ".join(places) or "where the model thinks they belong"
+        return f"Add objects {where}; nothing that is there already is moved"
+
+    @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         if context.mode != "OBJECT":
             cls.poll_message_set("Leave edit mode first")
@@ -141,21 +148,30 @@ class UNISG_OT_generate(bpy.types.Operator):
         result = self._result
         extend_lessons(result.scene, result.rows.tolist(), context.scene)
         objects = write_rows(result.scene, result.rows, context.scene)
+        self._select(context, objects)
+        for placement in result.objects:
+            if placement.note:
+                self.report({"WARNING"}, f"{placement.name or placement.category}: {placement.note}")
+        spent = time.perf_counter() - self._began
+        added = f"{_number(result.added, 'object')} added{self._actions(result.actions) if result.added else ''}"
+        refused = ""
+        if result.refused:  # told here as well: the status bar shows the last report only
+            reasons = sorted({placement.note for placement in result.refused})
+            refused = f", {len(result.refused)} found no place: {'; '.join(reasons)}"
+        level = "WARNING" if result.refused else "INFO"
+        self.report({level}, f"{added} in {spent:.2f} s{refused} (seed {self.seed})")
+        return {"FINISHED"} if result.added else {"CANCELLED"}
+
+    def _select(self, context: bpy.types.Context, objects: list[bpy.types.Object]) -> None:
+        """Select the new objects; what they were wanted on or beside stays active, for the next ones."""
         for item in context.selected_objects:
             item.select_set(False)
         in_view = [item for item in objects if item.name in context.view_layer.objects]
         for item in in_view:
             item.select_set(True)
-        if in_view:
+        active = context.active_object
+        if in_view and (active is None or active.name not in (self.on, self.beside)):
             context.view_layer.objects.active = in_view[0]
-        for placement in result.objects:
-            if placement.note:
-                self.report({"WARNING"}, f"{placement.name or placement.category}: {placement.note}")
-        spent = time.perf_counter() - self._began
-        refused = f", {len(result.refused)} found no place" if result.refused else ""
-        added = f"{_number(result.added, 'object')} added{self._actions(result.actions)}"
-        self.report({"INFO"}, f"{added} in {spent:.2f} s{refused} (seed {self.seed})")
-        return {"FINISHED"} if result.added else {"CANCELLED"}
 
     def _actions(self, count: int) -> str:
         """What is said of the actions that were asked for."""

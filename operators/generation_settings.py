@@ -81,8 +81,8 @@ class UNISG_GenerationSettings(bpy.types.PropertyGroup):
         description="Where the new objects are wanted",
         items=(
             ("ANYWHERE", "Anywhere", "Where the model thinks they belong"),
-            ("ON", "On Active", "On the active object"),
-            ("BESIDE", "Beside Active", "Beside the active object, within half a metre if there is room"),
+            ("ON", "On", "On the active object"),
+            ("BESIDE", "Beside", "Beside the active object, within half a metre if there is room"),
         ),
     )
 

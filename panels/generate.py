@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import bpy
 
-from ..operators.generation_settings import OWN_FILE, list_categories_soon
+from ..operators.generation_settings import OWN_FILE, UNISG_GenerationSettings, list_categories_soon
 from .actions import _wrapped
 from .main import SidebarPanel
 
@@ -13,7 +13,7 @@ class UNISG_UL_categories(bpy.types.UIList):
     """Categories of the model, each with how many are wanted."""
 
     def draw_item(self, context, layout, data, item, icon, active_data, active_property, index=0, flt_flag=0) -> None:
-        row = layout.split(factor=0.6)
+        row = layout.split(factor=0.72)
         row.label(text=item.name)
         row.prop(item, "count", text="")
 
@@ -41,24 +41,42 @@ class UNISG_PT_generate(SidebarPanel, bpy.types.Panel):
         row = layout.row(align=True)
         row.prop(settings, "seed")
         row.prop(settings, "bulk", toggle=True)
-        layout.row().prop(settings, "where", expand=True)
+        _where(layout, settings, context.active_object)
         layout.prop(settings, "behaviour")
-        wanted, active = settings.wanted(), context.active_object
-        column = layout.column()
-        column.enabled = bool(wanted) and (settings.where == "ANYWHERE" or active is not None)
-        column.scale_y = 1.4
-        total = sum(wanted.values())
-        text = f"Generate {total} object{'s' * (total != 1)}" if wanted else "Set a count above to generate"
-        if wanted and settings.where != "ANYWHERE":
-            place = settings.where.lower()
-            text = f"{text} {place} {active.name}" if active else f"Select what they are wanted {place}"
-        button = column.operator("unisg.generate", text=text, icon="ADD")
-        button.model, button.seed, button.bulk = settings.model_file(), settings.seed, settings.bulk
-        button.behaviour = settings.behaviour
-        button.on = active.name if active and settings.where == "ON" else ""
-        button.beside = active.name if active and settings.where == "BESIDE" else ""
-        button.add = ",".join(f"{name}={count}" for name, count in wanted.items())
+        _button(layout, settings, context.active_object)
         layout.operator("unisg.settle", icon="TRIA_DOWN_BAR")
+
+
+def _where(layout: bpy.types.UILayout, settings: UNISG_GenerationSettings, active: bpy.types.Object | None) -> None:
+    """The choice of a place, and in full which object is meant: a button would cut off its name."""
+    column = layout.column(align=True)
+    column.row(align=True).prop(settings, "where", expand=True)
+    if settings.where == "ANYWHERE":
+        return
+    if active is None:
+        column.label(text="No object is active", icon="INFO")
+    else:
+        column.label(text=f"{settings.where.capitalize()} {active.name}", icon="OBJECT_DATA")
+
+
+def _button(layout: bpy.types.UILayout, settings: UNISG_GenerationSettings, active: bpy.types.Object | None) -> None:
+    """The button that generates; its text says why if it is grey."""
+    wanted, placed = settings.wanted(), settings.where != "ANYWHERE"
+    total = sum(wanted.values())
+    text = f"Generate {total} object{'s' * (total != 1)}"
+    if not wanted:
+        text = "Set a count above to generate"
+    elif placed and active is None:
+        text = "Select an object first"
+    column = layout.column()
+    column.enabled = bool(wanted) and (not placed or active is not None)
+    column.scale_y = 1.4
+    button = column.operator("unisg.generate", text=text, icon="ADD")
+    button.model, button.seed, button.bulk = settings.model_file(), settings.seed, settings.bulk
+    button.behaviour = settings.behaviour
+    button.on = active.name if active and settings.where == "ON" else ""
+    button.beside = active.name if active and settings.where == "BESIDE" else ""
+    button.add = ",".join(f"{name}={count}" for name, count in wanted.items())
 
 
 CLASSES = (UNISG_UL_categories, UNISG_PT_generate)

@@ -90,6 +90,27 @@ def test_objects_come_on_and_beside_what_is_named(room: dict[str, np.ndarray]) -
         bpy.ops.unisg.generate(add="Stool=1", beside="Sofa")
 
 
+def test_what_they_are_wanted_on_stays_active_for_the_next_ones(room: dict[str, np.ndarray]) -> None:
+    table = next(item for item in bpy.context.scene.objects if item.get("unisg_category") == "Instrument Table")
+    bpy.context.view_layer.objects.active = table
+    assert bpy.ops.unisg.generate(add="Bowl=1", seed=4, on=table.name) == {"FINISHED"}
+    assert bpy.context.active_object == table
+    assert [item["unisg_category"] for item in bpy.context.selected_objects] == ["Bowl"]
+
+
+def test_an_object_that_is_no_place_is_told_as_such(room: dict[str, np.ndarray]) -> None:
+    camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
+    bpy.context.scene.collection.objects.link(camera)
+    with pytest.raises(RuntimeError, match="'Camera' has neither a mesh nor a category"):
+        bpy.ops.unisg.generate(add="Stool=1", beside="Camera")
+    table = next(item for item in bpy.context.scene.objects if item.get("unisg_category") == "Instrument Table")
+    handle = bpy.data.objects.new("Handle", bpy.data.meshes.new("Handle"))
+    bpy.context.scene.collection.objects.link(handle)
+    handle.parent = table
+    with pytest.raises(RuntimeError, match=f"'Handle' is a part of '{table.name}'"):
+        bpy.ops.unisg.generate(add="Stool=1", beside="Handle")
+
+
 def test_settles_the_selected_objects_and_nothing_else(room: dict[str, np.ndarray]) -> None:
     stool = next(item for item in bpy.context.scene.objects if item.get("unisg_category") == "Stool")
     uid, stands = stool["unisg_uid"], stool.matrix_world.copy()

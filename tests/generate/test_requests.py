@@ -8,16 +8,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.generate.rooms import room
+from tests.generate.rooms import at, box, room
 from unisg_blender.cli import main
 from unisg_blender.errors import UniSGError
 from unisg_blender.evaluate.requested import is_beside, is_on
 from unisg_blender.generate import Generator
 from unisg_blender.generate.pieces import box_piece
 from unisg_blender.generate.proposals import Scene
-from unisg_blender.generate.requests import BESIDE, aside
+from unisg_blender.generate.requests import APART, BESIDE, aside
 from unisg_blender.generate.things import things_of
-from unisg_blender.scene import SceneGraph, world_matrices
+from unisg_blender.scene import Mesh, Relation, SceneBuilder, SceneGraph, world_matrices
 from unisg_blender.usd import write_usd
 
 
@@ -47,6 +47,38 @@ def test_a_support_that_was_never_seen_is_taken_if_it_is_asked_for(generator: Ge
     assert is_on(result.scene, int(result.rows[0]), floor)
 
 
+def with_thing(category: str, name: str, mesh: Mesh, place: np.ndarray, on: str) -> SceneGraph:
+    """A room of a floor and a table, and one thing more on one of these."""
+    builder = SceneBuilder("Small room")
+    rows = {
+        "Floor": builder.add("Floor", uid="floor", local=at(0, 0, -0.1), mesh=box("Floor", 5, 5, 0.1), category="Floor")
+    }
+    rows["Table"] = builder.add(
+        "Table", uid="table", parent=rows["Floor"], local=at(0.5, 0, 0.1), mesh=box("Table", 1.2, 0.7, 0.8),
+        category="Table", relations=(Relation("on_top_of", "floor"),),
+    )  # fmt: skip
+    builder.add(name, uid="more", parent=rows[on], local=place, mesh=mesh, category=category)
+    return builder.build()
+
+
+def test_a_cloth_that_covers_a_table_is_the_place_on_the_table(generator: Generator) -> None:
+    scene = with_thing("Cloth", "Cloth", box("cloth", 1.2, 0.7, 0.01), at(0, 0, 0.8), "Table")
+    result = generator.add(scene, {"Cup": 2}, seed=1, on="Table")
+    assert result.added == 2
+    assert {result.scene.name[result.scene.parent[row]] for row in result.rows} == {"Cloth"}
+    assert all(is_on(result.scene, int(row), "table") for row in result.rows)
+    small = with_thing("Cloth", "Cloth", box("cloth", 0.3, 0.2, 0.01), at(0, 0, 0.8), "Table")
+    uncovered = generator.add(small, {"Cup": 1}, seed=1, on="Table")
+    assert uncovered.scene.name[uncovered.scene.parent[uncovered.rows[0]]] == "Table"
+
+
+def test_what_finds_no_room_beside_a_thing_says_so(generator: Generator) -> None:
+    scene = with_thing("Table", "High", box("High", 1.0, 0.7, 0.8), at(0.5, 0, 3.0), "Floor")
+    result = generator.add(scene, {"Cup": 1}, seed=1, beside="High")
+    assert result.added == 1  # on one of the tables: there is nothing at the same height
+    assert result.objects[0].note == "no room beside High"
+
+
 def test_what_is_wanted_beside_a_thing_stands_beside_it(generator: Generator) -> None:
     scene = room(100, cups=1)
     cup = scene.uid[row_of(scene, "Cup")]
@@ -68,8 +100,10 @@ def test_things_that_are_not_there_or_many_are_told(generator: Generator) -> Non
     scene = room(100, cups=2)
     with pytest.raises(UniSGError, match="nothing in the scene is called 'Sofa'"):
         generator.add(scene, {"Cup": 1}, seed=0, on="Sofa")
+    with pytest.raises(UniSGError, match="everything is beside"):
+        generator.add(scene, {"Cup": 1}, seed=0, beside=scene.uid[row_of(scene, "Floor")])
     alike = scene.replace(name=tuple("Same" for _ in scene.name))
-    with pytest.raises(UniSGError, match="things are called 'Same'"):
+    with pytest.raises(UniSGError, match="objects are called 'Same'"):
         generator.add(alike, {"Cup": 1}, seed=0, beside="Same")
 
 
@@ -90,7 +124,7 @@ def test_gaps_are_those_of_footprints_on_a_common_height() -> None:
     gaps = aside(scene, table, half, places)
     assert gaps[0] == pytest.approx(0.3)
     assert gaps[1] < 0
-    assert gaps[2] == np.inf
+    assert gaps[2] == pytest.approx(APART + 0.3)  # at another height: last
     assert BESIDE == 0.5
 
 

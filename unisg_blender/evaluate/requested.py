@@ -1,6 +1,6 @@
 """Requested relations: a thing is asked for on top of, or beside, a certain other thing. Is it there?
 
-on top of: it was put on the thing asked for, and its bottom is within 2 cm of that
+on top of: it was put on the thing asked for, or on what covers that (a drape), and its bottom is within 2 cm of that
 thing's top where it stands (or within that thing, see
 :func:`~.scene_support.support_gaps`). beside: the gap between the two footprints
 is at most half a metre, and they share at least a quarter of the lower one's height.
@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..generate.pieces import Piece
-from ..generate.requests import BESIDE, SHARED, footprint_gap
+from ..generate.requests import BESIDE, COVERING, SHARED, THIN, footprint_gap
 from ..scene import SceneGraph
 from .cases import place_of
 from .scene_metrics import OFF_SUPPORT
@@ -22,9 +22,17 @@ from .scene_support import find_supports, support_gaps
 def is_on(graph: SceneGraph, row: int, target: str) -> bool:
     """Whether a row stands on the entity with that uid, see the top of this file."""
     found = find_supports(graph)
-    on = {graph.uid[support] for support in found.on[found.row == row]}
+    on = {int(support) for support in found.on[found.row == row]}
+    below = {int(under): other for other in on for under in found.on[found.row == other]}
+    wanted = graph.row_of_uid[target]
+    reached = wanted in on or (wanted in below and _covers(graph, below[wanted], wanted))
     mask = np.arange(len(graph)) == row
-    return target in on and bool(abs(support_gaps(graph, mask)[row]) <= OFF_SUPPORT)
+    return reached and bool(abs(support_gaps(graph, mask)[row]) <= OFF_SUPPORT)
+
+
+def _covers(graph: SceneGraph, cover: int, row: int) -> bool:
+    own, under = half_of(graph, cover), half_of(graph, row)
+    return bool(2 * own[2] <= THIN and own[:2].prod() >= COVERING * under[:2].prod())
 
 
 def is_beside(graph: SceneGraph, row: int, target: str) -> bool:

@@ -23,11 +23,11 @@ from .library import Library
 from .pieces import Piece
 from .planning import Planned, Planner, usual_kinds
 from .proposals import Proposals, Proposer, Scene
-from .requests import Beside
+from .requests import BESIDE, Beside, On, aside, covers
 from .results import Placement
 from .settle import Support, fitting, rest, search
 from .space import Space
-from .things import things_of
+from .things import find_thing, things_of
 
 BATCHES = (12, 24, 24)
 """Proposals asked for at a time, until one fits: first on the spot that was planned, then on any."""
@@ -87,19 +87,13 @@ class Placing:
     def request(self, on: str, beside: str) -> None:
         """Put all objects on, or beside, the thing with that uid or name; "" for anywhere."""
         if on:
-            self.on = self._number_of(on)
+            self.on = find_thing(self.graph, self.uids, on)
+            self.proposer = On(self.proposer, self.on, self.usual)
         if beside:
-            self.proposer = Beside(self.proposer, self._number_of(beside))
-
-    def _number_of(self, text: str) -> int:
-        if text in self.uids:
-            return self.uids.index(text)
-        found = [number for number, name in enumerate(self.names) if name == text]
-        if not found:
-            raise UniSGError(f"nothing in the scene is called {text!r}: give the name of an object with a category")
-        if len(found) > 1:
-            raise UniSGError(f"{len(found)} things are called {text!r}: give the uid of one ('unisg inspect' shows it)")
-        return found[0]
+            thing = find_thing(self.graph, self.uids, beside)
+            if self.scene.support[thing] < 0:
+                raise UniSGError(f"everything is beside {beside!r}: name a thing that stands on it")
+            self.proposer = Beside(self.proposer, thing)
 
     def order(self, wanted: Sequence[str]) -> Iterator[Planned]:
         """The objects in the order of placing, with the spots planned for them; level by level, as the scene grows."""
@@ -135,7 +129,7 @@ class Placing:
     def _allowed(self, name: str) -> tuple[NDArray[np.bool_], str]:
         """Which things may hold a category, and what to say where none of the usual ones is there."""
         if self.on >= 0:
-            return np.arange(len(self.scene.category)) == self.on, ""
+            return covers(self.scene, self.on) | (np.arange(len(self.scene.category)) == self.on), ""
         usual = self.usual[self.vocabulary.index(name)]
         allowed = usual[self.scene.category]
         if allowed.any() or usual[-1]:
@@ -172,11 +166,18 @@ class Placing:
                 if (other := self._drawn(name, piece, allowed, None, planned)).fits:
                     spot = other
                     break
-            note = missing if spot.fits else "no room was found"
+            note = self._remark(piece, spot.place) or missing if spot.fits else "no room was found"
         spent = planned.milliseconds + 1e3 * (time.perf_counter() - start)
         if spot is None or (self.settle and not spot.fits):
             return Placement(name, draws=0 if spot is None else spot.draws, milliseconds=spent, note=note)
         return self._add(piece, name, spot, names, make_uid, note, spent)
+
+    def _remark(self, piece: Piece, place: NDArray[np.float64]) -> str:
+        """What is to be said of a place for what was wanted beside something."""
+        if not isinstance(self.proposer, Beside):
+            return ""
+        gap = float(aside(self.scene, self.proposer.thing, piece.half, place[None])[0])
+        return f"no room beside {self.names[self.proposer.thing]}" if gap > BESIDE + 1e-6 else ""
 
     def _first(
         self, name: str, piece: Piece, allowed: NDArray[np.bool_], early: Proposals | None, planned: Planned

@@ -1,4 +1,4 @@
-"""Requests: new things beside a certain other thing."""
+"""Requests: new things on, or beside, a certain other thing."""
 
 from __future__ import annotations
 
@@ -16,6 +16,49 @@ DRAWS = 24
 """How many times as many proposals are drawn; those that are beside the thing come first."""
 
 BESIDE, SHARED = RelationTolerances().beside, RelationTolerances().shared
+
+THIN, COVERING = 0.06, 0.5
+"""What is no higher than this, metres, and has this share of the footprint of what it lies on covers it: a drape."""
+
+APART = 100.0
+"""Metres that are added to the gap of things at different heights: those come last, the nearest of them first."""
+
+
+class On:
+    """Proposals of another proposer on a thing (its number in the scene), or on what covers it.
+
+    Where things of that category are usual there, as the model likes; else on the highest surface.
+
+    Parameters
+    ----------
+    usual
+        bool (C, C + 1), see :func:`~.planning.usual_kinds`.
+    """
+
+    def __init__(self, proposer: Proposer, thing: int, usual: NDArray[np.bool_]) -> None:
+        self.proposer, self.thing, self.usual = proposer, thing, usual
+
+    def propose(
+        self, scene: Scene, category: int, piece: Piece, count: int, rng: np.random.Generator,
+        allowed: NDArray[np.bool_], coming: Mapping[int, int],
+    ) -> Proposals:  # fmt: skip
+        """See :class:`~.proposals.Proposer`; ``allowed`` does not count."""
+        lying = covers(scene, self.thing)
+        on = lying | (np.arange(len(lying)) == self.thing)
+        usual = on & self.usual[category][scene.category]
+        if usual[lying].any() or (usual.any() and not lying.any()):
+            return self.proposer.propose(scene, category, piece, count, rng, usual, coming)
+        top = int(np.flatnonzero(lying)[0]) if lying.any() else self.thing
+        if isinstance(self.proposer, AnchorProposer) and len(scene.boards(top)):
+            spot = top, len(scene.boards(top)) - 1
+            return self.proposer.propose_on(scene, category, piece, count, rng, spot, Row(coming, 0.0))
+        return self.proposer.propose(scene, category, piece, count, rng, np.arange(len(on)) == top, coming)
+
+
+def covers(scene: Scene, thing: int) -> NDArray[np.bool_]:
+    """Which things (K,) lie on a thing and cover it."""
+    area, own = scene.half[:, :2].prod(axis=1), scene.half[thing, :2].prod()
+    return (scene.support == thing) & (2 * scene.half[:, 2] <= THIN) & (area >= COVERING * own)
 
 
 class Beside:
@@ -40,14 +83,15 @@ class Beside:
 
 
 def aside(scene: Scene, thing: int, half: NDArray[np.float64], places: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Gaps (T,) between the footprints of a thing and of another at places (T, 4), metres; infinite at other heights.
+    """Gaps (T,) between the footprints of a thing and of another at places (T, 4), metres; at other heights more.
 
-    The other's half extents are ``half`` (3,); they share a height if a quarter of the lower one's is common to both.
+    The other's half extents are ``half`` (3,); they share a height if a quarter of the lower one's is common to both,
+    else :data:`APART` is added.
     """
     low, high = scene.center[thing, 2] - scene.half[thing, 2], scene.center[thing, 2] + scene.half[thing, 2]
     shared = np.minimum(high, places[:, 2] + 2 * half[2]) - np.maximum(low, places[:, 2])
     gap = footprint_gap(scene.center[thing], scene.half[thing], float(scene.yaw[thing]), places, half)
-    return np.where(shared < SHARED * 2 * min(half[2], scene.half[thing, 2]), np.inf, gap)
+    return gap + APART * (shared < SHARED * 2 * min(half[2], scene.half[thing, 2]))
 
 
 def footprint_gap(

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..dataset.assets import heading
+from ..errors import UniSGError
 from ..scene import Boxes, SceneGraph, world_matrices
 from ..scene.overlap import part_boxes
 
@@ -102,6 +103,29 @@ def _relations(
             if thing >= 0 and rows[thing] == row and target >= 0 and target == support[thing]:
                 found[thing] = str(kind)
     return tuple(found)
+
+
+def find_thing(graph: SceneGraph, uids: Sequence[str], text: str) -> int:
+    """The number of the thing with a uid or name, among things with these uids.
+
+    Raises
+    ------
+    UniSGError
+        If it is not there, there are several, or it is no thing.
+    """
+    if text in uids:
+        return list(uids).index(text)
+    rows = [row for row, name in enumerate(graph.name) if name == text]
+    if not rows:
+        raise UniSGError(f"nothing in the scene is called {text!r}: give the name of an object")
+    if len(rows) > 1:
+        raise UniSGError(f"{len(rows)} objects are called {text!r}: give the uid of one ('unisg inspect' shows it)")
+    thing = int(thing_rows(graph)[rows[0]])
+    if thing < 0:
+        raise UniSGError(f"{text!r} has neither a mesh nor a category: take another object or assign a category")
+    if thing != rows[0]:
+        raise UniSGError(f"{text!r} is a part of {graph.name[thing]!r}: take that")
+    return list(uids).index(graph.uid[thing])
 
 
 def thing_rows(graph: SceneGraph) -> NDArray[np.int64]:
