@@ -80,7 +80,8 @@ def test_same_seed_same_places(room: dict[str, np.ndarray]) -> None:
 def test_objects_come_on_and_beside_what_is_named(room: dict[str, np.ndarray]) -> None:
     table = next(item for item in bpy.context.scene.objects if item.get("unisg_category") == "Instrument Table")
     assert bpy.ops.unisg.generate(add="Bowl=1", seed=4, on=table.name) == {"FINISHED"}
-    assert bpy.context.active_object.parent == table
+    cloth = bpy.context.active_object.parent  # the drape covers the table
+    assert (cloth["unisg_category"], cloth.parent) == ("Drape", table)
     bin_ = next(item for item in bpy.context.scene.objects if item.get("unisg_category") == "Waste Bin")
     assert bpy.ops.unisg.generate(add="Stool=1", seed=4, beside=bin_.name) == {"FINISHED"}
     new = bpy.context.active_object
