@@ -74,14 +74,12 @@ def compare(plan: Plan, folder: Path, jobs: int, progress: Progress = lambda *_:
     found = _measured(plan, rows, depends, sums, folder, jobs, progress)
     judged = _judged(plan, rows, found, depends, sums, folder, jobs, progress)
     layouts = _training_layouts(plan, depends, folder, jobs, progress)
+    variety = _varieties(plan, found, layouts, depends, sums, folder, jobs, progress)
     acted = _acted(plan, rows, depends, sums, folder, jobs, progress)
-    progress("comparing layouts", 0, 1)
     real = next(spec for spec in rows if spec.kind == "real")
-    variety = {key: _variety(arrays, layouts, len(vocabulary_of(plan.data))) for key, arrays in found.items()}
     measured = {
         key: Measured(found[key], judged.get(key, {}), *variety[key], acted.get(key, float("nan"))) for key in found
     }
-    progress("comparing layouts", 1, 1)
     best = next((spec for spec in rows if spec.kind == "model" and spec.settle), real)
     reference, ours = measured[real, plan.first_seed], [measured[best, seed] for seed in plan.seeds_of(best)]
     return [row_of(spec.name, [measured[spec, seed] for seed in plan.seeds_of(spec)], reference, ours) for spec in rows]
@@ -186,27 +184,49 @@ def behaviour_of_rooms(spec: RowSpec, data: Data, seed: int, numbers: Sequence[i
     return {"counts": count_right(generator_of(spec.model), rooms, 1000 * seed + numbers[0])}
 
 
-def _training_layouts(plan: Plan, depends: dict[str, Any], folder: Path, jobs: int, progress: Progress) -> Rooms | None:
-    """Layouts of all training rooms."""
+def _training_layouts(plan: Plan, depends: dict[str, Any], folder: Path, jobs: int, progress: Progress) -> Arrays:
+    """Layouts of all training rooms, joined; none without a training set."""
     if not plan.data.training:
-        return None
+        return {"layout": np.zeros((0, 4)), "counts": np.zeros((0, 1))}
     count = len(open_dataset(plan.data.training))
     lots = [tuple(range(start, min(start + LAYOUT_LOT, count))) for start in range(0, count, LAYOUT_LOT)]
     tasks = [Task(training_layouts, (plan.data, lot), depends | {"lot": list(lot)}) for lot in lots]
-    parts = run_all(tasks, folder, jobs, lambda done: progress("reading training rooms", done, len(tasks)))
-    layouts = [layout for part in parts for layout in _layouts(part)]
-    return Rooms(layouts, len(vocabulary_of(plan.data)))
+    return joined(run_all(tasks, folder, jobs, lambda done: progress("reading training rooms", done, len(tasks))))
+
+
+def _varieties(
+    plan: Plan, found: dict[Key, Arrays], training: Arrays, depends: dict[str, Any], sums: dict[str, str],
+    folder: Path, jobs: int, progress: Progress,
+) -> dict[Key, tuple[NDArray[np.float64], float]]:  # fmt: skip
+    """Of each row and seed: distances to the nearest training rooms, and the mean distance between its rooms."""
+    categories = len(vocabulary_of(plan.data))
+    tasks = [
+        Task(
+            variety_of, (_only_layouts(arrays), _only_layouts(training), categories),
+            depends | {
+                "row": _named(asdict(replace(spec, name="")), sums), "seed": seed, "scenes": len(arrays["counts"]),
+                "training": len(training["counts"]),
+            },
+        )
+        for (spec, seed), arrays in found.items()
+    ]  # fmt: skip
+    results = run_all(tasks, folder, jobs, lambda done: progress("comparing layouts", done, len(tasks)))
+    return {key: (result["nearest"], float(result["pairwise"])) for key, result in zip(found, results, strict=True)}
+
+
+def _only_layouts(found: Arrays) -> Arrays:
+    return {name: found[name] for name in ("layout", "counts")}
+
+
+def variety_of(found: Arrays, training: Arrays, categories: int) -> Arrays:
+    """Distances of rooms to the nearest training rooms, NaN without any, and the mean distance between the rooms."""
+    layouts, rooms = _layouts(found), Rooms(_layouts(training), categories)
+    near = nearest_distances(layouts, rooms) if len(training["counts"]) else np.full(len(layouts), np.nan)
+    return {"nearest": near, "pairwise": np.array(mean_pairwise(layouts, categories))}
 
 
 def _layouts(found: Arrays) -> list[NDArray[np.float32]]:
     return [layout.astype(np.float32) for layout in split_ragged(found["layout"], len(found["counts"]))]
-
-
-def _variety(found: Arrays, training: Rooms | None, categories: int) -> tuple[NDArray[np.float64], float]:
-    """Distances to the nearest training rooms, and the mean distance between the rooms themselves."""
-    layouts = _layouts(found)
-    near = np.full(len(layouts), np.nan) if training is None else nearest_distances(layouts, training)
-    return near, mean_pairwise(layouts, categories)
 
 
 def _sum_of(path: str) -> str:

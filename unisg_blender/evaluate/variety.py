@@ -18,6 +18,7 @@ from ..scene.outline import FLOOR, room_outline
 from .scene_metrics import counted_objects
 
 CAP = 1.0
+FAR_OFF = 1e4
 COPIED = 0.05
 """Share of real unseen rooms that lie nearer to a training room than the limit of novelty."""
 
@@ -25,32 +26,33 @@ _TURNS = np.array([[[1, 0], [0, 1]], [[0, -1], [1, 0]], [[-1, 0], [0, -1]], [[0,
 
 
 class Rooms:
-    """Many layouts, by category: positions float32 (S, most, 2), NaN where there is none."""
+    """Many layouts, by category: positions float32 (2, S, most), very far away where there is none."""
 
     def __init__(self, layouts: Sequence[NDArray[np.float32]], categories: int) -> None:
         counts = np.array([np.bincount(room[:, 0].astype(np.int64), minlength=categories) for room in layouts])
         most = counts.max(axis=0, initial=0) if len(layouts) else np.zeros(categories, np.int64)
-        self.places = [np.full((len(layouts), int(number), 2), np.nan, np.float32) for number in most]
+        self.places = [np.full((2, len(layouts), int(number)), FAR_OFF, np.float32) for number in most]
         for number, room in enumerate(layouts):
             for category in np.unique(room[:, 0].astype(np.int64)):
                 mine = room[room[:, 0] == category, 1:]
-                self.places[category][number, : len(mine)] = mine
+                self.places[category][:, number, : len(mine)] = mine.T
 
     def distances(self, layout: NDArray[np.float32]) -> NDArray[np.float64]:
         """How far a layout is from each room, (S,) metres."""
+        rooms = self.places[0].shape[1]
         if not len(layout):
-            return np.full(len(self.places[0]), np.nan)
-        total = np.zeros((4, len(self.places[0])))
+            return np.full(rooms, np.nan)
+        total = np.zeros((4, rooms))
         for category in np.unique(layout[:, 0].astype(np.int64)):
             mine = np.einsum("tij,kj->tki", _TURNS, layout[layout[:, 0] == category, 1:])
-            there = self.places[category]
-            if not there.shape[1]:
+            x, y = self.places[category]
+            if not x.shape[1]:
                 total += CAP * mine.shape[1]
                 continue
-            offset = mine[:, :, None, None] - there
-            apart = np.sqrt(np.square(offset).sum(-1))
-            nearest = np.fmin.reduce(np.nan_to_num(apart, nan=CAP), axis=-1)
-            total += np.minimum(nearest, CAP).sum(axis=1)
+            for turn in range(4):
+                for left, up in mine[turn]:
+                    nearest = np.square(x - left) + np.square(y - up)
+                    total[turn] += np.minimum(np.sqrt(nearest.min(axis=1)), CAP)
         return total.min(axis=0) / len(layout)
 
 
