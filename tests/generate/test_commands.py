@@ -56,6 +56,8 @@ def test_the_table_has_the_model_beside_real_rooms_and_baselines(
     assert real["colliding"] == real["off_support"] == real["outside"] == 0
     assert real["diversity"] == 1
     assert rows["model, settled"]["colliding"] == 0
+    assert 0 <= rows["model, settled"]["behaviour"] <= 1
+    assert all("behaviour" not in values for name, values in rows.items() if name != "model, settled")
     assert rows["category mean, raw"]["overlapping"] > 0
     assert rows["nearest training room copied"]["refused"] == 0
 

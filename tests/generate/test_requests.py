@@ -79,6 +79,13 @@ def test_what_finds_no_room_beside_a_thing_says_so(generator: Generator) -> None
     assert result.objects[0].note == "no room beside High"
 
 
+def test_beside_works_where_there_is_no_floor(generator: Generator) -> None:
+    builder = SceneBuilder("Loose things")
+    builder.add("Table", uid="table", local=at(0, 0, 0), mesh=box("Table", 1.2, 0.7, 0.8), category="Table")
+    result = generator.add(builder.build(), {"Table": 1}, seed=2, beside="Table")
+    assert result.added == 1
+
+
 def test_what_is_wanted_beside_a_thing_stands_beside_it(generator: Generator) -> None:
     scene = room(100, cups=1)
     cup = scene.uid[row_of(scene, "Cup")]

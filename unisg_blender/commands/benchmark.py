@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import importlib
 import json
+import os
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -44,6 +45,7 @@ def run(args: argparse.Namespace) -> int:
         raise UniSGError("--count and --repeats must be at least 1")
     if args.jobs is not None and args.jobs < 1:
         raise UniSGError(f"--jobs must be at least 1, not {args.jobs}")
+    _check_folder(args.out)
     module, function = BENCHMARKS[args.name][1].split(":")
     measure: Callable[..., dict[str, Any]] = getattr(importlib.import_module(module, __package__), function)
 
@@ -57,3 +59,10 @@ def run(args: argparse.Namespace) -> int:
     elif not args.quiet:
         print(f"wrote {args.out}: {', '.join(sorted(p.name for p in args.out.iterdir()))}")
     return DONE
+
+
+def _check_folder(out: Path) -> None:
+    """UniSGError if the folder can be neither made nor written to."""
+    above = next(path for path in (out.absolute(), *out.absolute().parents) if path.exists())
+    if not above.is_dir() or not os.access(above, os.W_OK):
+        raise UniSGError(f"cannot write to {out}: {above} is no folder that can be written to")

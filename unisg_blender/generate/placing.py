@@ -91,7 +91,7 @@ class Placing:
             self.proposer = On(self.proposer, self.on, self.usual)
         if beside:
             thing = find_thing(self.graph, self.uids, beside)
-            if self.scene.support[thing] < 0:
+            if self.kinds[thing] == FLOOR:
                 raise UniSGError(f"everything is beside {beside!r}: name a thing that stands on it")
             self.proposer = Beside(self.proposer, thing)
 
