@@ -130,16 +130,16 @@ def test_a_second_scalpel_gets_nothing_and_a_chair_neither() -> None:
 
 
 class Wants:
-    """Wants one kind of action with whoever may play in it."""
+    """Wants one kind of action, with a probability, with whoever may play in it."""
 
-    def __init__(self, name: str) -> None:
-        self.kinds = kinds()
+    def __init__(self, name: str, chance: float = 1.0) -> None:
+        self.kinds, self.chance = kinds(), chance
         self.number = [kind.name for kind in self.kinds.kinds].index(name)
 
     def scores(self, play):
         things = len(play.rows)
         wanted = np.zeros(len(self.kinds.kinds))
-        wanted[self.number] = float(not (play.kind == self.number).any())
+        wanted[self.number] = self.chance * float(not (play.kind == self.number).any())
         pairs = np.zeros((len(wanted), things, things))
         return Scores(wanted, np.zeros((len(wanted), things)), pairs, pairs)
 
@@ -157,6 +157,21 @@ def test_what_cannot_be_performed_is_not_made_and_a_note_says_so(monkeypatch: py
     made = add_behaviour(bare, [uid], Wants("Incise the knee"), uid_maker(bare, 0))
     assert made.scene is bare
     assert made.notes[uid] == ["no 'Incise the knee': it could not be performed"]
+
+
+def test_what_is_done_now_and_then_is_drawn_and_what_is_usual_always_done() -> None:
+    graph = rooms()[0]
+    bare, uid = without_behaviour(graph, graph.row("Laryngoscope"))
+
+    def made(chance: float, rng: np.random.Generator | None) -> bool:
+        chooser = Wants("Look with the laryngoscope", chance)
+        return bool(add_behaviour(bare, [uid], chooser, uid_maker(bare, 0), rng).actions)
+
+    often = np.mean([made(0.4, np.random.default_rng(seed)) for seed in range(60)])
+    assert 0.25 < often < 0.55
+    assert all(made(0.6, np.random.default_rng(seed)) for seed in range(6))
+    assert not any(made(0.05, np.random.default_rng(seed)) for seed in range(20))
+    assert not made(0.4, None)
 
 
 def test_nobody_carries_what_it_has_to_come_to() -> None:

@@ -9,10 +9,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from tests.generate.models import shared_model
 from tests.generate.rooms import at, box, room
+from unisg_blender.dataset.assets import thing_of
 from unisg_blender.errors import UniSGError
 from unisg_blender.evaluate.scene_metrics import measure_scene
 from unisg_blender.generate import Generator
+from unisg_blender.generate.anchors import DRAWN, AnchorProposer, Row
+from unisg_blender.generate.pieces import Piece
+from unisg_blender.generate.proposals import Proposals, Scene
+from unisg_blender.generate.things import things_of
 from unisg_blender.scene import SceneBuilder, SceneGraph, world_matrices
 
 
@@ -49,6 +55,42 @@ def test_an_existing_scene_is_extended_and_not_changed(generator: Generator, bul
             np.testing.assert_allclose(world_matrices(result.scene)[row], placement.world, atol=1e-9)
             assert result.scene.category_name(row) == placement.category
             assert placement.collision == 0
+
+
+def cups_on_a_table(count: int) -> tuple[Scene, AnchorProposer, Piece, Proposals]:
+    """A room, the proposer, a cup, and proposals for it on the table."""
+    graph, generator = room(100), Generator.load(shared_model("anchors"))
+    things = things_of(graph, generator.categories)
+    scene = Scene.of(things, world_matrices(graph)[things.row])
+    proposer, piece = generator._proposer, Piece(thing_of(graph, graph.row("Cup.0")))
+    assert isinstance(proposer, AnchorProposer)
+    table = int(np.flatnonzero(scene.category == generator.categories.index("Table"))[0])
+    cup = generator.categories.index("Cup")
+    drawn = proposer.propose_on(scene, cup, piece, count, np.random.default_rng(0), (table, 0), Row({}, 0.0))
+    return scene, proposer, piece, drawn
+
+
+def test_proposals_are_where_the_density_is_high() -> None:
+    scene, proposer, piece, drawn = cups_on_a_table(12)
+    table, cup = int(drawn.support[0]), proposer.model.contract.vocabulary.index("Cup")
+    near = [proposer.log_density(scene, cup, piece, table, place) for place in drawn.places]
+    far = [proposer.log_density(scene, cup, piece, table, place + 30 * np.eye(4)[0]) for place in drawn.places]
+    assert np.mean(near) > np.mean(far) + 5
+    assert near[0] == proposer.log_density(scene, cup, piece, table, drawn.places[0])
+
+
+def test_the_critic_chooses_among_the_draws(monkeypatch: pytest.MonkeyPatch) -> None:
+    seen: list[np.ndarray] = []
+
+    def prefer_right(self: AnchorProposer, inputs: object, view: object, places: np.ndarray) -> np.ndarray:
+        seen.append(places)
+        return np.where(places[:, 0] > np.median(places[:, 0]), 0.0, -1e6)
+
+    monkeypatch.setattr(AnchorProposer, "_ratios", prefer_right)
+    *_, drawn = cups_on_a_table(8)
+    assert len(seen[0]) == DRAWN
+    assert drawn.places[:, 0].min() > np.median(seen[0][:, 0])
+    assert {*drawn.places[:, 0]} <= {*seen[0][:, 0]}
 
 
 def test_settled_things_stand_touch_nothing_and_stay_inside(generator: Generator) -> None:

@@ -6,13 +6,17 @@ import numpy as np
 import pytest
 
 from tests.generate.rooms import at, box, room
+from unisg_blender.dataset.assets import thing_of
 from unisg_blender.generate.anchors import _behind_walls
 from unisg_blender.generate.boards import board_at, boards_of
 from unisg_blender.generate.context import room_of, tokens_for
-from unisg_blender.generate.habits import learn_habits
+from unisg_blender.generate.habits import BESIDE, RESTS, Habit, Habits, learn_habits
 from unisg_blender.generate.leaders import find_leaders
-from unisg_blender.generate.order import along, groups, learn_orders, row_order
+from unisg_blender.generate.order import DEEPEST, along, groups, learn_orders, levels, row_order
+from unisg_blender.generate.pieces import Piece
 from unisg_blender.generate.proposals import Scene, within
+from unisg_blender.generate.settle import Support, nearest_support, rest
+from unisg_blender.generate.space import Space
 from unisg_blender.generate.spots import Load, Nearness, Spots, support_arrays
 from unisg_blender.generate.surfaces import Surfaces, rectangles, with_joined
 from unisg_blender.generate.things import Things, things_of
@@ -116,6 +120,50 @@ def test_things_are_ordered_by_level_and_rows_from_end_to_end() -> None:
     assert orders.keys() == {"Table>Cup", "Wall>Lamp"}
     assert sorted(row_order(["Cup", "Cup"], "Table", False, habits, np.random.default_rng(0))) == [0, 1]
     assert row_order(["Cup", "Table"], "Floor", True, habits, np.random.default_rng(0)) == [1, 0]
+
+
+def test_whatever_may_hold_a_thing_is_placed_before_it() -> None:
+    def on(*names: str) -> list[Habit]:
+        return [Habit(name, 9, RESTS) for name in names]
+
+    supports = {
+        "Floor": on(""), "Rug": on("Floor"), "Table": on("Floor", "Rug"), "Book": on("Shelf", "Table"),
+        "Shelf": on("Floor"), "Crate": on("Floor", "Crate", "Box"), "Box": on("Crate"),
+    }  # fmt: skip
+    found = levels(Habits(supports, {}, {}, []))
+    assert {name: found[name] for name in ("Floor", "Rug", "Table", "Shelf", "Book")} == {
+        "Floor": 0, "Rug": 1, "Table": 2, "Shelf": 1, "Book": 3,
+    }  # fmt: skip
+    assert max(found.values()) == DEEPEST  # crates on boxes on crates
+
+
+def wall(*pieces: tuple[float, float, float]) -> Support:
+    """A wall along y of pieces (x, y of the middle, length), 0.2 m thick and 2 m high."""
+    center = np.array([[x, y, 1.0] for x, y, _ in pieces])
+    half = np.array([[0.1, length / 2, 1.0] for _, _, length in pieces])
+    boxes = Boxes(center, np.tile(np.eye(3), (len(pieces), 1, 1)), half, np.ones(len(pieces), bool))
+    return Support(0, Habit("Wall", 9, BESIDE), boxes, False)
+
+
+def cup_in_empty_space() -> tuple[Piece, Space]:
+    none = Boxes(np.zeros((0, 3)), np.zeros((0, 3, 3)), np.zeros((0, 3)), np.zeros(0, bool))
+    space = Space(none, np.zeros(0, np.int64), np.zeros(0, np.int64), None, Habits({}, {}, {}, []), ("Wall",))
+    return Piece(thing_of(room(1, 1), room(1, 1).row("Cup.0"))), space
+
+
+def test_of_two_walls_the_nearer_one_holds() -> None:
+    piece, space = cup_in_empty_space()
+    places = np.array([[-1.7, 0.3, 1.0, 0.0], [1.5, -0.4, 1.0, 0.0]])
+    assert nearest_support(piece, places, [wall((-2, 0, 4)), wall((2, 0, 4))], space).tolist() == [0, 1]
+
+
+def test_what_a_wall_holds_stays_where_it_is_along_all_its_pieces() -> None:
+    piece, space = cup_in_empty_space()
+    opened = wall((0, -1.5, 1.0), (0, 1.0, 2.0))  # an opening from -1 to 0
+    places = np.array([[0.5, y, 1.0, 0.0] for y in (-1.6, 0.7, -5.0, 5.0)])
+    found = rest(piece, places, opened, space)
+    np.testing.assert_allclose(found[:, 0], 0.1 + piece.half[0], atol=1e-9)
+    np.testing.assert_allclose(found[:, 1], [-1.6, 0.7, -2 + piece.half[1], 2 - piece.half[1]], atol=1e-9)
 
 
 def test_tokens_begin_with_the_support_and_its_things() -> None:

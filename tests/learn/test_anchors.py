@@ -15,9 +15,9 @@ from unisg_blender.generate.contract import Contract  # noqa: E402
 from unisg_blender.generate.habits import Habits, learn_habits  # noqa: E402
 from unisg_blender.generate.model import load_model  # noqa: E402
 from unisg_blender.generate.things import things_of  # noqa: E402
-from unisg_blender.learn.anchor_batches import Layout, Order, example, padded  # noqa: E402
-from unisg_blender.learn.anchor_collisions import collision_term, drawn  # noqa: E402
-from unisg_blender.learn.anchor_geometry import FREE, base_places, clearances, depths  # noqa: E402
+from unisg_blender.learn.anchor_batches import BARE, Layout, Order, example, padded, visible_with  # noqa: E402
+from unisg_blender.learn.anchor_critic import DRAWS, TAIL, drawn, ranking_loss  # noqa: E402
+from unisg_blender.learn.anchor_geometry import base_places, clearances  # noqa: E402
 from unisg_blender.learn.anchor_latent import LATENT, PoseEncoder, kl_divergence  # noqa: E402
 from unisg_blender.learn.anchors import AnchorModel, AnchorSizes, height_nll, mixture_nll  # noqa: E402
 from unisg_blender.learn.scenes import TrainingScene  # noqa: E402
@@ -50,6 +50,20 @@ def batch_of(seeds: list[int]) -> dict[str, torch.Tensor]:
     return padded(examples)
 
 
+def test_the_building_is_there_before_all_else() -> None:
+    graph = room(3, cups=2)
+    things = things_of(graph, VOCABULARY)
+    order = Order.of(VOCABULARY, learn_habits([things], VOCABULARY))
+    world = world_matrices(graph)[things.row]
+    layout = Layout(TrainingScene(things, world, world), order)
+    table, walls = int(np.flatnonzero(things.category == 3)[0]), things.category == 4
+    seen = [visible_with(layout, table, np.random.default_rng(seed)) for seed in range(200)]
+    whole = np.mean([chosen[walls].all() and placed[walls].all() for chosen, placed in seen])
+    assert whole >= 1 - 2 * BARE
+    assert whole < 1
+    assert not any(placed[table] for _, placed in seen)
+
+
 def places_of(network: AnchorModel, batch: dict[str, torch.Tensor]) -> tuple[torch.Tensor, ...]:
     codes = torch.linspace(-1, 1, LATENT).expand(len(batch["mask"]), -1)
     with torch.no_grad():
@@ -59,7 +73,7 @@ def places_of(network: AnchorModel, batch: dict[str, torch.Tensor]) -> tuple[tor
 def test_the_mixture_integrates_to_one(network: AnchorModel) -> None:
     batch = batch_of([1])
     batch |= {name: batch[name][:, :1] for name in ("category", "box", "flags", "mask")}  # the table alone
-    mixture, middle = places_of(network, batch), batch["box"][0, 0, :2]
+    mixture, middle = places_of(network, batch)[:-1], batch["box"][0, 0, :2]
     line, step = torch.linspace(-1.2, 1.2, 121), 0.02
     x, y, turn = torch.meshgrid(line, line, torch.linspace(-np.pi, np.pi, 17)[:-1], indexing="ij")
     total = 0.0
@@ -152,68 +166,88 @@ def test_clearances_are_depths_and_gaps_to_the_nearest_obstacle() -> None:
     assert at(1.0, 0.0)[0] == pytest.approx(-1.0)
 
 
-def test_depths_agree_with_clearances_and_know_any_heading() -> None:
-    box = torch.tensor([[[0, 0, 0.5, 2.0, 2.0, 0.5, 1, 0], [1.0, 0, 1.2, 0.3, 0.2, 0.2, 0.8, 0.6]]])
-    flags = torch.zeros(1, 2, FLAGS)
-    flags[0, 0, 0], flags[0, 0, 5] = 1, 0.25  # the support
-    half, bottom, mask, none = torch.tensor([[0.3, 0.1, 0.1]]), torch.tensor([1.0]), torch.ones(1, 2), torch.zeros(1, 2)
-    place = torch.tensor([[[0.9, 0.1], [1.0, 0.0], [-1.0, 0.0]]])
-    heading = torch.tensor([[0.0, np.arctan2(0.6, 0.8), 0.3]])
-    found = depths(box, flags, mask, half, bottom, none, place, heading)[0]
-    grid = torch.zeros(1, 2, 48)
-    straight = clearances(box, flags, mask, half, bottom, none, grid + 0.9, grid + 0.1)[0]
-    assert float(found[0]) == pytest.approx(float(straight[0, 0, 0]), abs=1e-6)
-    assert float(found[1]) == pytest.approx(0.3)  # turned alike: the smaller way out, 0.2 and 0.1
-    assert float(found[2]) < 0
-
-
 def test_nothing_stands_behind_a_wall_unless_the_wall_holds_it() -> None:
     box = torch.tensor([[[0, 0, -0.1, 3.0, 3.0, 0.1, 1, 0], [0, 2.0, 1.5, 3.0, 0.1, 1.5, 1, 0]]])
     flags = torch.zeros(1, 2, FLAGS)
     flags[0, 0, 0], flags[0, 1, 4] = 1, -1  # a floor, and a wall whose room is towards -y
     half, bottom, mask, none = torch.tensor([[0.1, 0.1, 0.1]]), torch.zeros(1), torch.ones(1, 2), torch.zeros(1, 2)
-    places, heading = torch.tensor([[[0, 1.5], [0, 1.85], [0, 2.5], [0, 3.5]]]), torch.zeros(1, 4)
-    in_front, touching, behind, far = depths(box, flags, mask, half, bottom, none, places, heading)[0]
+    x, y = torch.zeros(1, 2, 48), torch.zeros(1, 2, 48)
+    y[0, 0, :4] = torch.tensor([1.5, 1.85, 2.5, 3.5])  # in the floor's frame, which is the world's
+    in_front, touching, behind, far = clearances(box, flags, mask, half, bottom, none, x, y)[0][0, 0, :4]
     assert in_front == pytest.approx(-0.3, abs=1e-6)
     assert touching == pytest.approx(0.05, abs=1e-6)
     assert behind > 0.4
     assert far > 0.1  # within a metre and a half
     flags[0, 0, 0], flags[0, 1, 0] = 0, 1
-    assert float(depths(box, flags, mask, half, bottom, none, places, heading)[0, 2]) < FREE / 2
+    assert float(clearances(box, flags, mask, half, bottom, none, x, y)[0][0, 0, 2]) == -1.0
 
 
-def test_the_collision_term_moves_weight_away_from_obstacles(network: AnchorModel) -> None:
+def judged(network: AnchorModel, batch: dict[str, torch.Tensor], place: torch.Tensor) -> torch.Tensor:
+    view = places_of(network, batch)[-1]
+    given = [batch[name] for name in ("target_half", "target_bottom", "box", "flags", "mask")]
+    return network.judge(*given, view, place)
+
+
+def some_places(batch: dict[str, torch.Tensor], count: int) -> torch.Tensor:
+    torch.manual_seed(2)
+    spread = torch.randn(len(batch["box"]), count, 3)
+    return spread + torch.cat([batch["position"], batch["heading"].unsqueeze(1)], dim=1).unsqueeze(1)
+
+
+def test_the_critic_sees_places_only_relative_to_things(network: AnchorModel) -> None:
+    batch = batch_of([1, 2])
+    place, angle, shift = some_places(batch, 5), 0.7, torch.tensor([3.0, -2.0])
+    turn = torch.tensor([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]], dtype=torch.float32)
+    moved, box = place.clone(), batch["box"].clone()
+    box[..., :2], moved[..., :2] = box[..., :2] @ turn.T + shift, place[..., :2] @ turn.T + shift
+    box[..., 6:] = box[..., 6:] @ turn.T
+    moved[..., 2] += angle
+    one, two = judged(network, batch, place), judged(network, batch | {"box": box}, moved)
+    torch.testing.assert_close(two, one, atol=1e-3, rtol=1e-3)
+    assert float(one.detach().std()) > 0
+
+
+def test_the_critic_does_not_see_padding(network: AnchorModel) -> None:
+    batch = batch_of([4])
+    wide = dict(batch)
+    for name in ("category", "box", "flags", "mask"):
+        extra = torch.full((1, 3, *batch[name].shape[2:]), 2 if name == "category" else 0).to(batch[name].dtype)
+        wide[name] = torch.cat([batch[name], extra], dim=1)
+    place = some_places(batch, 5)
+    torch.testing.assert_close(judged(network, wide, place), judged(network, batch, place), atol=1e-4, rtol=1e-4)
+
+
+def test_the_critic_learns_to_tell_true_places(network: AnchorModel) -> None:
     batch = batch_of([4, 5, 6, 7])
-    codes = torch.zeros(4, LATENT)
-
-    def mixture() -> tuple[torch.Tensor, ...]:
-        given = [codes if name == "latent" else batch[name] for name in PLACES]
-        return network.places(*given)
-
-    optimizer = torch.optim.SGD(network.parameters(), 0.05)
+    true = torch.cat([batch["position"], batch["heading"].unsqueeze(1)], dim=1).unsqueeze(1)
+    mixture = places_of(network, batch)[:-1]
+    optimizer = torch.optim.Adam(network.critic.parameters(), 0.01)
+    losses = []
     torch.manual_seed(0)
-    with torch.no_grad():
-        before = np.mean([float(collision_term(network, mixture(), batch)[1].mean()) for _ in range(60)])
     for _ in range(60):
-        term, _ = collision_term(network, mixture(), batch)
+        loss = ranking_loss(judged(network, batch, torch.cat([true, drawn(mixture, batch["box"], 48)], dim=1))).mean()
         optimizer.zero_grad()
-        term.mean().backward()
+        loss.backward()
         optimizer.step()
-    with torch.no_grad():
-        after = np.mean([float(collision_term(network, mixture(), batch)[1].mean()) for _ in range(60)])
-    assert before > 0.02
-    assert after < 0.5 * before
+        losses.append(float(loss.detach()))
+    assert losses[0] == pytest.approx(np.log(1 + DRAWS), abs=0.5)
+    assert np.mean(losses[-10:]) < 0.5 * losses[0]
 
 
 def test_draws_follow_the_mixture(network: AnchorModel) -> None:
     batch = batch_of([3])
-    weight, mean, *rest = places_of(network, batch)
+    weight, mean, sigma, heading, kappa, _ = places_of(network, batch)
     only = torch.full_like(weight, -1e4)
     only[0, 5] = 0.0
     torch.manual_seed(1)
-    position, _ = drawn((only, mean, *rest), batch["box"])
-    limit = 6 * float(rest[0][0, 5].max())
-    assert float((position[0] - mean[0, 5]).norm(dim=-1).max()) < limit
+    place = drawn((only, mean, sigma, heading, kappa + 1e6), batch["box"], 48, 4000)[0]
+    cos, sin = batch["box"][0, 0, 6:]
+    offset = place[:, :2] - mean[0, 5]
+    along = torch.stack([cos * offset[:, 0] + sin * offset[:, 1], cos * offset[:, 1] - sin * offset[:, 0]], -1)
+    z = along / sigma[0, 5]
+    assert float(z.abs().max()) <= TAIL + 1e-3
+    torch.testing.assert_close(z.std(dim=0), torch.full((2,), 0.954), atol=0.03, rtol=0)  # of a cut normal
+    assert float((place[:, 2] - heading[0, 5]).abs().max()) < 0.01
 
 
 def test_the_encoder_sees_poses_only_relative_to_things() -> None:

@@ -69,11 +69,12 @@ Make = Callable[[BehaviourCase, int], tuple[SceneGraph, str]]
 """Gives the thing of a case its behaviour, with a seed: the scene and the thing's uid there."""
 
 
-def by_chooser(chooser: Chooser) -> Make:
-    """The thing stays where it is and gets the actions that a chooser wants."""
+def by_chooser(chooser: Chooser, draws: bool = False) -> Make:
+    """The thing stays where it is and gets the actions that a chooser wants; rarer ones by draw, as when generating."""
 
     def make(case: BehaviourCase, seed: int) -> tuple[SceneGraph, str]:
-        return add_behaviour(case.bare, [case.uid], chooser, uid_maker(case.bare, seed)).scene, case.uid
+        rng = np.random.default_rng(seed) if draws else None
+        return add_behaviour(case.bare, [case.uid], chooser, uid_maker(case.bare, seed), rng).scene, case.uid
 
     return make
 
@@ -111,11 +112,11 @@ def compare_behaviour(
     kinds, others = network.kinds, behaviour_cases(graphs, seed, acting=False)
     free = [case for case in cases if _is_free(case, generator)]
     runs: list[tuple[str, Sequence[BehaviourCase], Make]] = [
-        ("network", cases, by_chooser(network)),
+        ("network", cases, by_chooser(network, draws=True)),
         ("what the lesson lacks, nearest", cases, by_chooser(LackingChooser(kinds))),
         ("most frequent, nearest", cases, by_chooser(FrequencyChooser(kinds))),
         ("network, placed by the generator", free, by_generator(generator)),
-        ("network, things that had no actions", others, by_chooser(network)),
+        ("network, things that had no actions", others, by_chooser(network, draws=True)),
         ("what the lesson lacks, things that had none", others, by_chooser(LackingChooser(kinds))),
     ]
     rows = []
@@ -132,7 +133,7 @@ def count_right(generator: Generator, graphs: Sequence[SceneGraph], seed: int = 
     """
     if generator.behaviour is None:
         return np.zeros(3)
-    make, tally = by_chooser(generator.behaviour), Tally(generator.behaviour.kinds)
+    make, tally = by_chooser(generator.behaviour, draws=True), Tally(generator.behaviour.kinds)
     for number, case in enumerate(behaviour_cases(graphs, seed)):
         tally.add(case, *make(case, seed + number))
     return np.array([tally.counts[name] for name in ("wanted", "right", "made")], np.float64)

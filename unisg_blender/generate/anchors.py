@@ -1,4 +1,4 @@
-"""Places proposed by the anchor mixture: support first, then height, then position and heading."""
+"""Places proposed by the anchor mixture and its critic: support first, then height, then position and heading."""
 
 from __future__ import annotations
 
@@ -26,13 +26,19 @@ ALIGNED, SNAP = np.exp(8.0), np.radians(4)
 TAIL = 2.5
 """Positions are drawn within so many standard deviations: the tails of a normal distribution reach into others."""
 
+DRAWN = 16
+"""Places that are drawn, at least, among which the critic chooses."""
+
 CODES = 16
 """Latent codes over which a density is averaged."""
+
+NORM = 64
+"""Draws over which the critic's ratio is averaged to make it a density."""
 
 BEHIND, OUT = 1.5, -50.0
 """Places up to so many metres behind a wall are out of the room, and lose so much of their log weight."""
 
-PLACED = ("weight", "mean", "sigma", "heading", "kappa")
+PLACED = ("weight", "mean", "sigma", "heading", "kappa", "seen")
 CHOSEN = ("support_score", "height_weight", "height_mean", "height_sigma")
 
 
@@ -117,7 +123,7 @@ class AnchorProposer:
     def log_density(self, scene: Scene, category: int, piece: Piece, support: int, place: NDArray[np.float64]) -> float:
         """Log-density of position and heading of a place (4,) given its height on a support, nats (metres, radians).
 
-        With a latent code: of the mean over :data:`CODES` draws of it.
+        Of the mean over :data:`CODES` latent codes, with the critic's ratio over its mean in :data:`NORM` draws.
         """
         board = scene.board_of(float(place[2]), support) if support >= 0 else -1
         inputs = self._inputs(scene, category, piece.half, float(place[2]), (support, board), Row({}, 0.0))
@@ -125,7 +131,11 @@ class AnchorProposer:
             return float("nan")
         rng, found = np.random.default_rng(0), []
         for _ in range(CODES if self.model.contract.latent else 1):
-            found.append(_log_density(inputs, self._mixture(inputs, rng), place))
+            mixture = self._mixture(inputs, rng)
+            drawn = _drawn(inputs["box"][0], mixture, NORM, rng)[0]
+            own, *ratios = self._ratios(inputs, mixture[-1], np.concatenate([place[None, [0, 1, 3]], drawn]))
+            mean = np.logaddexp.reduce(ratios) - np.log(len(ratios))
+            found.append(_log_density(inputs, mixture, place) + own - mean)
         return float(np.logaddexp.reduce(found) - np.log(len(found)))
 
     def density(
@@ -165,23 +175,26 @@ class AnchorProposer:
         self, scene: Scene, category: int, piece: Piece, count: int, rng: np.random.Generator,
         spot: tuple[int, int], row: Row, choice: Choice | None = None,
     ) -> Proposals:  # fmt: skip
-        """``count`` proposals on one spot (thing, board); thing -1 is the ground."""
+        """``count`` proposals on one spot (thing, board); thing -1 is the ground.
+
+        More are drawn from the mixture; of these, those are kept that are drawn by the critic's ratios (without putting
+        back, by Gumbel noise).
+        """
         support = spot[0]
         bottoms = self._bottoms(scene, spot, count, rng, choice)
         inputs, mixture = self.density(scene, category, piece.half, float(np.median(bottoms)), spot, row, rng)
         if not mixture:
             return Proposals(np.full(count, support), _around_origin(bottoms, rng))
-        weight, mean, sigma, heading, kappa = mixture
-        total = np.cumsum(np.exp(weight))
-        part = np.searchsorted(total, rng.random(count) * total[-1]).clip(max=len(total) - 1)
-        box = inputs["box"][0, part // COMPONENTS].astype(np.float64)
-        noise = ndtri(rng.uniform(ndtr(-TAIL), ndtr(TAIL), (count, 2))) * sigma[part]
-        x = mean[part, 0] + box[:, 6] * noise[:, 0] - box[:, 7] * noise[:, 1]
-        y = mean[part, 1] + box[:, 7] * noise[:, 0] + box[:, 6] * noise[:, 1]
-        turn = rng.vonmises(_wrapped(heading[part]), kappa[part])
-        axis = np.arctan2(box[:, 7].copy(), box[:, 6].copy())  # of strided columns it varies by the last bit
-        yaw = _snapped(turn, axis, kappa[part])
-        return Proposals(np.full(count, support), np.stack([x, y, bottoms, yaw], axis=1))
+        places, axis, kappa = _drawn(inputs["box"][0], mixture, max(DRAWN, count + DRAWN // 2), rng)
+        ratio = self._ratios(inputs, mixture[-1], places)
+        kept = np.argsort(-(ratio + rng.gumbel(size=len(ratio))))[:count]
+        yaw = _snapped(places[kept, 2], axis[kept], kappa[kept])
+        return Proposals(np.full(count, support), np.column_stack([places[kept, :2], bottoms, yaw]))
+
+    def _ratios(self, inputs: Arrays, view: NDArray[np.float64], places: NDArray[np.float64]) -> NDArray[np.float64]:
+        """What the critic says (T,) of places (T, 3): log ratios of densities, true ones to the mixture's."""
+        asked = {"view": view.astype(np.float32)[None], "place": places.astype(np.float32)[None]}
+        return self._run({**inputs, **asked}, "ratio")[0]
 
     def _bottoms(
         self, scene: Scene, spot: tuple[int, int], count: int, rng: np.random.Generator, choice: Choice | None
@@ -204,9 +217,24 @@ class AnchorProposer:
         return [part[0].astype(np.float64) for part in self.model.run(list(outputs), **inputs)]
 
 
+def _drawn(
+    box: NDArray[np.float32], mixture: list[NDArray[np.float64]], count: int, rng: np.random.Generator
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """Places (T, 3) (x, y, yaw) from a mixture, the headings of their tokens and their concentrations (T,)."""
+    weight, mean, sigma, heading, kappa, _ = mixture
+    total = np.cumsum(np.exp(weight))
+    part = np.searchsorted(total, rng.random(count) * total[-1]).clip(max=len(total) - 1)
+    cos, sin = box[part // COMPONENTS, 6:].T.astype(np.float64)
+    along, across = (ndtri(rng.uniform(ndtr(-TAIL), ndtr(TAIL), (count, 2))) * sigma[part]).T
+    turn = rng.vonmises(_wrapped(heading[part]), kappa[part])
+    x, y = mean[part, 0] + cos * along - sin * across, mean[part, 1] + sin * along + cos * across
+    axis = np.arctan2(sin.copy(), cos.copy())  # of strided columns it varies by the last bit
+    return np.column_stack([x, y, turn]), axis, kappa[part]
+
+
 def _log_density(inputs: Arrays, mixture: list[NDArray[np.float64]], place: NDArray[np.float64]) -> float:
     """Log-density of a place (4,) in a mixture."""
-    weight, mean, sigma, heading, kappa = mixture
+    weight, mean, sigma, heading, kappa, _ = mixture
     cos, sin = np.repeat(inputs["box"][0, :, 6:], COMPONENTS, axis=0).T.astype(np.float64)
     offset = place[:2] - mean
     along = (cos * offset[:, 0] + sin * offset[:, 1]) / sigma[:, 0]

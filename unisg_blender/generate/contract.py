@@ -12,8 +12,8 @@ from typing import Any
 from ..errors import UniSGError
 from .habits import Habits
 
-VERSION = 3
-SINCE = {"anchors": 3}
+VERSION = 4
+SINCE = {"anchors": 4}
 """The first version of a kind that this software runs, where that is not 1."""
 
 TASK = "generate"

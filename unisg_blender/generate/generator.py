@@ -136,7 +136,7 @@ class Generator:
             yield placements[-1]
         result = extend(scene, work.additions, names, make_uid)
         if behaviour and self.behaviour is not None:
-            result, placements = with_behaviour(result, placements, self.behaviour, make_uid)
+            result, placements = with_behaviour(result, placements, self.behaviour, make_uid, rng)
         rows = np.array([row for row, uid in enumerate(result.uid) if uid not in before], np.int64)
         return Generated(result, rows, tuple(placements), len(all_actions(result)) - len(all_actions(scene)))
 

@@ -18,7 +18,7 @@ from .things import Things
 FEWEST = 12
 """Pairs that a spread is measured from, at least."""
 
-GAIN = 0.5
+GAIN = 1.0
 """Nats a scene that a further leader adds at least."""
 
 Offsets = dict[tuple[int, int], list[NDArray[np.float64]]]

@@ -14,22 +14,27 @@ from collections.abc import Iterable, Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from ..dataset.assets import STRUCTURE
 from .habits import Habits
 from .proposals import Scene
+
+DEEPEST = 8
+"""Supports under one another that are told apart; where things of two kinds may stand on each other there is no end."""
 
 ORDERS = 24
 """Positions of a category on a kind of support that are remembered."""
 
 
 def levels(habits: Habits) -> dict[str, int]:
-    """How many supports are usually under each category."""
-    usual = {name: found[0].support for name, found in habits.supports.items() if found}
-    level: dict[str, int] = {}
-    for name in usual:
-        below, seen = name, {name}
-        while (below := usual.get(below, "")) and below not in seen:
-            seen.add(below)
-        level[name] = len(seen) - 1
+    """How many supports may be under each category, at most :data:`DEEPEST`: all that may hold it come before it."""
+    below = {
+        name: [habit.support for habit in found if habit.support in habits.supports and habit.support != name]
+        for name, found in habits.supports.items()
+        if found
+    }
+    level = dict.fromkeys(below, 0)
+    for _ in range(DEEPEST):
+        level = {name: max((level.get(other, 0) + 1 for other in below[name]), default=0) for name in below}
     return level
 
 
@@ -46,8 +51,8 @@ def in_order(counts: Mapping[str, int], habits: Habits) -> list[str]:
 
 
 def holders(habits: Habits) -> set[str]:
-    """The categories on which others usually stand."""
-    return {found[0].support for found in habits.supports.values() if found}
+    """The categories that are there first: those on which others usually stand, and the building."""
+    return {found[0].support for found in habits.supports.values() if found} | {*STRUCTURE}
 
 
 def groups(vocabulary: Sequence[str], habits: Habits) -> NDArray[np.int64]:

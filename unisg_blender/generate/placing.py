@@ -25,11 +25,11 @@ from .planning import Planned, Planner, usual_kinds
 from .proposals import Proposals, Proposer, Scene
 from .requests import BESIDE, Beside, On, aside, covers
 from .results import Placement
-from .settle import Support, fitting, rest, search
+from .settle import Support, fitting, nearest_support, rest, search
 from .space import Space
 from .things import find_thing, things_of
 
-BATCHES = (12, 24, 24)
+BATCHES = (8, 24, 28)
 """Proposals asked for at a time, until one fits: first on the spot that was planned, then on any."""
 
 OTHER_SHAPES = 2
@@ -205,7 +205,8 @@ class Placing:
         """The first proposal that fits after settling, else the free place nearest to the first of all."""
         category, draws, seen = self.vocabulary.index(name), 0, []
         batches = self._batches(name, piece, allowed, planned, BATCHES)
-        for proposals in batches if early is None else chain([early], batches):
+        for drawn in batches if early is None else chain([early], batches):
+            proposals = self._held(name, piece, drawn)
             seen.append(proposals)
             places, good = self._settle(name, piece, proposals)
             if good.any():
@@ -231,6 +232,20 @@ class Placing:
             places[mine] = rest(piece, places[mine], support, self.space)
             good[mine] = fitting(piece, places[mine], self.vocabulary.index(name), support, self.space)
         return places, good
+
+    def _held(self, name: str, piece: Piece, proposals: Proposals) -> Proposals:
+        """The proposals with the nearest holder where something holds them by its side: which of two walls may be open.
+
+        The model chooses the holder before the place.
+        """
+        holder, places = proposals.support.copy(), proposals.places
+        for thing in np.unique(holder[holder >= 0]) if self.on < 0 else ():
+            alike = np.flatnonzero(self.scene.category == self.scene.category[thing])
+            if self._support(name, int(thing)).contact != RESTS and len(alike) > 1:
+                mine = np.flatnonzero(proposals.support == thing)
+                supports = [self._support(name, int(other)) for other in alike]
+                holder[mine] = alike[nearest_support(piece, places[mine], supports, self.space)]
+        return Proposals(holder, places)
 
     def _add(
         self, piece: Piece, name: str, spot: _Spot, names: Names, make_uid: UidMaker, note: str, spent: float

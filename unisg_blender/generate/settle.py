@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -80,6 +81,14 @@ def rest(piece: Piece, places: NDArray[np.float64], support: Support, space: Spa
     if support.contact != RESTS and len(support.surfaces.center) and len(piece.parts.center):
         places = _touching(piece, places, support.surfaces)
     return places
+
+
+def nearest_support(
+    piece: Piece, places: NDArray[np.float64], supports: Sequence[Support], space: Space
+) -> NDArray[np.int64]:
+    """Which of the supports reaches each place (T, 4) by the shortest move, int64 (T,)."""
+    moves = [np.linalg.norm((rest(piece, places, support, space) - places)[:, :3], axis=1) for support in supports]
+    return np.argmin(moves, axis=0)
 
 
 def _touching(piece: Piece, places: NDArray[np.float64], parts: Boxes) -> NDArray[np.float64]:
@@ -182,11 +191,19 @@ def _to_side(piece: Piece, places: NDArray[np.float64], support: Support, space:
             sides[:] = 1.0 if into[0] else -1.0
     local[:, thin] = sides * (half[thin] + reach[:, thin] + max(support.habit.gap, 0.0))
     long = 1 - thin
-    room = max(half[long] - float(reach[:, long].min(initial=0)), 0)
-    local[:, long] = np.clip(local[:, long], -room, room)
+    low, high = _extent(parts, middle, axes[:, long])
+    between, room = (low + high) / 2, np.maximum((high - low) / 2 - reach[:, long], 0)
+    local[:, long] = between + np.clip(local[:, long] - between, -room, room)
     result = places.copy()
     result[:, :2] = middle + local @ axes.T
     return result
+
+
+def _extent(parts: Boxes, origin: NDArray[np.float64], along: NDArray[np.float64]) -> tuple[float, float]:
+    """From where to where all parts together reach along a horizontal direction (2,), metres from an origin (2,)."""
+    at = (parts.center[:, :2] - origin) @ along
+    reach = (np.abs(np.einsum("pij,i->pj", parts.axes[:, :2], along)) * parts.half).sum(axis=1)
+    return float((at - reach).min()), float((at + reach).max())
 
 
 def fitting(

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from torch import Tensor
 from torch.utils.data import Dataset
 
+from ..dataset.assets import STRUCTURE
 from ..generate.context import chain, coming_vector, context_arrays, plan_vector, room_of, tokens_for
 from ..generate.habits import Habits
 from ..generate.order import along, groups, holders, middles, ranks
@@ -20,11 +21,20 @@ from ..generate.proposals import Scene
 from ..generate.spots import Load, Nearness, Spots, support_arrays
 from .scenes import TrainingScene
 
-RANDOM_SUBSETS = 0.35
+RANDOM_SUBSETS = 0.25
 """Share of examples in which any other things may be missing; in the rest the scene is built up in order."""
 
 BALANCE = 0.75
 """How far all categories of a scene are targets equally often: 0 as often as they occur, 1 equally often."""
+
+FLOOR = 1.5
+"""How much more often what stands on the floor is a target: whatever goes on it depends on where it is."""
+
+BUILDING = 0.25
+"""How much less often walls, doors and windows are targets: they are seldom asked for one by one."""
+
+BARE = 0.1
+"""Share of examples in which parts of the building may be missing too; in the rest it is there before anything else."""
 
 LESS = 0.3
 """Share of examples in which less is still to come than is missing: a user may ask for less than a whole room."""
@@ -40,6 +50,12 @@ class Order:
     group: NDArray[np.int64]
     rank: NDArray[np.int64]
     holds: NDArray[np.bool_]
+    leads: NDArray[np.bool_]
+    """The leaders, see :mod:`..generate.leaders` (C + 1,)."""
+
+    building: NDArray[np.bool_]
+    """Walls and the like, which are there before anything else (C + 1,)."""
+
     kinds: NDArray[np.bool_]
     """(C + 1, C + 1): things of which categories (columns) hold a category (row)."""
 
@@ -48,10 +64,13 @@ class Order:
         """The order that goes with the habits of training scenes."""
         first, count = holders(habits), len(vocabulary) + 1
         holds = np.array([name in first for name in vocabulary] + [False])
+        leads, building = (
+            np.array([name in names for name in vocabulary] + [False]) for names in (habits.leaders, STRUCTURE)
+        )
         kinds = np.zeros((count, count), bool)
         for row, name in enumerate(vocabulary):
             kinds[row, [vocabulary.index(h.support) for h in habits.supports.get(name, ()) if h.support]] = True
-        return Order(groups(vocabulary, habits), ranks(vocabulary, habits), holds, kinds)
+        return Order(groups(vocabulary, habits), ranks(vocabulary, habits), holds, leads, building, kinds)
 
 
 class Layout:
@@ -63,7 +82,10 @@ class Layout:
         count = len(support)
         self.targets = np.flatnonzero((category >= 0) & (self.scene.half.max(axis=1) > 0) & (support >= 0))
         _, kind, times = np.unique(category[self.targets], return_inverse=True, return_counts=True)
-        chance = times[kind] ** -BALANCE
+        self.building = order.building[category]
+        self.floor = (support >= 0) & (support[support] < 0)
+        chance = times[kind] ** -BALANCE * np.where(self.floor[self.targets], FLOOR, 1.0)
+        chance *= np.where(self.building[self.targets], BUILDING, 1.0)
         self.chance = chance / chance.sum()
         self.above = np.zeros((count, count), bool)
         for thing in range(count):
@@ -77,9 +99,20 @@ class Layout:
         block = np.array([middle.get((s, c), 0.0) for s, c in zip(support, category, strict=True)])
         self.row = np.empty(count, np.int64)
         self.row[np.lexsort((share, category, block, ~order.holds[category]))] = np.arange(count)
-        self.floor = (support >= 0) & (support[support] < 0)
+        self.away = _away(self.scene, order.leads[category])
         room_of(self.scene)
         self.group, self.rank = order.group[category], order.rank[category]
+
+
+def _away(scene: Scene, leader: NDArray[np.bool_]) -> NDArray[np.float64]:
+    """How far each thing is from the nearest leader, in 0..1 (K,); 0 in a scene without leaders.
+
+    Of alike things the nearer one is placed first: one infusion pole belongs to the table, the other is spare.
+    """
+    if not leader.any():
+        return np.zeros(len(leader))
+    distance = np.linalg.norm(scene.center[:, None, :2] - scene.center[leader, :2], axis=2).min(axis=1)
+    return distance / (1 + distance)
 
 
 class Examples(Dataset[dict[str, Any]]):
@@ -128,9 +161,11 @@ def visible_with(layout: Layout, target: int, rng: np.random.Generator) -> tuple
         tie, support = rng.random(count), layout.scene.support
         chosen = before | (group & (layout.rank + tie < layout.rank[target] + tie[target]))
         turn = rng.random(count)[support]
-        within = np.where(layout.floor, layout.rank + tie, layout.row)
+        within = np.where(layout.floor, layout.rank + layout.away + tie / 1000, layout.row)
         earlier = np.where(support == support[target], within < within[target], turn < turn[target])
         placed = before | (group & earlier)
+    if rng.random() >= BARE and not layout.building[target]:
+        chosen, placed = chosen | layout.building, placed | layout.building
     return _standing(layout, chosen, target), _standing(layout, placed, target)
 
 

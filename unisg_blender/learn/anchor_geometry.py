@@ -26,24 +26,34 @@ def scale_of(box: Tensor, flags: Tensor) -> Tensor:
     return torch.where(longest > 0, longest, torch.ones_like(longest)).clamp(0.05, 4.0)
 
 
-def pair_features(box: Tensor, scale: Tensor) -> Tensor:
-    """How token j lies in token i's frame, (B, M, M, 28): offsets, turns, gaps; plain and by the support's size."""
-    offset = box[:, None, :, :3] - box[:, :, None, :3]
-    cos, sin = box[:, :, None, 6], box[:, :, None, 7]
-    x = cos * offset[..., 0] + sin * offset[..., 1]
-    y = cos * offset[..., 1] - sin * offset[..., 0]
-    turn_cos = cos * box[:, None, :, 6] + sin * box[:, None, :, 7]
-    turn_sin = cos * box[:, None, :, 7] - sin * box[:, None, :, 6]
-    wide = turn_cos.abs() * box[:, None, :, 3] + turn_sin.abs() * box[:, None, :, 4]
-    deep = turn_sin.abs() * box[:, None, :, 3] + turn_cos.abs() * box[:, None, :, 4]
-    gap_x, gap_y = x.abs() - box[:, :, None, 3] - wide, y.abs() - box[:, :, None, 4] - deep
+def relative(box: Tensor, others: Tensor) -> tuple[Tensor, Tensor, Tensor, Tensor, Tensor, Tensor]:
+    """Offset x and y, cosine and sine of the turn, gaps along x and y of ``others`` in the boxes' frames, (B, M, N).
+
+    Boxes are (B, M, 8) and (B, N, 8): centre, half extents, cosine and sine of the heading.
+    """
+    (dx, dy), cos, sin = (
+        (others[:, None, :, :2] - box[:, :, None, :2]).unbind(-1),
+        box[:, :, None, 6],
+        box[:, :, None, 7],
+    )
+    x, y = cos * dx + sin * dy, cos * dy - sin * dx
+    turn_cos = cos * others[:, None, :, 6] + sin * others[:, None, :, 7]
+    turn_sin = cos * others[:, None, :, 7] - sin * others[:, None, :, 6]
+    wide = turn_cos.abs() * others[:, None, :, 3] + turn_sin.abs() * others[:, None, :, 4]
+    deep = turn_sin.abs() * others[:, None, :, 3] + turn_cos.abs() * others[:, None, :, 4]
+    return x, y, turn_cos, turn_sin, x.abs() - box[:, :, None, 3] - wide, y.abs() - box[:, :, None, 4] - deep
+
+
+def pair_features(box: Tensor, scale: Tensor, others: Tensor) -> Tensor:
+    """How others lie in the boxes' frames, see :func:`relative`, plain and by the support's size: (B, M, N, 28)."""
+    x, y, turn_cos, turn_sin, gap_x, gap_y = relative(box, others)
     s = scale.unsqueeze(-1)
     scaled = [(x / s).clamp(-4, 4), (y / s).clamp(-4, 4)]
     waves = [wave(f * math.pi / 2 * value) for f in (1, 2, 4) for value in scaled for wave in (torch.sin, torch.cos)]
     waves += [wave(1.5 * value) for value in (x, y) for wave in (torch.sin, torch.cos)]
     gaps = [gap_x.clamp(-3, 6), gap_y.clamp(-3, 6), (gap_x / s).clamp(-3, 4), (gap_y / s).clamp(-3, 4)]
-    distance = (x.square() + y.square() + 1e-6).sqrt()
-    return torch.stack([x / 3, y / 3, *scaled, *waves, turn_cos, turn_sin, *gaps, offset[..., 2], distance / 3], dim=-1)
+    distance, above = (x.square() + y.square() + 1e-6).sqrt(), others[:, None, :, 2] - box[:, :, None, 2]
+    return torch.stack([x / 3, y / 3, *scaled, *waves, turn_cos, turn_sin, *gaps, above, distance / 3], dim=-1)
 
 
 def solid_boxes(box: Tensor, flags: Tensor) -> Tensor:
@@ -105,31 +115,6 @@ def clearances(
     out_y = (y - (far_y * support).sum(-1, keepdim=True)).abs() + q[..., 0] - (deep * support).sum(-1, keepdim=True)
     leaves = torch.maximum(out_x, out_y) * support.sum(-1, keepdim=True)
     return meets.clamp(-1, 1), leaves.clamp(-1, 1), room_x, room_y
-
-
-@torch.no_grad()
-def depths(
-    box: Tensor, flags: Tensor, mask: Tensor, target_half: Tensor, bottom: Tensor, tolerance: Tensor,
-    position: Tensor, heading: Tensor,
-) -> Tensor:  # fmt: skip
-    """How deep the target reaches into others at positions (B, S, 2) and headings (B, S) in the world, metres (B, S).
-
-    As :func:`clearances` says it, for any heading.
-    """
-    solid = solid_boxes(box, flags)[:, None]
-    blocked = obstacles(box, flags, mask, target_half, bottom, tolerance)[:, None]
-    cos, sin = solid[..., 6], solid[..., 7]
-    own_cos, own_sin = heading.cos().unsqueeze(-1), heading.sin().unsqueeze(-1)
-    turn_cos, turn_sin = (cos * own_cos + sin * own_sin).abs(), (cos * own_sin - sin * own_cos).abs()
-    half_x, half_y = target_half[:, None, :1], target_half[:, None, 1:2]
-    dx, dy = (position[:, :, None] - solid[..., :2]).unbind(-1)
-    apart = [
-        solid[..., 3] + half_x * turn_cos + half_y * turn_sin - (cos * dx + sin * dy).abs(),
-        solid[..., 4] + half_x * turn_sin + half_y * turn_cos - (cos * dy - sin * dx).abs(),
-        half_x + solid[..., 3] * turn_cos + solid[..., 4] * turn_sin - (own_cos * dx + own_sin * dy).abs(),
-        half_y + solid[..., 3] * turn_sin + solid[..., 4] * turn_cos - (own_cos * dy - own_sin * dx).abs(),
-    ]
-    return (torch.stack(apart).amin(0) + blocked).amax(-1)
 
 
 def _turned_half(target_half: Tensor) -> tuple[Tensor, Tensor]:

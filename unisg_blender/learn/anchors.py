@@ -19,6 +19,7 @@ from torch import Tensor, nn
 
 from ..generate.context import FLAGS, PLAN_WIDTH
 from ..generate.spots import LOAD_WIDTH
+from .anchor_critic import PlaceCritic
 from .anchor_geometry import PAIR_FEATURES, PLACES, TURNS, base_places, clearances, pair_features, scale_of
 from .anchor_latent import LATENT, PoseEncoder
 
@@ -26,7 +27,7 @@ COMPONENTS = PLACES * TURNS
 LEVELS = 6
 SIGMA_FLOOR = 0.002
 LOG_KAPPA = (-2.0, 9.0)
-CLEARANCES = (0.004, 0.02, 0.1)
+CLEARANCES = (0.004, 0.02, 0.1, 0.5)
 """Metres: the scales on which the scores of places are told how far they are from the nearest obstacle."""
 
 ROOM_SIGMAS = 2.5
@@ -70,6 +71,7 @@ class AnchorModel(nn.Module):
         nn.init.zeros_(last.bias)
         nn.init.normal_(last.weight, std=0.02)
         self.head = nn.Sequential(nn.Linear(3 * sizes.width, 96), nn.GELU(), last)
+        self.critic = PlaceCritic(3 * sizes.width)
         self.score = nn.Sequential(nn.Linear(3 * sizes.width, 48), nn.GELU(), nn.Linear(48, 2 + 2 * len(CLEARANCES)))
 
     def choose(
@@ -99,8 +101,8 @@ class AnchorModel(nn.Module):
     def places(
         self, target_category: Tensor, target_half: Tensor, target_bottom: Tensor, plan: Tensor, row: Tensor,
         latent: Tensor, category: Tensor, box: Tensor, flags: Tensor, mask: Tensor,
-    ) -> tuple[Tensor, Tensor, Tensor, Tensor, Tensor]:  # fmt: skip
-        """The mixture over places of B targets among M tokens each.
+    ) -> tuple[Tensor, Tensor, Tensor, Tensor, Tensor, Tensor]:  # fmt: skip
+        """The mixture over places of B targets among M tokens each, and what :meth:`judge` needs to know.
 
         Parameters
         ----------
@@ -116,7 +118,7 @@ class AnchorModel(nn.Module):
         Returns
         -------
         Log weights (B, M * 48), means (B, M * 48, 2) and headings (B, M * 48) in the world, spreads
-        (B, M * 48, 2) along the token's axes, and concentrations (B, M * 48).
+        (B, M * 48, 2) along the token's axes, concentrations (B, M * 48), and the view (B, M, 3 * width).
         """
         context = self._encode(
             target_category, target_half, target_bottom, plan, row, latent, category, box, flags, mask
@@ -148,7 +150,14 @@ class AnchorModel(nn.Module):
         sigma = torch.stack([sigma_x, sigma_y], dim=-1)
         low, high = LOG_KAPPA
         kappa = (kappa + 2).clamp(low, high).exp()
-        return weight, mean.flatten(1, 2), sigma.flatten(1, 2), heading.flatten(1), kappa.flatten(1)
+        return weight, mean.flatten(1, 2), sigma.flatten(1, 2), heading.flatten(1), kappa.flatten(1), context
+
+    def judge(
+        self, target_half: Tensor, target_bottom: Tensor, box: Tensor, flags: Tensor, mask: Tensor, view: Tensor,
+        place: Tensor,
+    ) -> Tensor:  # fmt: skip
+        """Log ratios (B, S), see :class:`.anchor_critic.PlaceCritic`, of places (B, S, 3) in a ``view`` (B, M, 3 W)."""
+        return self.critic(view, box, mask, scale_of(box, flags), target_half, target_bottom, place)
 
     def _encode(
         self, target_category: Tensor, target_half: Tensor, target_bottom: Tensor, plan: Tensor, row: Tensor,
@@ -164,7 +173,7 @@ class AnchorModel(nn.Module):
         tall = torch.stack([low, high, low - bottom, high - bottom, overlap, (overlap > 0).float()], dim=-1)
         token = torch.cat([self.embedding(category), _size_features(box[..., 3:6]), tall, flags], dim=-1)
         hidden = self.token(token) + target.unsqueeze(1)
-        pair = self.pair(pair_features(box, scale_of(box, flags)))
+        pair = self.pair(pair_features(box, scale_of(box, flags), box))
         for layer in self.layers:
             hidden = layer(hidden, pair, mask)
         hidden = self.norm(hidden)
@@ -178,15 +187,15 @@ class AnchorModel(nn.Module):
         self, target_category: Tensor, target_half: Tensor, target_bottom: Tensor, plan: Tensor, row: Tensor,
         latent: Tensor, category: Tensor, box: Tensor, flags: Tensor, mask: Tensor, coming: Tensor,
         support_category: Tensor, support_holder: Tensor, support_half: Tensor, support_load: Tensor,
-        support_content: Tensor, support_near: Tensor,
+        support_content: Tensor, support_near: Tensor, view: Tensor, place: Tensor,
     ) -> tuple[Tensor, ...]:  # fmt: skip
-        """What :meth:`choose` and :meth:`places` return, one after the other."""
+        """What :meth:`choose`, :meth:`places` and, in a given ``view``, :meth:`judge` return, one after the other."""
         chosen = self.choose(
             target_category, target_half, coming, support_category, support_holder, support_half, support_load,
             support_content, support_near,
         )  # fmt: skip
         placed = self.places(target_category, target_half, target_bottom, plan, row, latent, category, box, flags, mask)
-        return (*chosen, *placed)
+        return (*chosen, *placed, self.judge(target_half, target_bottom, box, flags, mask, view, place))
 
 
 class _PairAttention(nn.Module):

@@ -41,6 +41,7 @@ class _Task(lightning.LightningModule):
     def __init__(self, network: nn.Module, terms: Terms, schedule: Schedule) -> None:
         super().__init__()
         self.network, self.terms, self.schedule = network, terms, schedule
+        self.seen: dict[str, list[Tensor]] = {}
 
     def training_step(self, batch: Any, _: int) -> Tensor:
         return self._step(batch, "train")
@@ -49,13 +50,23 @@ class _Task(lightning.LightningModule):
         return self._step(batch, "val")
 
     def _step(self, batch: Any, stage: str) -> Tensor:
+        """The loss; terms are kept until the epoch ends, since it takes long to log each at every step."""
         terms = self.terms(self.network, batch)
         for name, value in terms.items():
-            self.log(
-                f"{stage}_{name}", value.detach(), on_step=False, on_epoch=True, prog_bar=name == "loss", batch_size=1,
-                sync_dist=self.trainer.world_size > 1,
-            )  # fmt: skip
+            self.seen.setdefault(f"{stage}_{name}", []).append(value.detach())
         return terms["loss"]
+
+    def on_train_epoch_end(self) -> None:
+        self._report("train")
+
+    def on_validation_epoch_end(self) -> None:
+        self._report("val")
+
+    def _report(self, stage: str) -> None:
+        """Log the means of a stage's terms."""
+        for name in [name for name in self.seen if name.startswith(stage)]:
+            mean = torch.stack(self.seen.pop(name)).mean()
+            self.log(name, mean, prog_bar=name == "train_loss", sync_dist=self.trainer.world_size > 1)
 
     def on_load_checkpoint(self, checkpoint: dict[str, Any]) -> None:
         steps, before = int(self.trainer.estimated_stepping_batches), checkpoint["lr_schedulers"][0]["total_steps"]

@@ -18,17 +18,17 @@ from ..generate.habits import learn_habits
 from ..generate.order import learn_orders
 from ..generate.spots import LOAD_WIDTH
 from .anchor_batches import Examples, Layout, Order, collate
-from .anchor_collisions import collision_term
+from .anchor_critic import drawn, ranking_loss
 from .anchor_latent import LATENT, kl_divergence
 from .anchor_overlaps import usual_overlaps
-from .anchors import AnchorModel, AnchorSizes, height_nll, mixture_nll
+from .anchors import COMPONENTS, AnchorModel, AnchorSizes, height_nll, mixture_nll
 from .export import export_onnx
 from .fit import Schedule, fit
 from .publish import provenance, save_model_assets
 from .scenes import load_scenes, split, vocabulary_of
 from .settings import Settings
 
-EPOCHS = 24
+EPOCHS = 30
 PER_EPOCH = 11200
 PER_TARGET = 2
 """Examples in an epoch: at most so many for each thing in the scenes."""
@@ -37,13 +37,13 @@ BATCH = 64
 BACKGROUND = 2000
 NLL_LIMIT = 20.0
 HEIGHT_WEIGHT, SUPPORT_WEIGHT = 0.3, 0.3
-COLLISION_WEIGHT = 2.0
+CRITIC_WEIGHT = 0.5
 FREE_NATS = 0.1
 """Nats of the latent code, in the mean over a batch, that cost nothing."""
 
 OUTPUTS = (
     "support_score", "height_weight", "height_mean", "height_sigma",
-    "weight", "mean", "sigma", "heading", "kappa",
+    "weight", "mean", "sigma", "heading", "kappa", "seen", "ratio",
 )  # fmt: skip
 
 
@@ -98,7 +98,7 @@ def _terms(network: nn.Module, batch: Sequence[Mapping[str, Tensor]]) -> dict[st
     terms["loss"] = (
         terms["nll"]
         + terms["kl"].clamp(min=FREE_NATS)
-        + COLLISION_WEIGHT * terms.pop("collision")
+        + CRITIC_WEIGHT * terms["critic"]
         + HEIGHT_WEIGHT * terms["height"]
         + SUPPORT_WEIGHT * terms["support"]
     )
@@ -118,14 +118,13 @@ def part_terms(network: AnchorModel, batch: Mapping[str, Tensor]) -> dict[str, T
     weight, mean, sigma = (part[each, batch["parent"]] for part in heights)
     loose = batch["support_load"][each, batch["parent"], 6]  # what stands on a board has the board's height
     latent, divergence = _latent(network, batch)
-    nll, mixture = _place_nll(network, batch, latent)
-    collision, collides = collision_term(network, mixture, batch)
+    nll, (*mixture, view) = _place_nll(network, batch, latent)
+    critic = ranking_loss(_scores(network, batch, tuple(mixture), view))
     prior = {} if network.training else {"prior_nll": _place_nll(network, batch, torch.randn_like(latent))[0]}
     return {
         "nll": nll,
         "kl": divergence,
-        "collision": collision,
-        "collides": collides,
+        "critic": critic,
         **prior,
         "height": height_nll(weight, mean, sigma, batch["height"]).clamp(max=NLL_LIMIT) * loose,
         "support": nn.functional.cross_entropy(score, batch["parent"], reduction="none"),
@@ -140,8 +139,17 @@ def _place_nll(network: AnchorModel, batch: Mapping[str, Tensor], latent: Tensor
         batch["target_category"], batch["target_half"], batch["target_bottom"], batch["plan"], batch["row"], latent,
         batch["category"], batch["box"], batch["flags"], batch["mask"],
     )  # fmt: skip
-    nll = mixture_nll(mixture, batch["box"], batch["position"].unsqueeze(1), batch["heading"].unsqueeze(1))
+    nll = mixture_nll(mixture[:-1], batch["box"], batch["position"].unsqueeze(1), batch["heading"].unsqueeze(1))
     return nll.squeeze(1).clamp(max=NLL_LIMIT), mixture
+
+
+def _scores(network: AnchorModel, batch: Mapping[str, Tensor], mixture: tuple[Tensor, ...], view: Tensor) -> Tensor:
+    """The critic's scores (B, 1 + DRAWS) of the true place and of draws."""
+    true = torch.cat([batch["position"], batch["heading"].unsqueeze(1)], dim=1).unsqueeze(1)
+    place = torch.cat([true, drawn(mixture, batch["box"], COMPONENTS)], dim=1)
+    return network.judge(
+        batch["target_half"], batch["target_bottom"], batch["box"], batch["flags"], batch["mask"], view, place
+    )
 
 
 def _latent(network: AnchorModel, batch: Mapping[str, Tensor]) -> tuple[Tensor, Tensor]:
@@ -180,6 +188,8 @@ def example_inputs(
         "support_load": torch.rand(batch, supports, LOAD_WIDTH),
         "support_content": torch.rand(batch, supports, categories + 1),
         "support_near": torch.rand(batch, supports, categories + 1),
+        "view": torch.rand(batch, tokens, 3 * AnchorSizes(categories).width),
+        "place": torch.rand(batch, 5, 3),
     }
 
 
@@ -187,7 +197,8 @@ def write_anchors(network: AnchorModel, contract: Contract, out: Path) -> None:
     """Write the network as an ONNX file with its contract."""
     inputs = example_inputs(network.sizes.categories, latent=network.sizes.latent)
     dynamic: dict[str, dict[int, str]] = {name: {0: "targets"} for name in inputs}
-    for name in ("category", "box", "flags", "mask"):
+    dynamic["place"][1] = "places"
+    for name in ("category", "box", "flags", "mask", "view"):
         dynamic[name][1] = "tokens"
     for name in inputs:
         if name.startswith("support_"):

@@ -6,6 +6,9 @@ from collections import defaultdict
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 
+import numpy as np
+from numpy.typing import NDArray
+
 from ...scene import ActionData, LessonNode, SceneGraph
 from ...scene.behaviour import check_scene, operations
 from .acts import read_acts
@@ -33,18 +36,23 @@ class Behaviour:
     notes: dict[str, list[str]]
 
 
-def add_behaviour(graph: SceneGraph, new: Collection[str], chooser: Chooser, make_uid: UidMaker) -> Behaviour:
+def add_behaviour(
+    graph: SceneGraph, new: Collection[str], chooser: Chooser, make_uid: UidMaker,
+    rng: np.random.Generator | None = None,
+) -> Behaviour:  # fmt: skip
     """Give actions to the things with the uids ``new``, and places in the lesson to the actions.
 
     Nothing that was there is changed: an action belongs to a new thing, an existing
     lesson is extended by leaves and stages, a scene without one gets a lesson of its own. An action is only made if
     it adds no complaint to ``check_scene`` and can be performed (rehearsed with the
     other new ones, in the order of the lesson); else the next best cast is tried, at
-    last none, and a note says so.
+    last none, and a note says so. What is done in some scenes only is made if ``rng`` draws it, without
+    one only if it is done more often than not.
     """
+    limits = Casting(chooser.kinds).limits(rng)
     banned: dict[Cast, str] = {}
     for _ in range(ROUNDS):
-        work = _Work(graph, new, chooser, make_uid, banned)
+        work = _Work(graph, new, chooser, make_uid, limits, banned)
         work.choose()
         scene, bad = work.checked()
         if not bad:
@@ -58,9 +66,11 @@ class _Work:
     """One round of :func:`add_behaviour`."""
 
     def __init__(
-        self, graph: SceneGraph, new: Collection[str], chooser: Chooser, make_uid: UidMaker, banned: Mapping[Cast, str]
+        self, graph: SceneGraph, new: Collection[str], chooser: Chooser, make_uid: UidMaker,
+        limits: NDArray[np.float64], banned: Mapping[Cast, str],
     ) -> None:  # fmt: skip
-        self.graph, self.chooser, self.make_uid, self.banned = graph, chooser, make_uid, banned
+        self.graph, self.chooser, self.make_uid = graph, chooser, make_uid
+        self.limits, self.banned = limits, banned
         self.kinds, self.casting = chooser.kinds, Casting(chooser.kinds)
         acts = read_acts(graph)
         self.play = read_play(graph, self.kinds, new, acts)
@@ -77,7 +87,7 @@ class _Work:
         while len(self.made) < MOST and self.casting.anybody(self.play):
             scores = self.chooser.scores(self.play)
             scores.wanted[list(blocked)] = 0.0
-            choices = self.casting.choices(self.play, scores)
+            choices = self.casting.choices(self.play, scores, self.limits)
             if not choices:
                 break
             casts = [choice for choice in choices if choice.kind == choices[0].kind]

@@ -14,6 +14,9 @@ from .play import Play, Slots
 CASTS = 3
 """Casts offered for one kind, at most."""
 
+SURE, NEVER = 0.5, 0.1
+"""Actions at least this likely are always made, those less likely than the other are never; between, a draw decides."""
+
 
 @dataclass(frozen=True, eq=False)
 class Scores:
@@ -73,10 +76,16 @@ class Casting:
         """Whether something new may play any part."""
         return bool(play.new.any() and self.allowed[:, :, play.category[play.new]].any())
 
-    def choices(self, play: Play, scores: Scores, least: float = 0.5) -> list[Choice]:
-        """Actions that are wanted with at least this probability, best first, each kind with its best casts."""
+    def limits(self, rng: np.random.Generator | None) -> NDArray[np.float64]:
+        """The least probability (K,) with which each kind is made: drawn, so that what is done now and then is."""
+        count = len(self.kinds.kinds)
+        return np.full(count, SURE) if rng is None else rng.random(count).clip(NEVER, SURE)
+
+    def choices(self, play: Play, scores: Scores, least: NDArray[np.float64]) -> list[Choice]:
+        """Actions that are wanted with at least these probabilities (K,), best first, each kind with its best casts."""
         found = []
-        for kind in np.flatnonzero(scores.wanted >= least)[np.argsort(-scores.wanted[scores.wanted >= least])].tolist():
+        wanted = np.flatnonzero(scores.wanted >= least)
+        for kind in wanted[np.argsort(-scores.wanted[wanted])].tolist():
             found += self.casts(play, scores, kind)
         return found
 

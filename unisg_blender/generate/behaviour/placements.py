@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
+import numpy as np
+
 from ...scene import SceneGraph
 from ..results import Placement
 from .add import add_behaviour
@@ -13,10 +15,10 @@ from .lesson import UidMaker
 
 
 def with_behaviour(
-    graph: SceneGraph, placements: Sequence[Placement], chooser: Chooser, make_uid: UidMaker
+    graph: SceneGraph, placements: Sequence[Placement], chooser: Chooser, make_uid: UidMaker, rng: np.random.Generator
 ) -> tuple[SceneGraph, list[Placement]]:
     """The scene with actions of the new objects, and the placements with the actions' names and with notes."""
-    made = add_behaviour(graph, [item.uid for item in placements if item.uid], chooser, make_uid)
+    made = add_behaviour(graph, [item.uid for item in placements if item.uid], chooser, make_uid, rng)
 
     def told(item: Placement) -> Placement:
         notes = [note for note in (item.note, *made.notes.get(item.uid, ())) if note]
