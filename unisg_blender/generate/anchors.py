@@ -23,11 +23,15 @@ MOST_SPOTS = 3
 ALIGNED, SNAP = np.exp(8.0), np.radians(4)
 """A heading of at least this concentration within so many radians of its token's axes is meant to be along them."""
 
+SLACK = 0.6
+"""What is left of such a turn for things on the floor: cupboards stand along a wall to half a degree, books exactly."""
+
 TAIL = 2.5
 """Positions are drawn within so many standard deviations: the tails of a normal distribution reach into others."""
 
-DRAWN = 16
-"""Places that are drawn, at least, among which the critic chooses."""
+DRAWN, MANY = 24, 48
+"""Places that are drawn, at least, among which the critic chooses; many for what stands on the floor or hangs on walls,
+since whatever is placed later depends on it."""
 
 CODES = 16
 """Latent codes over which a density is averaged."""
@@ -185,10 +189,12 @@ class AnchorProposer:
         inputs, mixture = self.density(scene, category, piece.half, float(np.median(bottoms)), spot, row, rng)
         if not mixture:
             return Proposals(np.full(count, support), _around_origin(bottoms, rng))
-        places, axis, kappa = _drawn(inputs["box"][0], mixture, max(DRAWN, count + DRAWN // 2), rng)
+        floor = support >= 0 and scene.support[support] < 0
+        drawn = MANY if floor or (support >= 0 and room_of(scene).inner[support]) else DRAWN
+        places, axis, kappa = _drawn(inputs["box"][0], mixture, max(drawn, count + DRAWN // 2), rng)
         ratio = self._ratios(inputs, mixture[-1], places)
         kept = np.argsort(-(ratio + rng.gumbel(size=len(ratio))))[:count]
-        yaw = _snapped(places[kept, 2], axis[kept], kappa[kept])
+        yaw = _snapped(places[kept, 2], axis[kept], kappa[kept], SLACK if floor else 0.0)
         return Proposals(np.full(count, support), np.column_stack([places[kept, :2], bottoms, yaw]))
 
     def _ratios(self, inputs: Arrays, view: NDArray[np.float64], places: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -269,10 +275,15 @@ def _wrapped(angle: NDArray[np.float64]) -> NDArray[np.float64]:
     return (angle + np.pi) % (2 * np.pi) - np.pi
 
 
-def _snapped(yaw: NDArray[np.float64], axis: NDArray[np.float64], kappa: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Headings (T,), turned to the nearest quarter from ``axis`` where the model is sure and they are near it."""
+def _snapped(
+    yaw: NDArray[np.float64], axis: NDArray[np.float64], kappa: NDArray[np.float64], slack: float
+) -> NDArray[np.float64]:
+    """Headings (T,), turned towards the nearest quarter from ``axis`` where the model is sure and they are near it.
+
+    A share ``slack`` of what they are off is left.
+    """
     off = _wrapped(4 * (yaw - axis)) / 4
-    return yaw - np.where((kappa >= ALIGNED) & (np.abs(off) < SNAP), off, 0.0)
+    return yaw - (1 - slack) * np.where((kappa >= ALIGNED) & (np.abs(off) < SNAP), off, 0.0)
 
 
 def _around_origin(bottoms: NDArray[np.float64], rng: np.random.Generator) -> NDArray[np.float64]:
