@@ -72,7 +72,12 @@ def train(dataset: Dataset, out: Path, settings: Settings) -> dict[str, Any]:
         _loader(layouts[1], order, min(1280, 40 * len(val_scenes)), settings.seed + 1, fresh=False),
     ]
     schedule = Schedule(settings.epochs or EPOCHS, devices=settings.devices, nodes=settings.nodes)
-    losses = fit(network, _terms, loaders[0], loaders[1], schedule, settings)
+    threads = torch.get_num_threads()
+    torch.set_num_threads(max(1, threads - loaders[0].num_workers))  # else they wait for the one that prepares examples
+    try:
+        losses = fit(network, _terms, loaders[0], loaders[1], schedule, settings)
+    finally:
+        torch.set_num_threads(threads)
     source = provenance(dataset, settings, len(train_scenes), len(val_scenes), losses, network)
     write_anchors(network, Contract("anchors", vocabulary, habits, latent=network.sizes.latent, provenance=source), out)
     save_model_assets(dataset, out)
