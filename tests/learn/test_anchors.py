@@ -10,13 +10,14 @@ import pytest
 torch = pytest.importorskip("torch")
 
 from tests.generate.rooms import room  # noqa: E402
+from unisg_blender.generate.anchors import TAIL  # noqa: E402
 from unisg_blender.generate.context import FLAGS  # noqa: E402
 from unisg_blender.generate.contract import Contract  # noqa: E402
 from unisg_blender.generate.habits import Habits, learn_habits  # noqa: E402
 from unisg_blender.generate.model import load_model  # noqa: E402
 from unisg_blender.generate.things import things_of  # noqa: E402
 from unisg_blender.learn.anchor_batches import BARE, Layout, Order, example, padded, visible_with  # noqa: E402
-from unisg_blender.learn.anchor_critic import DRAWS, TAIL, drawn, ranking_loss  # noqa: E402
+from unisg_blender.learn.anchor_critic import DRAWS, drawn, ranking_loss  # noqa: E402
 from unisg_blender.learn.anchor_geometry import base_places, clearances  # noqa: E402
 from unisg_blender.learn.anchor_latent import LATENT, PoseEncoder, kl_divergence  # noqa: E402
 from unisg_blender.learn.anchors import AnchorModel, AnchorSizes, height_nll, mixture_nll  # noqa: E402

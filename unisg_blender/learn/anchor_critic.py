@@ -15,13 +15,11 @@ import math
 import torch
 from torch import Tensor, nn
 
+from ..generate.anchors import TAIL
 from .anchor_geometry import PAIR_FEATURES, pair_features, relative
 
 DRAWS = 16
 """Draws among which the true place is to be found in training."""
-
-TAIL = 2.5
-"""Draws keep within so many standard deviations, as when generating."""
 
 CLOSE = (0.01, 0.05, 0.25)
 """Metres: the scales on which gaps to things are told."""
@@ -83,7 +81,10 @@ def ranking_loss(score: Tensor) -> Tensor:
 
 @torch.no_grad()
 def drawn(mixture: tuple[Tensor, ...], box: Tensor, places: int, draws: int = DRAWS) -> Tensor:
-    """Places (B, draws, 3) from a mixture over ``places`` for each token; headings by their normal approximation."""
+    """Places (B, draws, 3) from a mixture over ``places`` for each token, as when generating.
+
+    Within :data:`TAIL` standard deviations; headings by their normal approximation.
+    """
     weight, mean, sigma, heading, kappa = mixture
     part = torch.multinomial(weight.exp(), draws, replacement=True)
     pair = part.unsqueeze(-1).expand(-1, -1, 2)
