@@ -115,12 +115,18 @@ def test_the_order_of_the_things_does_not_matter(network: AnchorModel) -> None:
     )
 
 
-def test_padding_is_not_seen(network: AnchorModel) -> None:
-    batch = batch_of([4])
+def with_padding(batch: dict[str, torch.Tensor]) -> dict[str, torch.Tensor]:
+    """The same with three tokens that are not there."""
     wide = dict(batch)
     for name in ("category", "box", "flags", "mask"):
         extra = torch.full((1, 3, *batch[name].shape[2:]), 2 if name == "category" else 0).to(batch[name].dtype)
         wide[name] = torch.cat([batch[name], extra], dim=1)
+    return wide
+
+
+def test_padding_is_not_seen(network: AnchorModel) -> None:
+    batch = batch_of([4])
+    wide = with_padding(batch)
     one, two = places_of(network, batch), places_of(network, wide)
     torch.testing.assert_close(two[0][:, : one[0].shape[1]], one[0], atol=1e-4, rtol=1e-4)
     assert float(two[0][:, one[0].shape[1] :].max()) < -1000
@@ -210,10 +216,7 @@ def test_the_critic_sees_places_only_relative_to_things(network: AnchorModel) ->
 
 def test_the_critic_does_not_see_padding(network: AnchorModel) -> None:
     batch = batch_of([4])
-    wide = dict(batch)
-    for name in ("category", "box", "flags", "mask"):
-        extra = torch.full((1, 3, *batch[name].shape[2:]), 2 if name == "category" else 0).to(batch[name].dtype)
-        wide[name] = torch.cat([batch[name], extra], dim=1)
+    wide = with_padding(batch)
     place = some_places(batch, 5)
     torch.testing.assert_close(judged(network, wide, place), judged(network, batch, place), atol=1e-4, rtol=1e-4)
 
