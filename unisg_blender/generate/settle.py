@@ -13,7 +13,7 @@ from ..scene import Boxes
 from ..scene.outline import inside, next_corners, outside_distance
 from .habits import BESIDE, HANGS, RESTS, Habit
 from .pieces import Piece
-from .space import Space, footprints
+from .space import Space, footprints, turned_reach
 from .surfaces import LEVEL, Surfaces, rectangles, with_joined
 
 OUTSIDE = 0.001
@@ -124,8 +124,7 @@ def _onto_surface(piece: Piece, places: NDArray[np.float64], tops: Surfaces, cla
     if not clamp:
         return result
     turn = places[:, 3] - np.arctan2(tops.along[nearest, 1], tops.along[nearest, 0])
-    cos, sin = np.abs(np.cos(turn)), np.abs(np.sin(turn))
-    reach = np.stack([cos * piece.half[0] + sin * piece.half[1], sin * piece.half[0] + cos * piece.half[1]], axis=1)
+    reach = turned_reach(piece.half, turn)
     room = np.maximum(tops.half[nearest] - reach, 0)
     mine = np.clip(local[np.arange(len(places)), nearest], -room, room)
     result[:, :2] = tops.center[nearest] + mine[:, :1] * tops.along[nearest] + mine[:, 1:] * across[nearest]
@@ -140,8 +139,7 @@ def _highest_under(
     ``local`` (T, S, 2) are the places as the surfaces see them.
     """
     turn = places[:, 3, None] - np.arctan2(tops.along[:, 1], tops.along[:, 0])
-    cos, sin = np.abs(np.cos(turn)), np.abs(np.sin(turn))
-    reach = np.stack([cos * piece.half[0] + sin * piece.half[1], sin * piece.half[0] + cos * piece.half[1]], axis=2)
+    reach = turned_reach(piece.half, turn)
     under = (np.abs(local) < tops.half + reach).all(axis=2)
     own = tops.top[nearest, None]
     level = under & (tops.top >= own) & (tops.top <= own + LEVEL)
@@ -179,8 +177,7 @@ def _to_side(piece: Piece, places: NDArray[np.float64], support: Support, space:
     largest = int(parts.half.prod(axis=1).argmax())
     axes, half, middle = parts.axes[largest, :2, :2], parts.half[largest, :2], parts.center[largest, :2]
     turn = places[:, 3] - np.arctan2(axes[1, 0], axes[0, 0])
-    cos, sin = np.abs(np.cos(turn)), np.abs(np.sin(turn))
-    reach = np.stack([cos * piece.half[0] + sin * piece.half[1], sin * piece.half[0] + cos * piece.half[1]], axis=1)
+    reach = turned_reach(piece.half, turn)
     local = (places[:, :2] - middle) @ axes
     thin = int(half.argmin())
     sides = np.sign(local[:, thin]) + (local[:, thin] == 0)
