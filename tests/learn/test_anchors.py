@@ -18,7 +18,7 @@ from unisg_blender.generate.model import load_model  # noqa: E402
 from unisg_blender.generate.things import things_of  # noqa: E402
 from unisg_blender.learn.anchor_batches import BARE, Layout, Order, example, padded, visible_with  # noqa: E402
 from unisg_blender.learn.anchor_critic import DRAWS, drawn, ranking_loss  # noqa: E402
-from unisg_blender.learn.anchor_geometry import base_places, clearances  # noqa: E402
+from unisg_blender.learn.anchor_geometry import base_places  # noqa: E402
 from unisg_blender.learn.anchor_latent import LATENT, PoseEncoder, kl_divergence  # noqa: E402
 from unisg_blender.learn.anchors import AnchorModel, AnchorSizes, height_nll, mixture_nll  # noqa: E402
 from unisg_blender.learn.scenes import TrainingScene  # noqa: E402
@@ -148,45 +148,6 @@ def test_base_places_touch_the_sides(network: AnchorModel) -> None:
     over_x, over_y, _ = base_places(box, flags, half, torch.ones(1))  # above it: places over it
     torch.testing.assert_close(torch.stack([over_x, over_y]), torch.stack([on_x, on_y]))
     assert ((on_x.abs()[0, 0] + reach_x <= 1.0 + 1e-6) & (on_y.abs()[0, 0] + reach_y <= 0.5 + 1e-6)).all()
-
-
-def test_clearances_are_depths_and_gaps_to_the_nearest_obstacle() -> None:
-    box = torch.tensor([[[0, 0, 0.5, 2.0, 2.0, 0.5, 1, 0], [1.0, 0, 1.2, 0.3, 0.2, 0.2, 0.8, 0.6]]])
-    flags = torch.zeros(1, 2, FLAGS)
-    flags[0, 0, 0], flags[0, 0, 5] = 1, 0.25  # the support
-    half, bottom, mask = torch.tensor([[0.1, 0.1, 0.1]]), torch.tensor([1.0]), torch.ones(1, 2)
-
-    def at(x: float, y: float, tolerance: float = 0.0) -> list[float]:
-        places = torch.zeros(1, 2, 48)
-        found = clearances(box, flags, mask, half, bottom, torch.full((1, 2), tolerance), places + x, places + y)
-        return [float(part[0, 0, 0]) for part in found]
-
-    assert at(1.0, 0.0)[0] == pytest.approx(0.34)  # along its own narrow side: 0.2 and (0.8 + 0.6) times 0.1
-    assert at(1.0, 0.0, 0.1)[0] == pytest.approx(0.24)
-    assert at(1.95, 0.0)[1] == pytest.approx(0.05)  # over the edge of the support
-    _, inside, room_x, room_y = at(0.0, 0.0)
-    assert inside == pytest.approx(-1.0)
-    assert room_x == pytest.approx(1.0 - 0.36 - 0.1)  # 0.36: half its width as seen along x
-    assert room_y == pytest.approx(10.0)
-    assert at(1.0, 0.0)[2] == pytest.approx(10.0)  # what is met already does not count
-    flags[0, 1, 2] = 1  # something that holds the support is no obstacle
-    assert at(1.0, 0.0)[0] == pytest.approx(-1.0)
-
-
-def test_nothing_stands_behind_a_wall_unless_the_wall_holds_it() -> None:
-    box = torch.tensor([[[0, 0, -0.1, 3.0, 3.0, 0.1, 1, 0], [0, 2.0, 1.5, 3.0, 0.1, 1.5, 1, 0]]])
-    flags = torch.zeros(1, 2, FLAGS)
-    flags[0, 0, 0], flags[0, 1, 4] = 1, -1  # a floor, and a wall whose room is towards -y
-    half, bottom, mask, none = torch.tensor([[0.1, 0.1, 0.1]]), torch.zeros(1), torch.ones(1, 2), torch.zeros(1, 2)
-    x, y = torch.zeros(1, 2, 48), torch.zeros(1, 2, 48)
-    y[0, 0, :4] = torch.tensor([1.5, 1.85, 2.5, 3.5])  # in the floor's frame, which is the world's
-    in_front, touching, behind, far = clearances(box, flags, mask, half, bottom, none, x, y)[0][0, 0, :4]
-    assert in_front == pytest.approx(-0.3, abs=1e-6)
-    assert touching == pytest.approx(0.05, abs=1e-6)
-    assert behind > 0.4
-    assert far > 0.1  # within a metre and a half
-    flags[0, 0, 0], flags[0, 1, 0] = 0, 1
-    assert float(clearances(box, flags, mask, half, bottom, none, x, y)[0][0, 0, 2]) == -1.0
 
 
 def judged(network: AnchorModel, batch: dict[str, torch.Tensor], place: torch.Tensor) -> torch.Tensor:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from types import ModuleType
+from typing import Any
 
 import pytest
 
@@ -66,26 +68,27 @@ def test_same_seed_same_network_and_another_seed_another(
     assert not torch.allclose(one, other)
 
 
+@pytest.mark.parametrize("module", [train_cgvae, train_anchors])
 def test_an_interrupted_training_goes_on_where_it_stopped(
-    dataset_folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    dataset_folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, module: ModuleType
 ) -> None:
     networks(monkeypatch)
-    logs, real, calls = tmp_path / "logs", train_cgvae._terms, []
+    logs, real, calls = tmp_path / "logs", module._terms, []
 
-    def failing(network: torch.nn.Module, batch: dict[str, torch.Tensor]) -> dict[str, torch.Tensor]:
+    def failing(network: torch.nn.Module, batch: Any) -> dict[str, torch.Tensor]:
         calls.append(1)
         if len(calls) > 4:  # a training step and a validation step in each epoch
             raise RuntimeError("the power fails")
         return real(network, batch)
 
     def train(epochs: int) -> None:
-        settings = Settings(paper=True, epochs=epochs, quiet=True, logs=logs)
+        settings = Settings(paper=module is train_cgvae, epochs=epochs, quiet=True, logs=logs)
         train_cgvae.train(open_dataset(dataset_folder), tmp_path / "model.onnx", settings)
 
-    monkeypatch.setattr(train_cgvae, "_terms", failing)
+    monkeypatch.setattr(module, "_terms", failing)
     with pytest.raises(RuntimeError, match="power"):
         train(4)
-    monkeypatch.setattr(train_cgvae, "_terms", real)
+    monkeypatch.setattr(module, "_terms", real)
     with pytest.raises(UniSGError, match="same dataset and --epochs"):
         train(6)
     train(4)

@@ -1,4 +1,4 @@
-"""Geometry that the anchor model is built on: pairs of things, base places in their frames, and room around places."""
+"""Geometry that the anchor model is built on: pairs of things and base places in their frames."""
 
 from __future__ import annotations
 
@@ -11,13 +11,7 @@ from torch import Tensor
 PLACES, TURNS = 12, 4
 PAIR_FEATURES = 28
 TOUCHING = 0.002
-"""Metres: things that are equally high, or overlap, by less do not meet."""
-
-BEHIND = 1.5
-"""Metres behind a wall that count as out of the room, for what no wall holds."""
-
-FREE = -10.0
-"""Metres: how deep everything is in what is no obstacle."""
+"""Metres: things that are equally high by less are above or below each other."""
 
 
 def scale_of(box: Tensor, flags: Tensor) -> Tensor:
@@ -56,82 +50,12 @@ def pair_features(box: Tensor, scale: Tensor, others: Tensor) -> Tensor:
     return torch.stack([x / 3, y / 3, *scaled, *waves, turn_cos, turn_sin, *gaps, above, distance / 3], dim=-1)
 
 
-def solid_boxes(box: Tensor, flags: Tensor) -> Tensor:
-    """The tokens' boxes (B, M, 8); walls with :data:`BEHIND` metres behind them, unless a wall holds the target."""
-    inner = flags[..., 4]
-    held_by_wall = (inner.abs() * flags[..., 0]).sum(1, keepdim=True) > 0
-    back = torch.where(held_by_wall, torch.zeros_like(inner), inner) * (BEHIND / 2)
-    x, y, z, long, thick, tall, cos, sin = box.unbind(-1)
-    return torch.stack([x + sin * back, y - cos * back, z, long, thick + back.abs(), tall, cos, sin], dim=-1)
-
-
-def obstacles(
-    box: Tensor, flags: Tensor, mask: Tensor, target_half: Tensor, bottom: Tensor, tolerance: Tensor
-) -> Tensor:
-    """What is added to the depth in each token (B, M): minus the ``tolerance``, or :data:`FREE` for no obstacle.
-
-    Obstacles are as high as the target and do not hold it.
-    """
-    low, high = box[..., 2] - box[..., 5], box[..., 2] + box[..., 5]
-    top = bottom + 2 * target_half[:, 2]
-    level = torch.minimum(high, top.unsqueeze(1)) - torch.maximum(low, bottom.unsqueeze(1))
-    stands = (level > TOUCHING) & (flags[..., 0] + flags[..., 2] == 0) & (mask > 0)
-    return torch.where(stands, -tolerance, FREE)
-
-
-@torch.no_grad()
-def clearances(
-    box: Tensor, flags: Tensor, mask: Tensor, target_half: Tensor, bottom: Tensor, tolerance: Tensor, x: Tensor,
-    y: Tensor,
-) -> tuple[Tensor, Tensor, Tensor, Tensor]:  # fmt: skip
-    """How deep the target at places (B, M, 48) in the tokens' frames reaches into others, and out of its support.
-
-    Metres, negative where it is clear, by separating axes of the boxes' footprints, with the
-    target's ``bottom`` (B,), beyond the ``tolerance`` (B, M) that is usual, see
-    :func:`obstacles`. Then how far it can go along x and along y to the
-    nearest of those that it does not meet, at most 10 m.
-    """
-    p, q = _turned_half(target_half)
-    blocked = obstacles(box, flags, mask, target_half, bottom, tolerance)[:, None, None, :]
-    solid = solid_boxes(box, flags)
-    cos, sin = box[:, :, None, 6], box[:, :, None, 7]
-    offset = solid[:, None, :, :2] - box[:, :, None, :2]
-    far_x, far_y = cos * offset[..., 0] + sin * offset[..., 1], cos * offset[..., 1] - sin * offset[..., 0]
-    wide, deep = _extents(box, solid)
-    to_x, to_y = x.unsqueeze(-1) - far_x.unsqueeze(2), y.unsqueeze(-1) - far_y.unsqueeze(2)
-    into_x = (p + wide.unsqueeze(2)) - to_x.abs() + blocked
-    into_y = (q + deep.unsqueeze(2)) - to_y.abs() + blocked
-    turn_cos = (cos * box[:, None, :, 6] + sin * box[:, None, :, 7]).unsqueeze(2)
-    turn_sin = (cos * box[:, None, :, 7] - sin * box[:, None, :, 6]).unsqueeze(2)
-    own_x = solid[:, None, None, :, 3] + p * turn_cos.abs() + q * turn_sin.abs()
-    own_y = solid[:, None, None, :, 4] + p * turn_sin.abs() + q * turn_cos.abs()
-    into_own = torch.minimum(own_x - (turn_cos * to_x + turn_sin * to_y).abs(),
-                             own_y - (turn_cos * to_y - turn_sin * to_x).abs()) + blocked  # fmt: skip
-    meets = torch.minimum(torch.minimum(into_x, into_y), into_own).amax(-1)
-    room_x = -torch.where((into_y > TOUCHING) & (into_x <= 0), into_x, FREE).amax(-1)
-    room_y = -torch.where((into_x > TOUCHING) & (into_y <= 0), into_y, FREE).amax(-1)
-    support = (flags[..., 0] * (flags[..., 5] > 0)).unsqueeze(1)  # what stands on a root may stand anywhere
-    out_x = (x - (far_x * support).sum(-1, keepdim=True)).abs() + p[..., 0] - (wide * support).sum(-1, keepdim=True)
-    out_y = (y - (far_y * support).sum(-1, keepdim=True)).abs() + q[..., 0] - (deep * support).sum(-1, keepdim=True)
-    leaves = torch.maximum(out_x, out_y) * support.sum(-1, keepdim=True)
-    return meets.clamp(-1, 1), leaves.clamp(-1, 1), room_x, room_y
-
-
 def _turned_half(target_half: Tensor) -> tuple[Tensor, Tensor]:
     """Half extents along x and y (B, 1, 48, 1) of a target turned by each component's quarters."""
     turned = (torch.arange(TURNS).repeat(PLACES) % 2 == 1).to(target_half.dtype)
     p = target_half[:, 0, None] * (1 - turned) + target_half[:, 1, None] * turned
     q = target_half[:, 1, None] * (1 - turned) + target_half[:, 0, None] * turned
     return p[:, None, :, None], q[:, None, :, None]
-
-
-def _extents(box: Tensor, solid: Tensor) -> tuple[Tensor, Tensor]:
-    """Half extents (B, M, M) of the solid box of token j along the axes of token i."""
-    cos, sin = box[:, :, None, 6], box[:, :, None, 7]
-    turn_cos = (cos * box[:, None, :, 6] + sin * box[:, None, :, 7]).abs()
-    turn_sin = (cos * box[:, None, :, 7] - sin * box[:, None, :, 6]).abs()
-    wide = turn_cos * solid[:, None, :, 3] + turn_sin * solid[:, None, :, 4]
-    return wide, turn_sin * solid[:, None, :, 3] + turn_cos * solid[:, None, :, 4]
 
 
 def base_places(box: Tensor, flags: Tensor, target_half: Tensor, bottom: Tensor) -> tuple[Tensor, Tensor, Tensor]:

@@ -20,18 +20,15 @@ from torch import Tensor, nn
 from ..generate.context import FLAGS, PLAN_WIDTH
 from ..generate.spots import LOAD_WIDTH
 from .anchor_critic import PlaceCritic
-from .anchor_geometry import PAIR_FEATURES, PLACES, TURNS, base_places, clearances, pair_features, scale_of
+from .anchor_geometry import PAIR_FEATURES, PLACES, TURNS, base_places, pair_features, scale_of
 from .anchor_latent import LATENT, PoseEncoder
 
 COMPONENTS = PLACES * TURNS
 LEVELS = 6
 SIGMA_FLOOR = 0.002
 LOG_KAPPA = (-2.0, 9.0)
-CLEARANCES = (0.004, 0.02, 0.1, 0.5)
-"""Metres: the scales on which the scores of places are told how far they are from the nearest obstacle."""
-
-ROOM_SIGMAS = 2.5
-"""A place spreads to each side by so many sigmas at most before it meets an obstacle."""
+NARROW = 8
+"""Rows or columns of a matrix that makes a single number or so of each thing."""
 
 
 @dataclass(frozen=True)
@@ -54,8 +51,6 @@ class AnchorModel(nn.Module):
         super().__init__()
         self.sizes = sizes
         self.embedding = nn.Embedding(sizes.categories + 1, sizes.embedding)
-        self.tolerance: Tensor
-        self.register_buffer("tolerance", torch.zeros(sizes.categories + 1, sizes.categories + 1))
         both = 6 * sizes.embedding + 6 + 6 + LOAD_WIDTH
         self.support = nn.Sequential(nn.Linear(both, 96), nn.GELU(), nn.Linear(96, 64), nn.GELU())
         self.support_score = nn.Linear(64, 1)
@@ -72,7 +67,13 @@ class AnchorModel(nn.Module):
         nn.init.normal_(last.weight, std=0.02)
         self.head = nn.Sequential(nn.Linear(3 * sizes.width, 96), nn.GELU(), last)
         self.critic = PlaceCritic(3 * sizes.width)
-        self.score = nn.Sequential(nn.Linear(3 * sizes.width, 48), nn.GELU(), nn.Linear(48, 2 + 2 * len(CLEARANCES)))
+        self.score = nn.Sequential(nn.Linear(3 * sizes.width, 48), nn.GELU(), nn.Linear(48, 1))
+
+    def hidden_matrices(self) -> list[nn.Parameter]:
+        """The weights between hidden layers: all but embeddings and what makes outputs."""
+        layers = [layer for layer in self.modules() if isinstance(layer, nn.Linear) and layer is not self.head[-1]]
+        weights = [part for layer in layers for part in layer.parameters() if part.ndim == 2]
+        return [weight for weight in weights if min(weight.shape) >= NARROW]
 
     def choose(
         self, target_category: Tensor, target_half: Tensor, coming: Tensor, support_category: Tensor,
@@ -133,19 +134,7 @@ class AnchorModel(nn.Module):
         x, y, cos, sin = box[..., 0:1], box[..., 1:2], box[..., 6:7], box[..., 7:8]
         mean = torch.stack([x + cos * local_x - sin * local_y, y + sin * local_x + cos * local_y], dim=-1)
         heading = torch.atan2(sin, cos) + turn + (math.pi / 4) * torch.tanh(lean)
-        told = len(CLEARANCES)
-        score, firm, near, over = self.score(context).split([1, 1, told, told], dim=-1)
-        usual = self.tolerance[target_category.unsqueeze(1), category]
-        meets, leaves, room_x, room_y = clearances(
-            box, flags, mask, target_half, target_bottom, usual, local_x, local_y
-        )
-        sigma_x = torch.minimum(sigma_x, room_x / ROOM_SIGMAS + SIGMA_FLOOR)
-        sigma_y = torch.minimum(sigma_y, room_y / ROOM_SIGMAS + SIGMA_FLOOR)
-        logit = logit - nn.functional.softplus(firm + 1) * (meets.clamp(min=0) / 0.01).clamp(max=20)
-        for step, metres in enumerate(CLEARANCES):
-            logit = logit + near[..., step, None] * torch.tanh(meets / metres)
-            logit = logit + over[..., step, None] * torch.tanh(leaves / metres)
-        score = score + logit + (mask.unsqueeze(-1) - 1) * 1e4
+        score = self.score(context) + logit + (mask.unsqueeze(-1) - 1) * 1e4
         weight = score.flatten(1).log_softmax(-1)
         sigma = torch.stack([sigma_x, sigma_y], dim=-1)
         low, high = LOG_KAPPA

@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 import tempfile
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -27,10 +27,15 @@ Terms = Callable[[nn.Module, Any], Mapping[str, Tensor]]
 
 @dataclass(frozen=True)
 class Schedule:
-    """How long and how fast: AdamW with one cycle of the learning rate, 10 % of it warm-up."""
+    """How long and how fast: one cycle of the learning rate, 10 % of it warm-up.
+
+    AdamW for all but the matrices named in ``muon``, which Muon trains: it orthogonalises what momentum has
+    gathered (Jordan et al., "Muon: An optimizer for hidden layers in neural networks", 2024).
+    """
 
     epochs: int
     rate: float = 2e-3
+    muon: Sequence[nn.Parameter] = ()
     weight_decay: float = 0.01
     clip: float = 2.0
     devices: int = 1
@@ -41,13 +46,20 @@ class _Task(lightning.LightningModule):
     def __init__(self, network: nn.Module, terms: Terms, schedule: Schedule) -> None:
         super().__init__()
         self.network, self.terms, self.schedule = network, terms, schedule
+        self.automatic_optimization = False  # there may be two optimizers
         self.seen: dict[str, list[Tensor]] = {}
 
-    def training_step(self, batch: Any, _: int) -> Tensor:
-        return self._step(batch, "train")
+    def training_step(self, batch: Any, _: int) -> None:
+        optimizers, cycles = _all(self.optimizers()), _all(self.lr_schedulers())
+        for optimizer in optimizers:
+            optimizer.zero_grad()
+        self.manual_backward(self._step(batch, "train"))
+        nn.utils.clip_grad_norm_(self.parameters(), self.schedule.clip)
+        for part in (*optimizers, *cycles):
+            part.step()
 
-    def validation_step(self, batch: Any, _: int) -> Tensor:
-        return self._step(batch, "val")
+    def validation_step(self, batch: Any, _: int) -> None:
+        self._step(batch, "val")
 
     def _step(self, batch: Any, stage: str) -> Tensor:
         """The loss; terms are kept until the epoch ends, since it takes long to log each at every step."""
@@ -77,11 +89,25 @@ class _Task(lightning.LightningModule):
             )
 
     def configure_optimizers(self) -> Any:
-        plan = self.schedule
-        optimizer = torch.optim.AdamW(self.network.parameters(), plan.rate, weight_decay=plan.weight_decay)
+        plan, chosen = self.schedule, {id(matrix) for matrix in self.schedule.muon}
+        others = [part for part in self.parameters() if id(part) not in chosen]
+        optimizers: list[torch.optim.Optimizer] = [torch.optim.AdamW(others, plan.rate, weight_decay=plan.weight_decay)]
+        if plan.muon:
+            like = "match_rms_adamw"
+            optimizers.append(torch.optim.Muon(plan.muon, plan.rate, plan.weight_decay, adjust_lr_fn=like))
         steps = max(int(self.trainer.estimated_stepping_batches), 2)
-        cycle = torch.optim.lr_scheduler.OneCycleLR(optimizer, plan.rate, total_steps=steps, pct_start=0.1)
-        return {"optimizer": optimizer, "lr_scheduler": {"scheduler": cycle, "interval": "step"}}
+        cycles = [
+            torch.optim.lr_scheduler.OneCycleLR(
+                optimizer, plan.rate, total_steps=steps, pct_start=0.1,
+                cycle_momentum=isinstance(optimizer, torch.optim.AdamW),
+            )
+            for optimizer in optimizers
+        ]  # fmt: skip
+        return optimizers, cycles
+
+
+def _all(parts: Any) -> list[Any]:
+    return parts if isinstance(parts, list) else [parts]
 
 
 class _BestLosses(Callback):
@@ -158,7 +184,6 @@ def _fit(
         accelerator="cpu",
         devices=schedule.devices,
         num_nodes=schedule.nodes,
-        gradient_clip_val=schedule.clip,
         deterministic=True,
         callbacks=[best, latest, losses, *extra],
         logger=[CSVLogger(folder, name="", version=""), TensorBoardLogger(folder, name="", version="tensorboard")],

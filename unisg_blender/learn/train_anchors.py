@@ -20,7 +20,6 @@ from ..generate.spots import LOAD_WIDTH
 from .anchor_batches import Examples, Layout, Order, collate
 from .anchor_critic import drawn, ranking_loss
 from .anchor_latent import LATENT, kl_divergence
-from .anchor_overlaps import usual_overlaps
 from .anchors import COMPONENTS, AnchorModel, AnchorSizes, height_nll, mixture_nll
 from .export import export_onnx
 from .fit import Schedule, fit
@@ -28,7 +27,7 @@ from .publish import provenance, save_model_assets
 from .scenes import load_scenes, split, vocabulary_of
 from .settings import Settings
 
-EPOCHS = 30
+EPOCHS = 27
 PER_EPOCH = 11200
 PER_TARGET = 2
 """Examples in an epoch: at most so many for each thing in the scenes."""
@@ -65,13 +64,13 @@ def train(dataset: Dataset, out: Path, settings: Settings) -> dict[str, Any]:
     habits = replace(habits, orders=learn_orders((layout.scene for layout in layouts[0]), vocabulary))
     torch.manual_seed(settings.seed)
     network = AnchorModel(AnchorSizes(len(vocabulary)))
-    network.tolerance.copy_(torch.from_numpy(usual_overlaps(layouts[0], len(vocabulary))))
     count = min(PER_EPOCH, PER_TARGET * sum(len(layout.targets) for layout in layouts[0]))
     loaders = [
         _loader(layouts[0], order, count, settings.seed, fresh=True),
         _loader(layouts[1], order, min(1280, 40 * len(val_scenes)), settings.seed + 1, fresh=False),
     ]
-    schedule = Schedule(settings.epochs or EPOCHS, devices=settings.devices, nodes=settings.nodes)
+    hidden = network.hidden_matrices()
+    schedule = Schedule(settings.epochs or EPOCHS, muon=hidden, devices=settings.devices, nodes=settings.nodes)
     threads = torch.get_num_threads()
     torch.set_num_threads(max(1, threads - loaders[0].num_workers))  # else they wait for the one that prepares examples
     try:
