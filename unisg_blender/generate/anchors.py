@@ -26,10 +26,10 @@ ALIGNED, SNAP = np.exp(8.0), np.radians(4)
 SLACK = 0.6
 """What is left of such a turn for things on the floor: cupboards stand along a wall to half a degree, books exactly."""
 
-TAIL = 2.5
+TAIL = 2.0
 """Positions are drawn within so many standard deviations: the tails of a normal distribution reach into others."""
 
-DRAWN, MANY = 24, 48
+DRAWN, MANY = 64, 96
 """Places that are drawn, at least, among which the critic chooses; many for what stands on the floor or hangs on walls,
 since whatever is placed later depends on it."""
 

@@ -22,6 +22,12 @@ RARE = 0.01
 OVERLAP_SCENES = 150
 """Scenes in which overlaps are measured: a tenth of a second each."""
 
+SPANS = 0.9
+"""A category reaches from holder to holder if at least this share of its things touches two of the same kind."""
+
+FAR_END = (-0.05, 0.15)
+"""Metres: gaps to the second holder with which a thing still counts as reaching it."""
+
 _SHALLOW = 0.002
 Seen = tuple[str, float, str]
 
@@ -61,6 +67,8 @@ class Habits:
         By "Support>Category": where along such a support the category was found, see :mod:`.order`.
     leaders
         Categories that come first on the floor, see :mod:`.leaders`.
+    spans
+        Categories that reach from one holder to another, see :mod:`.spans`.
     """
 
     supports: dict[str, list[Habit]]
@@ -69,6 +77,7 @@ class Habits:
     rooms: list[list[int]]
     orders: dict[str, list[float]] = field(default_factory=dict)
     leaders: list[str] = field(default_factory=list)
+    spans: list[str] = field(default_factory=list)
 
     def to_record(self) -> dict[str, Any]:
         """Plain data for JSON."""
@@ -80,7 +89,7 @@ class Habits:
         supports = {name: [Habit(**habit) for habit in habits] for name, habits in record["supports"].items()}
         return Habits(
             supports, record["sizes"], record["overlaps"], record["rooms"], record.get("orders", {}),
-            record.get("leaders", []),
+            record.get("leaders", []), record.get("spans", []),
         )  # fmt: skip
 
     def habit(self, category: str, support: str) -> Habit | None:
@@ -95,6 +104,7 @@ def learn_habits(scenes: Iterable[Things], vocabulary: Sequence[str], rooms: int
     sizes: dict[str, list[Any]] = defaultdict(list)
     depths: dict[str, list[float]] = defaultdict(list)
     counts = []
+    across: Counter[str] = Counter()
     scenes = list(scenes)
     for number, things in enumerate(scenes):
         counts.append(np.bincount(things.category[things.category >= 0], minlength=len(vocabulary)).tolist())
@@ -103,6 +113,7 @@ def learn_habits(scenes: Iterable[Things], vocabulary: Sequence[str], rooms: int
             below = names[things.category[support]] if support >= 0 else ""
             contacts[category, below].append((*contact(things, int(thing), support), things.relation[thing]))
             sizes[category].append(2 * things.half[thing])
+            across[category] += contacts[category, below][-1][0] == BESIDE and _spans(things, int(thing), support)
         for pair, depth in _overlaps(things, names) if number < OVERLAP_SCENES else ():
             depths[pair].append(depth)
     return Habits(
@@ -111,6 +122,7 @@ def learn_habits(scenes: Iterable[Things], vocabulary: Sequence[str], rooms: int
         overlaps={pair: round(limit, 4) for pair, values in depths.items() if (limit := _tolerance(values)) > _SHALLOW},
         rooms=counts[:: max(1, len(counts) // rooms)][:rooms],
         leaders=find_leaders(scenes, vocabulary),
+        spans=[name for name in vocabulary if across[name] >= SPANS * max(1, len(sizes[name]))],
     )
 
 
@@ -138,6 +150,12 @@ def side_gap(things: Things, thing: int, support: int) -> float:
     c, s = np.cos(things.yaw[support]), np.sin(things.yaw[support])
     local = np.abs([c * offset[0] + s * offset[1], c * offset[1] - s * offset[0]])
     return float((local - reach - things.half[support, :2]).max())
+
+
+def _spans(things: Things, thing: int, support: int) -> bool:
+    """Whether a thing that is held at the side touches a second holder of the same kind too."""
+    alike = np.flatnonzero(things.category == things.category[support])
+    return any(FAR_END[0] <= side_gap(things, thing, int(other)) <= FAR_END[1] for other in alike if other != support)
 
 
 def _supports(contacts: dict[tuple[str, str], list[Seen]]) -> dict[str, list[Habit]]:

@@ -27,6 +27,7 @@ from .requests import BESIDE, Beside, On, aside, covers
 from .results import Placement
 from .settle import Support, fitting, nearest_support, rest, search
 from .space import Space
+from .spans import reached
 from .things import find_thing, things_of
 
 BATCHES = (8, 24, 28)
@@ -124,6 +125,8 @@ class Placing:
 
     def _propose(self, name: str, piece: Piece, count: int, allowed: NDArray[np.bool_]) -> Proposals:
         coming = {self.vocabulary.index(kind): number for kind, number in self.coming.items() if number}
+        if name in self.habits.spans:
+            allowed = reached(self.scene, allowed, piece.half)
         return self.proposer.propose(self.scene, self.vocabulary.index(name), piece, count, self.rng, allowed, coming)
 
     def _allowed(self, name: str) -> tuple[NDArray[np.bool_], str]:
