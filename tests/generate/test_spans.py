@@ -1,0 +1,64 @@
+"""What reaches from wall to wall: learned from scenes, and held by a wall from which it does."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tests.generate.rooms import at, box
+from unisg_blender.dataset.assets import turn
+from unisg_blender.generate.habits import learn_habits
+from unisg_blender.generate.proposals import Scene
+from unisg_blender.generate.spans import reached
+from unisg_blender.generate.things import things_of
+from unisg_blender.scene import Relation, SceneBuilder, SceneGraph, world_matrices
+
+VOCABULARY = ("Clock", "Floor", "Girder", "Wall")
+WIDE, DEEP = 6.0, 8.0
+
+
+def hall(yaw: float = 0.0, girder: bool = True) -> SceneGraph:
+    """A room of 6 x 8 m: a girder of 6 m high up along x, held by a wall at its end, and a clock on the same wall."""
+    builder = SceneBuilder("Hall")
+    floor = builder.add(
+        "Floor", uid="floor", local=turn(yaw) @ at(0, 0, -0.1), mesh=box("Floor", WIDE, DEEP, 0.1), category="Floor"
+    )
+    for side in range(4):
+        reach, length = (DEEP, WIDE) if side % 2 == 0 else (WIDE, DEEP)
+        local = turn(side * np.pi / 2) @ at(0, reach / 2 + 0.05, 0.1)
+        wall = builder.add(
+            f"Wall.{side}", uid=f"wall{side}", parent=floor, local=local, mesh=box("Wall", length, 0.1, 3.0),
+            category="Wall",
+        )  # fmt: skip
+        if side == 1:
+            held = (Relation("hangs_from", "wall1"),)
+            clock = at(0.5, -0.05 - 0.05, 1.8)
+            builder.add("Clock", uid="clock", parent=wall, local=clock, mesh=box("Clock", 0.3, 0.1, 0.3),
+                        category="Clock", relations=held)  # fmt: skip
+            if girder:
+                local = at(-1.0, -0.05 - WIDE / 2, 2.9, np.pi / 2)
+                builder.add("Girder", uid="girder", parent=wall, local=local, mesh=box("Girder", WIDE, 0.1, 0.08),
+                            category="Girder", relations=held)  # fmt: skip
+    return builder.build()
+
+
+def test_what_touches_two_walls_spans_and_what_hangs_on_one_does_not() -> None:
+    assert learn_habits([things_of(hall(yaw), VOCABULARY) for yaw in (0.0, 0.7)], VOCABULARY).spans == ["Girder"]
+
+
+@pytest.mark.parametrize("yaw", [0.0, 0.4, -2.0])
+@pytest.mark.parametrize(
+    ("half", "held_by"),
+    [
+        ([WIDE / 2, 0.05, 0.04], {1, 3}),
+        ([0.05, WIDE / 2, 0.04], {1, 3}),  # whichever side is its longer one
+        ([DEEP / 2, 0.05, 0.04], {0, 2}),
+        ([1.0, 0.05, 0.04], {0, 1, 2, 3}),  # reaches across from none: all stay
+    ],
+)
+def test_holders_are_those_from_which_it_reaches_across(yaw: float, half: list[float], held_by: set[int]) -> None:
+    graph = hall(yaw, girder=False)
+    things = things_of(graph, VOCABULARY)
+    scene = Scene.of(things, world_matrices(graph)[things.row])
+    found = reached(scene, things.category == VOCABULARY.index("Wall"), np.array(half))
+    assert {graph.name[row] for row in things.row[found]} == {f"Wall.{side}" for side in held_by}
