@@ -15,7 +15,7 @@ from .rows import Data, RowSpec, case_number, hole_number, training_rooms, vocab
 from .scene_metrics import CategoryPair, measure_scene
 from .variety import layout_of
 
-VERSION = 5
+VERSION = 6
 """Of what is measured; kept results of another version are not used."""
 
 COUNTS = ("objects", "colliding", "overlapping", "off_support", "outside", "asked", "refused")

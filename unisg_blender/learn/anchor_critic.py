@@ -24,7 +24,10 @@ DRAWS = 16
 CLOSE = (0.01, 0.05, 0.25)
 """Metres: the scales on which gaps to things are told."""
 
-SEEN_FEATURES = PAIR_FEATURES + 4 + len(CLOSE)
+FINE = (4.5, 13.0)
+"""Radians a metre of the waves in which offsets are told: a girder passes half a metre beside the middle of a table."""
+
+SEEN_FEATURES = PAIR_FEATURES + 4 + len(CLOSE) + 4 * len(FINE)
 
 
 class PlaceCritic(nn.Module):
@@ -71,7 +74,9 @@ def _seen_from(box: Tensor, target: Tensor, scale: Tensor) -> Tensor:
     own = torch.stack([x / 3, y / 3, gap_x.clamp(-3, 6), gap_y.clamp(-3, 6)], dim=-1)
     gap = torch.maximum(there[..., -6:-4].amax(-1), own[..., 2:].amax(-1))
     close = torch.stack([torch.tanh(gap / metres) for metres in CLOSE], dim=-1)
-    return torch.cat([there, own, close], dim=-1)
+    offset = 3 * there[..., :2]
+    fine = [wave(rate * offset) for rate in FINE for wave in (torch.sin, torch.cos)]
+    return torch.cat([there, own, close, *fine], dim=-1)
 
 
 def ranking_loss(score: Tensor) -> Tensor:
