@@ -13,12 +13,14 @@ from unisg_blender.cli import main
 from unisg_blender.errors import UniSGError
 from unisg_blender.evaluate.requested import is_beside, is_on
 from unisg_blender.generate import Generator
-from unisg_blender.generate.pieces import box_piece
-from unisg_blender.generate.proposals import Scene
-from unisg_blender.generate.requests import APART, BESIDE, aside
+from unisg_blender.generate.pieces import Piece, box_piece
+from unisg_blender.generate.proposals import Proposals, Scene
+from unisg_blender.generate.requests import APART, BESIDE, Beside, aside
 from unisg_blender.generate.things import things_of
 from unisg_blender.scene import Mesh, Relation, SceneBuilder, SceneGraph, world_matrices
 from unisg_blender.usd import write_usd
+
+KNOWN = ("Cup", "Floor", "Lamp", "Table", "Wall")
 
 
 @pytest.fixture(scope="module")
@@ -93,6 +95,27 @@ def test_what_is_wanted_beside_a_thing_stands_beside_it(generator: Generator) ->
     near = [is_beside(result.scene, int(row), cup) for result in found for row in result.rows]
     assert len(near) == 6
     assert np.mean(near) > 0.8
+
+
+def test_what_the_model_puts_elsewhere_is_shifted_to_beside_the_thing() -> None:
+    graph = room(100, cups=1)
+    things = things_of(graph, KNOWN)
+    scene = Scene.of(things, world_matrices(graph)[things.row])
+    table = int(np.flatnonzero(things.category == KNOWN.index("Table"))[0])
+
+    class Far:
+        def propose(self, scene: Scene, category: int, piece: Piece, count: int, *rest: object) -> Proposals:
+            bottom = scene.center[table, 2] - scene.half[table, 2]
+            return Proposals(np.full(count, 0), np.tile([9.0, 9.0, bottom, 0.3], (count, 1)))
+
+    piece = box_piece("Table", [0.6, 0.4, 0.8])
+    given = (scene, 3, piece, 8, np.random.default_rng(0), np.ones(len(things), bool), {})
+    found = Beside(Far(), table).propose(*given)
+    gaps = aside(scene, table, piece.half, found.places)
+    assert len(gaps) == 8
+    assert (gaps >= -1e-9).all()
+    assert (gaps <= BESIDE + 1e-9).all()
+    assert (found.places[:, 3] == 0.3).all()
 
 
 def test_a_thing_may_be_given_by_its_name(generator: Generator) -> None:

@@ -11,9 +11,13 @@ from ..scene.relate import RelationTolerances
 from .anchors import AnchorProposer, Row
 from .pieces import Piece
 from .proposals import Proposals, Proposer, Scene
+from .space import turned_reach
 
 DRAWS = 24
 """How many times as many proposals are drawn; those that are beside the thing come first."""
+
+SHIFTED = 4
+"""One in so many proposals is shifted to beside the thing: the model may hardly ever put anything there by itself."""
 
 BESIDE, SHARED = RelationTolerances().beside, RelationTolerances().shared
 
@@ -78,8 +82,30 @@ class Beside:
             found = self.proposer.propose_on(scene, category, piece, DRAWS * count, rng, spot, Row(coming, 0.0))
         else:
             found = self.proposer.propose(scene, category, piece, DRAWS * count, rng, allowed, coming)
-        order = np.argsort(np.maximum(aside(scene, self.thing, piece.half, found.places), BESIDE), kind="stable")
-        return Proposals(found.support[order[:count]], found.places[order[:count]])
+        likely = _nearest(scene, self.thing, piece, found, count - count // SHIFTED)
+        places = np.concatenate([likely.places, _shifted(scene, self.thing, piece.half, found.places[:count], rng)])
+        both = Proposals(np.concatenate([likely.support, found.support[:count]]), places)
+        return _nearest(scene, self.thing, piece, both, count)
+
+
+def _nearest(scene: Scene, thing: int, piece: Piece, found: Proposals, count: int) -> Proposals:
+    """So many proposals: those beside a thing first, then the nearest; else in their order."""
+    gaps = np.maximum(aside(scene, thing, piece.half, found.places), BESIDE)
+    order = np.argsort(gaps, kind="stable")[:count]
+    return Proposals(found.support[order], found.places[order])
+
+
+def _shifted(
+    scene: Scene, thing: int, half: NDArray[np.float64], places: NDArray[np.float64], rng: np.random.Generator
+) -> NDArray[np.float64]:
+    """Places (T, 4) shifted, as high and turned as they are, to anywhere along the sides of a thing."""
+    count, yaw, own = len(places), float(scene.yaw[thing]), scene.half[thing, :2]
+    reach = own + turned_reach(half, places[:, 3] - yaw)
+    axis, side = rng.integers(2, size=count), rng.choice([-1.0, 1.0], size=count)
+    local, each = rng.uniform(-1, 1, (count, 2)) * own, np.arange(count)
+    local[each, axis] = side * (reach[each, axis] + rng.uniform(0, BESIDE, count))
+    axes = np.array([[np.cos(yaw), np.sin(yaw)], [-np.sin(yaw), np.cos(yaw)]])
+    return np.column_stack([scene.center[thing, :2] + local @ axes, places[:, 2:]])
 
 
 def aside(scene: Scene, thing: int, half: NDArray[np.float64], places: NDArray[np.float64]) -> NDArray[np.float64]:
