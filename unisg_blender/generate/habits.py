@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from ..scene.bounds import turned_reach
 from ..scene.overlap import nearby_pairs, penetration
 from .leaders import find_leaders
 from .things import CONTACT, Things, covers, part_tops
@@ -142,10 +143,7 @@ def contact(things: Things, thing: int, support: int) -> tuple[str, float]:
 
 def side_gap(things: Things, thing: int, support: int) -> float:
     """Horizontal clearance in metres between a thing and its support's box, negative where they overlap."""
-    turn = things.yaw[thing] - things.yaw[support]
-    cos, sin = abs(np.cos(turn)), abs(np.sin(turn))
-    half = things.half[thing]
-    reach = np.array([cos * half[0] + sin * half[1], sin * half[0] + cos * half[1]])
+    reach = turned_reach(things.half[thing], things.yaw[thing] - things.yaw[support])
     offset = things.center[thing, :2] - things.center[support, :2]
     c, s = np.cos(things.yaw[support]), np.sin(things.yaw[support])
     local = np.abs([c * offset[0] + s * offset[1], c * offset[1] - s * offset[0]])

@@ -27,7 +27,7 @@ from .requests import BESIDE, Beside, On, aside, covers
 from .results import Placement
 from .settle import Support, fitting, nearest_support, rest, search
 from .space import Space
-from .spans import reached
+from .spans import fit_for
 from .things import find_thing, things_of
 
 BATCHES = (8, 24, 28)
@@ -125,8 +125,7 @@ class Placing:
 
     def _propose(self, name: str, piece: Piece, count: int, allowed: NDArray[np.bool_]) -> Proposals:
         coming = {self.vocabulary.index(kind): number for kind, number in self.coming.items() if number}
-        if name in self.habits.spans:
-            allowed = reached(self.scene, allowed, piece.half)
+        allowed = fit_for(name, piece.half, self.scene, allowed, self.habits)
         return self.proposer.propose(self.scene, self.vocabulary.index(name), piece, count, self.rng, allowed, coming)
 
     def _allowed(self, name: str) -> tuple[NDArray[np.bool_], str]:

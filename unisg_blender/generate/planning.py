@@ -16,7 +16,7 @@ from .habits import Habits
 from .order import groups, ranks, row_order
 from .pieces import Piece
 from .proposals import Scene
-from .spans import reached
+from .spans import fit_for
 from .spots import Load
 
 
@@ -80,9 +80,7 @@ class Planner:
             kind, piece = int(category[number]), self.pieces[number]
             left[kind] -= 1
             allowed = self.usual[kind][self.scene.category] & (self.scene.category >= 0)
-            allowed = (
-                reached(self.scene, allowed, piece.half) if self.vocabulary[kind] in self.habits.spans else allowed
-            )
+            allowed = fit_for(self.vocabulary[kind], piece.half, self.scene, allowed, self.habits)
             if not allowed.any():
                 continue
             choice = self.proposer.choose(self.scene, load, kind, piece.half, allowed, left)

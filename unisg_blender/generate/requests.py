@@ -7,11 +7,11 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
+from ..scene.bounds import turned_reach
 from ..scene.relate import RelationTolerances
 from .anchors import AnchorProposer, Row
 from .pieces import Piece
 from .proposals import Proposals, Proposer, Scene
-from .space import turned_reach
 
 DRAWS = 24
 """How many times as many proposals are drawn; those that are beside the thing come first."""

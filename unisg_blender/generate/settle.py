@@ -10,10 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..scene import Boxes
+from ..scene.bounds import turned_reach
 from ..scene.outline import inside, next_corners, outside_distance
 from .habits import BESIDE, HANGS, RESTS, Habit
 from .pieces import Piece
-from .space import Space, footprints, turned_reach
+from .space import Space, footprints
 from .surfaces import LEVEL, Surfaces, rectangles, with_joined
 
 OUTSIDE = 0.001

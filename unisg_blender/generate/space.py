@@ -93,12 +93,6 @@ class Space:
         return outside_distance(self.outline, footprints(piece.half, places)).max(axis=1)
 
 
-def turned_reach(half: NDArray[np.float64], turn: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Half extents (..., 2) along x and y of a box of half extents (3,) that is turned by angles (...), radians."""
-    cos, sin = np.abs(np.cos(turn)), np.abs(np.sin(turn))
-    return np.stack([cos * half[0] + sin * half[1], sin * half[0] + cos * half[1]], axis=-1)
-
-
 def footprints(half: NDArray[np.float64], places: NDArray[np.float64]) -> NDArray[np.float64]:
     """Corners (T, 4, 2) of the box's footprint at places (T, 4), world metres."""
     cos, sin = np.cos(places[:, 3]), np.sin(places[:, 3])

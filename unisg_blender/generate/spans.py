@@ -5,12 +5,19 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from .habits import FAR_END
+from .habits import FAR_END, Habits
 from .proposals import Scene
 from .requests import footprint_gap
 
 ALONG = np.linspace(-0.6, 0.6, 13)
 """Where along a holder it is tried, in half lengths: not at the ends, where the next wall touches its long side."""
+
+
+def fit_for(
+    name: str, half: NDArray[np.float64], scene: Scene, allowed: NDArray[np.bool_], habits: Habits
+) -> NDArray[np.bool_]:
+    """Those of the ``allowed`` holders (K,) that may hold a thing of a category: all, unless it spans."""
+    return reached(scene, allowed, half) if name in habits.spans else allowed
 
 
 def reached(scene: Scene, allowed: NDArray[np.bool_], half: NDArray[np.float64]) -> NDArray[np.bool_]:

@@ -51,11 +51,11 @@ def pair_features(box: Tensor, scale: Tensor, others: Tensor) -> Tensor:
 
 
 def _turned_half(target_half: Tensor) -> tuple[Tensor, Tensor]:
-    """Half extents along x and y (B, 1, 48, 1) of a target turned by each component's quarters."""
+    """Half extents along x and y (B, 1, 48) of a target turned by each component's quarters."""
     turned = (torch.arange(TURNS).repeat(PLACES) % 2 == 1).to(target_half.dtype)
     p = target_half[:, 0, None] * (1 - turned) + target_half[:, 1, None] * turned
     q = target_half[:, 1, None] * (1 - turned) + target_half[:, 0, None] * turned
-    return p[:, None, :, None], q[:, None, :, None]
+    return p.unsqueeze(1), q.unsqueeze(1)
 
 
 def base_places(box: Tensor, flags: Tensor, target_half: Tensor, bottom: Tensor) -> tuple[Tensor, Tensor, Tensor]:
@@ -69,7 +69,7 @@ def base_places(box: Tensor, flags: Tensor, target_half: Tensor, bottom: Tensor)
     """
     a, b = box[..., 3, None], box[..., 4, None]
     quarter = torch.arange(TURNS).repeat(PLACES)
-    p, q = (reach[..., 0] for reach in _turned_half(target_half))
+    p, q = _turned_half(target_half)
 
     def row(values: Sequence[float]) -> Tensor:
         return torch.tensor(values).repeat_interleave(TURNS)

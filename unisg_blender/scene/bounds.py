@@ -30,6 +30,12 @@ class Boxes:
         return Boxes(self.center[rows], self.axes[rows], self.half[rows], self.solid[rows])
 
 
+def turned_reach(half: NDArray[np.float64], turn: NDArray[np.float64] | float) -> NDArray[np.float64]:
+    """Half extents (..., 2) along x and y of a box of half extents (3,) that is turned by angles (...), radians."""
+    cos, sin = np.abs(np.cos(turn)), np.abs(np.sin(turn))
+    return np.stack([cos * half[0] + sin * half[1], sin * half[0] + cos * half[1]], axis=-1)
+
+
 def local_bounds(graph: SceneGraph) -> NDArray[np.float64]:
     """Boxes of the meshes in their own frames, float64 (N, 2, 3) lowest and highest corner; zeros without a mesh."""
     table = np.zeros((len(graph.meshes) + 1, 2, 3))
