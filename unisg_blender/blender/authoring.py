@@ -70,6 +70,7 @@ def link_objects(
     named = {identity_of(scene, other): other.name for other in others}
 
     def edit(action: ActionData) -> ActionData:
+        """The action with the objects added to its slot."""
         known = {**action.names, **named}
         if slot == "frame":
             return replace(action, frame=next(iter(named), ""), names=known)
@@ -83,6 +84,7 @@ def unlink_object(item: bpy.types.Object, place: int, slot: str, uid: str) -> No
     """Take an entity out of an action's ``targets``, ``tools`` or ``frame``, or an action out of its ``members``."""
 
     def edit(action: ActionData) -> ActionData:
+        """The action without the object in its slot."""
         if slot == "frame":
             return replace(action, frame="")
         changes: dict[str, Any] = {slot: tuple(each for each in getattr(action, slot) if each != uid)}
@@ -111,6 +113,7 @@ def reference_from_pose(scene: bpy.types.Scene, item: bpy.types.Object, place: i
     """Make the present pose of an action's target its reference pose, in the action's frame."""
 
     def edit(action: ActionData) -> ActionData:
+        """The action with the object's pose now, in its frame, as reference."""
         world = np.array(posed_object(scene, action).matrix_world)
         pose = np.linalg.pinv(frame_matrix(scene, action)) @ world
         return replace(action, reference=(*pose[:3].ravel().tolist(), 0.0, 0.0, 0.0, 1.0))
@@ -133,6 +136,7 @@ def set_frame(scene: bpy.types.Scene, item: bpy.types.Object, place: int, frame:
     uid = identity_of(scene, frame) if frame is not None else ""
 
     def edit(action: ActionData) -> ActionData:
+        """The action in the new frame, its reference where it was in the world."""
         old, names = frame_matrix(scene, action), dict(action.names)
         if frame is not None:
             names[uid] = frame.name

@@ -41,6 +41,7 @@ def heard(tell: Callable[[int, int], None]) -> Callable[[int, int], None]:
     """The same function of progress, whose words on stderr are not caught with all the rest."""
 
     def told(done: int, total: int) -> None:
+        """Tell the progress on the real standard error, not the caught one."""
         if not _kept:
             return tell(done, total)
         _flush()

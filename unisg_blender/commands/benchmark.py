@@ -50,6 +50,7 @@ def run(args: argparse.Namespace) -> int:
     measure: Callable[..., dict[str, Any]] = getattr(importlib.import_module(module, __package__), function)
 
     def progress(step: str) -> None:
+        """Say on standard error which step begins."""
         if not args.quiet:
             print(f"{args.name}: {step}", file=sys.stderr, flush=True)
 

@@ -97,6 +97,7 @@ class _Clock:
         self.seconds: dict[str, float] = {}
 
     def step(self, name: str, work: Callable[[], Any]) -> Any:
+        """Do one step of the job with the bar told its name; its seconds are kept, its result returned."""
         self._bar.set_postfix_str(name)
         start = time.perf_counter()
         result = work()

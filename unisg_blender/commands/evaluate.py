@@ -114,6 +114,7 @@ def _bars(quiet: bool) -> Iterator[Progress]:
     bars: dict[str, Bar] = {}
 
     def progress(step: str, done: int, total: int) -> None:
+        """Show how far a step is, each on a bar of its own."""
         if step not in bars:
             for bar in bars.values():
                 bar.close()

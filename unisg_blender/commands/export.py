@@ -76,6 +76,7 @@ def run(args: argparse.Namespace) -> int:
     counts = {"done": 0, "failed": 0}
 
     def finished(record: dict[str, Any]) -> None:
+        """Count a finished file and show it."""
         counts["done"] += 1
         counts["failed"] += record["status"] == "failed"
         _show_file(bar, record)

@@ -49,6 +49,7 @@ def shown(quiet: bool, unit: str) -> Iterator[Progress]:
     begin = time.monotonic()
 
     def tell(done: int, total: int) -> None:
+        """Show a bar as soon as it takes longer than a moment."""
         if not bars and time.monotonic() - begin > MOMENT and done < total:
             bars.append(Bar(total, unit, quiet))
         for bar in bars:

@@ -68,6 +68,7 @@ def _train_networks(args: argparse.Namespace, models: list[Model], provenance: d
         settings = MeshTraining(steps=args.steps, seed=args.seed, threads=args.threads)
 
     def show(step: int, loss: float) -> None:
+        """Show step and loss on one line."""
         if not args.quiet:
             print(f"\rstep {step + 1}/{settings.steps}  chamfer {loss:.5f} ", end="", file=sys.stderr, flush=True)
 

@@ -56,6 +56,7 @@ def run_files(executor: Executor, work: Iterator[Record], wait: float | None) ->
     waiting: set[Future[Record]] = set()
 
     def submit(job: Record) -> None:
+        """Give a file to a process; its record comes to the queue."""
         future = executor.submit(export_file, job)
         waiting.add(future)
         future.add_done_callback(partial(_put, done, job["source"]))

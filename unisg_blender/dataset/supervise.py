@@ -198,6 +198,7 @@ def read_part(path: Path) -> Part:
     columns = {key: np.array(values) for key, values in shard.columns.items() if not key.startswith(ASSETS)}
 
     def fetch(names: Iterable[str]) -> Arrays:
+        """The arrays of those assets that the shard has."""
         return {name: np.array(shard.columns[ASSETS + name]) for name in names if ASSETS + name in shard.columns}
 
     return Part(columns, notes["vocabulary"], Assets(notes["assets"], fetch), notes["answer"])

@@ -73,6 +73,7 @@ def by_chooser(chooser: Chooser, draws: bool = False) -> Make:
     """The thing stays where it is and gets the actions that a chooser wants; rarer ones by draw, as when generating."""
 
     def make(case: BehaviourCase, seed: int) -> tuple[SceneGraph, str]:
+        """The case's scene with behaviour by the chooser, and the uid of its thing."""
         rng = np.random.default_rng(seed) if draws else None
         return add_behaviour(case.bare, [case.uid], chooser, uid_maker(case.bare, seed), rng).scene, case.uid
 
@@ -86,6 +87,7 @@ def by_generator(generator: Generator) -> Make:
     """
 
     def make(case: BehaviourCase, seed: int) -> tuple[SceneGraph, str]:
+        """The case's scene with its thing placed and given behaviour by the generator, and the thing's new uid."""
         row = case.bare.row_of_uid[case.uid]
         name, asset = case.bare.category_name(row), thing_of(case.bare, row)
         left = take(case.bare, np.setdiff1d(np.arange(len(case.bare)), subtree(case.bare, row)))

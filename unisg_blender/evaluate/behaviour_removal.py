@@ -57,6 +57,7 @@ def _cut(operation: LessonNode, gone: set[str]) -> LessonNode:
     """The tree without the leaves of some actions, parts left empty, and requirements of what is gone."""
 
     def cut(node: LessonNode) -> LessonNode:
+        """The node without leaves of lost actions and what is empty then."""
         below = [cut(child) for child in node.children if child.action not in gone or child.kind != "action"]
         return replace(node, children=tuple(child for child in below if child.kind == "action" or child.children))
 
@@ -64,6 +65,7 @@ def _cut(operation: LessonNode, gone: set[str]) -> LessonNode:
     left = {node.uid for node in tree.walk()}
 
     def kept(node: LessonNode) -> LessonNode:
+        """The node with only those prerequisites that are left."""
         needs = tuple(uid for uid in node.requires if uid in left)
         return replace(node, requires=needs, children=tuple(kept(child) for child in node.children))
 

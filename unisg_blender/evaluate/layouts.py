@@ -95,6 +95,7 @@ def _room(
     rows = graph.row_of_uid
 
     def known(found: set[tuple[str, str]]) -> frozenset[tuple[int, int]]:
+        """Pairs of rows by pairs of names, of those that are there."""
         return frozenset((rows[a], rows[b]) for a, b in found if a in rows and b in rows and a != b)
 
     return DesignedRoom(name, graph, None if pairs is None else known(pairs), known(unclear))

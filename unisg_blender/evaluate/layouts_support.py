@@ -102,6 +102,7 @@ def by_topology(model: TopologyModel) -> Scores:
     """Chances from the trained network over pairs; 0 for pairs that are no candidates."""
 
     def scores(graph: SceneGraph) -> NDArray[np.float64]:
+        """Chances (N, N) that a row stands on another by the relation model."""
         found = np.zeros((len(graph), len(graph)))
         for row, _, target, chance in model.find(graph, 0.0):
             found[row, target] = chance
@@ -116,6 +117,7 @@ def by_model(generator: Generator) -> Scores:
     proposer = AnchorProposer(generator.model)
 
     def scores(graph: SceneGraph) -> NDArray[np.float64]:
+        """Chances (N, N) that a row stands on another by the generator's choice of supports."""
         renamed = graph.replace(vocabulary=tuple(OURS.get(name, name) for name in graph.vocabulary))
         things = things_of(renamed, generator.categories)
         scene = Scene.of(things, world_matrices(graph)[things.row])

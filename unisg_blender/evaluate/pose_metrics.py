@@ -65,6 +65,7 @@ def folds_of(mesh: Mesh) -> int:
     tree, limit = cKDTree(points), SYMMETRY_TOLERANCE * float(np.linalg.norm(points, axis=1).max())
 
     def same(degrees: float) -> bool:
+        """Is the point cloud the same after a turn about z?"""
         turned = points @ Rotation.from_euler("z", degrees, degrees=True).as_matrix().T
         return bool(np.max(tree.query(turned)[0]) <= limit)
 

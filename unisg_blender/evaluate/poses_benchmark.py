@@ -215,6 +215,7 @@ def tensor_speed(count: int, repeats: int, seed: int) -> Table:
     tensor, encoded = torch.tensor(rigid), torch.tensor(features)
 
     def gradient(function: Callable[[Any], Any], given: Any) -> Callable[[], Any]:
+        """A call that differentiates the sum of a function of what is given."""
         return lambda: function(given.clone().requires_grad_()).sum().backward()
 
     jobs: dict[str, Callable[[], Any]] = {

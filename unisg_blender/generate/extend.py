@@ -42,6 +42,7 @@ def uid_maker(graph: SceneGraph, seed: int | None) -> UidMaker:
     base, given = f"{seed} {digest.hexdigest()}", [0]
 
     def make(name: str) -> str:
+        """The next uid for a name."""
         given[0] += 1
         return derived_uid(f"{base} {given[0]}", name)
 
@@ -102,6 +103,7 @@ class _Growing:
         self.tables: dict[str, list[tuple[int, Table]]] = {}
 
     def add(self, addition: Addition, local: NDArray[np.float64], names: Names, make_uid: UidMaker) -> None:
+        """Append the entities of an asset with its root at ``local`` (4, 4), metres, in its parent's frame."""
         part, start = addition.asset.graph, len(self.name)
         renamed = self._take_materials(part.materials)
         for row in range(len(part)):
@@ -138,6 +140,7 @@ class _Growing:
         return self.mesh_place[id(mesh)]
 
     def build(self) -> SceneGraph:
+        """The scene with all that was appended."""
         category, vocabulary = index_categories(self.category)
         components = dict(self.graph.components)
         for name, parts in self.tables.items():

@@ -44,6 +44,7 @@ def in_order(counts: Mapping[str, int], habits: Habits) -> list[str]:
     first = {name: place for place, name in enumerate(habits.leaders)}
 
     def key(name: str) -> tuple[int, int, float, str]:
+        """What categories are sorted by: level, leaders, footprint, name."""
         width, depth, _ = habits.sizes.get(name, (0.0, 0.0, 0.0))
         return level.get(name, 0), first.get(name, len(first)), -width * depth, name
 

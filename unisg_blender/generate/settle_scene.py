@@ -81,6 +81,7 @@ def _moved(things: Things, moving: Iterable[int], before: NDArray[np.float64], a
     spin = after[3] - before[3]
 
     def carried(points: NDArray[np.float64], which: NDArray[np.bool_]) -> NDArray[np.float64]:
+        """Points (K, 3), those of ``which`` (K,) moved and turned with the thing, metres."""
         return np.where(which[:, None], turned(points - before[:3], spin) + after[:3], points)
 
     of_parts = chosen[things.owner]

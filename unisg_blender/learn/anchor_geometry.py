@@ -72,6 +72,7 @@ def base_places(box: Tensor, flags: Tensor, target_half: Tensor, bottom: Tensor)
     p, q = _turned_half(target_half)
 
     def row(values: Sequence[float]) -> Tensor:
+        """Values by place, each for all turns, (48,)."""
         return torch.tensor(values).repeat_interleave(TURNS)
 
     along, side = row([-1, 0, 1] * 4), row([1] * 3 + [-1] * 3 + [1] * 3 + [-1] * 3)

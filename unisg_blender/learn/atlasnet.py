@@ -32,6 +32,7 @@ class PointNetEncoder(nn.Module):
         self.norms = nn.ModuleList(nn.BatchNorm1d(width) for width in widths[1:])
 
     def forward(self, points: Tensor) -> Tensor:
+        """Point clouds (B, N, 3) to features (B, width)."""
         batch, count = points.shape[0], points.shape[1]
         hidden = points.reshape(batch * count, 3)
         for layer, norm in zip(self.layers[:-1], self.norms[:-1], strict=True):
@@ -55,6 +56,7 @@ class FoldedEncoder(nn.Module):
         self.layers = nn.ModuleList(layers)
 
     def forward(self, points: Tensor) -> Tensor:
+        """Point clouds (B, N, 3) to features (B, width), batch norms folded in."""
         hidden = points.reshape(-1, 3)
         for layer in self.layers[:-1]:
             hidden = layer(hidden).relu()

@@ -48,6 +48,7 @@ class PatchDecoder(nn.Module):
             self.last.bias.zero_()
 
     def forward(self, feature: Tensor, sphere: Tensor, patch: Tensor) -> Tensor:
+        """Features (B, width), points of the sphere and of the patches to points of the surface."""
         return self.place(*self.layout(feature), sphere, patch)
 
     def layout(self, feature: Tensor) -> tuple[Tensor, Tensor]:

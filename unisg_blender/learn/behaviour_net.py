@@ -172,6 +172,7 @@ class _Exchange(nn.Module):
     def forward(
         self, things: Tensor, acts: Tensor, plays: Tensor, holds: Tensor, same: Tensor, mask: Tensor, act_mask: Tensor
     ) -> tuple[Tensor, Tensor]:
+        """One round of messages between things (B, E, W) and acts (B, A, W): both anew, of the same shapes."""
         cast = (plays @ things.unsqueeze(1)).flatten(2)
         acts = acts + self.act(torch.cat([acts, self.to_act(cast)], -1)) * act_mask.unsqueeze(-1)
         parts = self.of_act(acts).unflatten(-1, (3, -1))

@@ -50,6 +50,7 @@ class _Task(lightning.LightningModule):
         self.seen: dict[str, list[Tensor]] = {}
 
     def training_step(self, batch: Any, _: int) -> None:
+        """One step of all optimizers on one batch."""
         optimizers, cycles = _all(self.optimizers()), _all(self.lr_schedulers())
         for optimizer in optimizers:
             optimizer.zero_grad()
@@ -59,6 +60,7 @@ class _Task(lightning.LightningModule):
             part.step()
 
     def validation_step(self, batch: Any, _: int) -> None:
+        """The loss terms of one batch, kept."""
         self._step(batch, "val")
 
     def _step(self, batch: Any, stage: str) -> Tensor:
@@ -69,9 +71,11 @@ class _Task(lightning.LightningModule):
         return terms["loss"]
 
     def on_train_epoch_end(self) -> None:
+        """Log the means of the epoch."""
         self._report("train")
 
     def on_validation_epoch_end(self) -> None:
+        """Log the means of the epoch's validation."""
         self._report("val")
 
     def _report(self, stage: str) -> None:
@@ -81,6 +85,7 @@ class _Task(lightning.LightningModule):
             self.log(name, mean, prog_bar=name == "train_loss", sync_dist=self.trainer.world_size > 1)
 
     def on_load_checkpoint(self, checkpoint: dict[str, Any]) -> None:
+        """Refuse to go on with a training of another length."""
         steps, before = int(self.trainer.estimated_stepping_batches), checkpoint["lr_schedulers"][0]["total_steps"]
         if steps != before:
             raise UniSGError(
@@ -89,6 +94,7 @@ class _Task(lightning.LightningModule):
             )
 
     def configure_optimizers(self) -> Any:
+        """AdamW and, if there are matrices for it, Muon, each with its cycle of rates."""
         plan, chosen = self.schedule, {id(matrix) for matrix in self.schedule.muon}
         others = [part for part in self.parameters() if id(part) not in chosen]
         optimizers: list[torch.optim.Optimizer] = [torch.optim.AdamW(others, plan.rate, weight_decay=plan.weight_decay)]
@@ -115,6 +121,7 @@ class _BestLosses(Callback):
         self.last: dict[str, float] = {}
 
     def on_train_end(self, trainer: Any, pl_module: Any) -> None:
+        """Keep the last values."""
         self.last = {name: float(value) for name, value in trainer.callback_metrics.items()}
 
 

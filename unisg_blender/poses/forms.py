@@ -75,6 +75,7 @@ class Form:
         """
 
         def features(m: Components) -> Components:
+            """Matrix entries to the form's components."""
             block = encodings.split(m, rotation=stretch or not self.holds_affine)
             channels = tuple(self._encode(block))
             return (*channels, *stretch_of(block.rotation, block.linear)) if stretch else channels
@@ -114,6 +115,7 @@ class Form:
         """
 
         def matrix(x: Components) -> Components:
+            """The form's components to matrix entries."""
             return encodings.join(self._with_stretch(x) if stretch else self._decode(x))
 
         batch = as_batch(features, (self.width + STRETCH_WIDTH * stretch,), f"{self.name} features")
@@ -144,6 +146,7 @@ class Form:
         """
 
         def nearest(x: Components) -> Components:
+            """The components of the nearest pose."""
             return (*self._project(x[: self.width]), *x[self.width :])
 
         batch = as_batch(features, (self.width + STRETCH_WIDTH * stretch,), f"{self.name} features")
@@ -211,6 +214,7 @@ def convert(features: Any, source: str, target: str, stretch: bool = False) -> A
     old, new = FORMS[source], FORMS[target]
 
     def converted(x: Components) -> Components:
+        """Components of the old form to those of the new one."""
         block = old._with_stretch(x) if stretch else old._decode(x)
         if old.holds_affine:
             block = block._replace(rotation=pose_rotation(block.linear))

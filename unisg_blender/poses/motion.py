@@ -79,6 +79,7 @@ def sclerp(a: Any, b: Any, fraction: Any, form: str = PIVOT, shortest: bool = Tr
     """
 
     def interpolated(x: Components) -> Components:
+        """Two motors and a time to the motor between, along a screw."""
         start = x[:8]
         step = multiply_motors(inverse_motor(start), x[8:16])
         if shortest:
@@ -111,6 +112,7 @@ def cubic_sclerp(a: Any, p: Any, q: Any, b: Any, fraction: Any, form: str = PIVO
     """
 
     def interpolated(x: Components) -> Components:
+        """Four motors at thirds of a span and a time to the motor there."""
         back, s = inverse_motor(x[:8]), x[32]
         weights = (
             13.5 * s * (s - 2 / 3) * (s - 1.0),
@@ -166,6 +168,7 @@ def blend(motors: Any, weights: Any, form: str = PIVOT) -> Any:
     count = poses.shape[-2]
 
     def blended(x: Components) -> Components:
+        """Motors and weights to their normalised sum."""
         first, total = x[:4], [0.0] * 8
         for k in range(count):
             pose = x[8 * k : 8 * k + 8]

@@ -70,6 +70,7 @@ def dilator(scales: Any) -> Any:
     batch = as_batch(scales, (), "scales")[..., None]
 
     def full(s: Components) -> Components:
+        """A scale to its dilator, NaN where it is not positive."""
         positive = namespace(s[0]).where(s[0] > 0, s[0], float("nan"))
         return spread(similarity_even(ONE, ZERO, dilation_of(positive)), CGA_EVEN, 32)
 
@@ -101,9 +102,11 @@ def split_motor(multivectors: Any) -> MotorParts:
         raise PoseError(f"a multivector has 16 (PGA) or 32 (CGA) coefficients, not {width}")
 
     def part(formula: Any) -> Any:
+        """The formula over all rows."""
         return map_rows(formula, batch, (width,), (width,), "the rotor of the multivector")
 
     def translation(m: Components) -> Components:
+        """A motor to the translator in it."""
         return dual_part(ONE, extract_translation(*_motor(m)[:2]))
 
     turn = part(lambda m: _full(unit_quaternion(_motor(m)[0]), ZERO, width))

@@ -108,6 +108,7 @@ def _retargeted(record: ObjectProperties, row: int, found: Copies, owner: dict[s
     new = found.resolved[row]
 
     def action_uid(uid: str) -> str:
+        """The uid of a copy's action."""
         holder = owner.get(uid)
         if holder is None:
             return uid
@@ -115,6 +116,7 @@ def _retargeted(record: ObjectProperties, row: int, found: Copies, owner: dict[s
         return derived_uid(uid, moved) if moved != found.stored[holder] else uid
 
     def moved(action: ActionData) -> ActionData:
+        """The action with what was copied in place of the originals."""
         entities = {uid: found.companion(row, uid) for uid in (*action.targets, *action.tools, action.frame) if uid}
         return retarget_copy(action, new, entities | {uid: action_uid(uid) for uid in action.members})
 

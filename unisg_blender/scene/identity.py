@@ -75,6 +75,7 @@ def retarget_copy(action: ActionData, owner: str, copy_of: dict[str, str]) -> Ac
     """
 
     def moved(uids: tuple[str, ...]) -> tuple[str, ...]:
+        """Uids with those of copies in place of the originals."""
         return tuple(copy_of.get(uid, uid) for uid in uids)
 
     return replace(

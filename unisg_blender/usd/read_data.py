@@ -69,6 +69,7 @@ def _column(values: list[Any], example: Any) -> Any:
 
 def _camera(metres: float) -> Callable[[Any, Values], Values | None]:
     def read(prim: Any, known: Values) -> Values:
+        """A camera's values, or what was edited of known ones."""
         found = {name: _value(prim, name) for name in CAMERA_NAMES}
         fit = str(known.get("fit", cameras.NEW["fit"]))
         said = cameras.camera_values(found, metres, fit)
@@ -81,6 +82,7 @@ def _camera(metres: float) -> Callable[[Any, Values], Values | None]:
 
 def _light(metres: float) -> Callable[[Any, Values], Values | None]:
     def read(prim: Any, known: Values) -> Values | None:
+        """A light's values, or what was edited of known ones; None for what is no light."""
         inputs = {name: _value(prim, f"inputs:{name}") for name in LIGHT_INPUTS}
         inputs = {name: value for name, value in inputs.items() if value is not None}
         said = lights.light_values(str(prim.GetTypeName()), inputs, metres)

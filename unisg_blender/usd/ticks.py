@@ -13,6 +13,7 @@ def ticks(total: int, progress: Progress | None) -> Callable[[], None]:
     done = 0
 
     def tick() -> None:
+        """Count one, and tell it a hundred times in all."""
         nonlocal done
         done += 1
         if progress is not None and (done == total or done % max(1, total // 100) == 0):

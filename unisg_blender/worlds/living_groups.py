@@ -90,6 +90,7 @@ def _coffee_table(layout: Layout, floor: Placed, sofa: Placed, wood: str) -> Pla
     edge = -sofa.asset.size[1] / 2
 
     def before() -> np.ndarray:
+        """A place before the sofa."""
         y = edge - rng.uniform(0.37, 0.5) - shape.size[1] / 2
         return sofa.pose_at(float(np.clip(rng.normal(0, 0.08), -0.2, 0.2)), y, 0.0, rng.normal(0, 0.03))
 
@@ -132,6 +133,7 @@ def _armchairs(layout: Layout, floor: Placed, table: Placed) -> None:
     for side in rng.permutation([-1, 1])[: int(rng.integers(0, 3))]:
 
         def beside(side: float = float(side)) -> np.ndarray:
+            """A place beside the table, facing it."""
             x = side * (table.asset.size[0] / 2 + 0.43 + rng.uniform(0.25, 0.7))
             pose = table.pose_at(x, -rng.uniform(-0.25, 0.55), 0.0, 0.0)
             pose[2] = 0.0
@@ -180,6 +182,7 @@ def dining_group(layout: Layout, floor: Placed, sides: list[Side]) -> None:
     shape = seating.dining_table(length, pick(rng, WOODS))
 
     def somewhere() -> list[float]:
+        """A place anywhere off the walls."""
         return [*rng.uniform(low + 0.9, high - 0.9), 0.0, rng.integers(2) * np.pi / 2 + rng.normal(0, 0.03)]
 
     table = layout.place(shape, somewhere, floor, clearance=0.42, tries=120)
@@ -211,6 +214,7 @@ def _chairs(layout: Layout, floor: Placed, table: Placed) -> None:
         out = np.array([-np.sin(spot[3]), np.cos(spot[3])])
 
         def seat(spot: np.ndarray = spot, out: np.ndarray = out) -> np.ndarray:
+            """A place at the table, pushed in or pulled out."""
             pulled = rng.uniform(0.25, 0.5) if rng.random() < 0.15 else rng.uniform(-0.07, 0.08)
             at = spot[:2] + out * pulled + rng.normal(0, 0.015, 2)
             return np.array([*at, 0.0, spot[3] + rng.normal(0, 0.06 if pulled < 0.1 else 0.25)])

@@ -86,6 +86,7 @@ def _plants(layout: Layout, floor: Placed) -> None:
         shape = living.plant(pick(rng, [0.9, 1.1, 1.4]))
 
         def near(corner: int = int(corner), way: np.ndarray = way) -> list[float]:
+            """A place in the corner."""
             at = layout.outline[corner] + way * rng.uniform(0.45, 0.65) + rng.normal(0, 0.03, 2)
             return [*at, 0.0, rng.uniform(-np.pi, np.pi)]
 

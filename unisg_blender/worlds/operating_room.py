@@ -114,6 +114,7 @@ def _lamps(layout: Layout, sides: list[Side], table: Placed) -> None:
         drop = round(top - table.asset.size[2] - rng.uniform(1.0, 1.4), 1)
 
         def hang(target: NDArray[np.float64] = target, sign: float = sign, reach: float = shape_reach) -> list[float]:
+            """A place on the girder from which the lamp reaches its target."""
             aim = target + rng.normal(0, 0.08, 2)
             across = aim - rail.pose[:2] - along * ((aim - rail.pose[:2]) @ along)
             offset = np.sqrt(max(reach**2 - across @ across, 0.0))

@@ -27,6 +27,7 @@ def _mayo_stand(layout: Layout, floor: Placed, table: Placed, side: float) -> Pl
     shape = surgical.mayo_stand(round(float(table.asset.size[2] + pick(rng, [0.30, 0.35, 0.40])), 2))
 
     def beside() -> np.ndarray:
+        """A place with the tray over the patient's legs."""
         y = -length / 2 + rng.uniform(0.15, 0.75)
         return table.pose_at(side * rng.uniform(0.14, 0.5), y, 0.0, side * -np.pi / 2 + rng.normal(0, 0.08))
 
@@ -40,6 +41,7 @@ def _instrument_table(layout: Layout, floor: Placed, table: Placed, side: float)
     parallel = rng.random() < 0.7
 
     def behind() -> np.ndarray:
+        """A place behind the scrub nurse, along the table or across its feet."""
         way = side if rng.random() < 0.85 else -side
         if parallel == (rng.random() < 0.9):
             x = way * (0.26 + rng.uniform(0.65, 1.3) + depth / 2)
@@ -75,6 +77,7 @@ def _furnish_instrument_table(layout: Layout, back: Placed) -> None:
     mirror = bool(rng.random() < 0.5)
 
     def corner(x0: float, y0: float, x1: float, y1: float) -> tuple[float, float, float, float]:
+        """The area of a corner, mirrored if the table is laid out so."""
         return (1 - x1, y0, 1 - x0, y1) if mirror else (x0, y0, x1, y1)
 
     instrument_tray(layout, support, surface, corner(0.0, 0.5, 0.42, 1.0))
@@ -103,6 +106,7 @@ def anaesthesia_side(layout: Layout, floor: Placed, table: Placed, side: float) 
     shape = anaesthesia.anaesthesia_machine(pick(rng, [0.7, 0.75, 0.8]), pick(rng, [1.35, 1.45]))
 
     def at_head() -> np.ndarray:
+        """A place at the head end, facing it."""
         x, y = rng.normal(side * 0.5, 0.25), length / 2 + rng.uniform(0.5, 0.85) + 0.36
         pose = table.pose_at(x, y, 0.0, 0.0)
         pose[3] = facing(pose, head) + rng.normal(0, 0.06)
@@ -154,6 +158,7 @@ def _trolley(layout: Layout, floor: Placed, machine: Placed, side: float) -> Pla
     shape = anaesthesia.trolley(pick(rng, [0.7, 0.8]), pick(rng, [0.9, 0.95]), pick(rng, ["blue", "red", "teal"]))
 
     def beside() -> np.ndarray:
+        """A place beside the machine."""
         way = side if rng.random() < 0.7 else -side
         x = way * (machine.asset.size[0] / 2 + shape.size[0] / 2 + rng.uniform(0.06, 0.35))
         return machine.pose_at(x, rng.uniform(-0.1, 0.3), 0.0, rng.normal(0, 0.12))
@@ -191,6 +196,7 @@ def floor_around_table(layout: Layout, floor: Placed, table: Placed) -> None:
     cart = surgical.electrosurgical_unit(pick(rng, [1.1, 1.2]))
 
     def off_the_feet() -> list[float]:
+        """A place off the feet, facing the table."""
         angle, distance = table.pose[3] - np.pi / 2 + rng.uniform(-1.2, 1.2), rng.uniform(1.0, 2.0)
         at = feet[:2] + distance * np.array([np.cos(angle), np.sin(angle)])
         return [*at, 0.0, facing(at, table.pose) + rng.normal(0, 0.12)]
@@ -199,6 +205,7 @@ def floor_around_table(layout: Layout, floor: Placed, table: Placed) -> None:
     near = unit or table
 
     def nearby() -> np.ndarray:
+        """A place near the other unit, facing the table."""
         pose = near.pose_at(pick(rng, [-1, 1]) * rng.uniform(0.55, 1.1), rng.uniform(-0.2, 0.5), 0.0, 0.0)
         pose[3] = facing(pose, table.pose) + rng.normal(0, 0.2)
         return pose

@@ -100,6 +100,7 @@ def run(settings: Mapping[str, Any], data: Path) -> dict[str, Any]:
     training, held_out = _split(dataset, settings)
 
     def part(whole: UniSGDataset, rows: Any) -> Scenes:
+        """Some of the scenes in the form and with the components of the settings."""
         components = tuple(settings.get("components", COMPONENTS))
         scenes = scenes_of(whole.batch(rows), settings["form"], settings.get("stretch", False), components)
         return doubled(scenes, settings["form"]) if settings.get("doubled") else scenes

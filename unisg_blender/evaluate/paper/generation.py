@@ -80,6 +80,7 @@ def run(settings: Mapping[str, Any], data: Path) -> dict[str, Any]:
     curves: dict[str, list[float]] = {f"{stage}{name}": [] for stage in ("", "test_") for name in ("loss", *names)}
 
     def terms(part: Rooms) -> tuple[Tensor, Tensor, Tensor, Tensor, Tensor]:
+        """Loss, its three terms and what was decoded, of one drawing of the latent code."""
         noise = torch.randn(len(part.category), LATENT)
         losses, decoded = sampled_losses(network, features[id(part)], part.category, part.edges, part.pairs, noise)
         return losses.mse + losses.bce + KL_WEIGHT * losses.kl, losses.mse, losses.bce, losses.kl, decoded

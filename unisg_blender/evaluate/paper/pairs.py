@@ -111,6 +111,7 @@ def run(settings: Mapping[str, Any], data: Path) -> dict[str, Any]:
     truth = torch.from_numpy(parts["train"].truth).float()[:, None]
 
     def loss(found: Tensor, wanted: Tensor) -> Tensor:
+        """Binary cross entropy (B,) of logits (B, N, N), as the paper has for edges."""
         return nn.functional.binary_cross_entropy_with_logits(found, wanted, reduction="none").mean(dim=(1, 2))
 
     each, rates = [seed for seed in seeds for _ in RATES], [rate for _ in seeds for rate in RATES]

@@ -215,10 +215,12 @@ class _Scale:
         return _Scale(mean, spread, kept)
 
     def apply(self, values: NDArray[np.float64]) -> Tensor:
+        """Values (..., C) to scaled float32 ones (..., kept)."""
         scaled = (values - self.mean)[..., self.kept] / self.spread[..., self.kept]
         return torch.from_numpy(scaled.astype(np.float32))
 
     def undo(self, values: NDArray[np.float64], group: int) -> NDArray[np.float64]:
+        """Scaled values (K, kept) of one group back to (K, C)."""
         whole = np.repeat(self.mean[group], len(values), axis=0)
         whole[:, self.kept] += values * self.spread[group][:, self.kept]
         return whole

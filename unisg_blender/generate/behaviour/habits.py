@@ -92,6 +92,7 @@ def _watch_stages(
     found: list[tuple[LessonNode, tuple[str, ...]]] = []
 
     def walk(node: LessonNode, above: tuple[str, ...]) -> None:
+        """Collect the stages below a node with the names of the lessons above them."""
         for child in node.children:
             if child.kind == "stage":
                 found.append((child, above))

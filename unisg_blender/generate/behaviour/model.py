@@ -30,6 +30,7 @@ def load_behaviour(path: Path, threads: int = 1) -> NetworkChooser:
     names = {item.name for item in session.get_inputs()}
 
     def run(inputs: dict[str, NDArray[Any]]) -> list[NDArray[np.float32]]:
+        """The network's outputs for those inputs that the file has."""
         found: list[NDArray[np.float32]] = session.run(
             list(OUTPUTS), {name: array for name, array in inputs.items() if name in names}
         )

@@ -21,6 +21,7 @@ def with_behaviour(
     made = add_behaviour(graph, [item.uid for item in placements if item.uid], chooser, make_uid, rng)
 
     def told(item: Placement) -> Placement:
+        """The placement with its actions and notes."""
         notes = [note for note in (item.note, *made.notes.get(item.uid, ())) if note]
         return replace(item, actions=tuple(made.actions.get(item.uid, ())), note="; ".join(notes))
 

@@ -112,9 +112,11 @@ def make_batch(graph: SceneGraph, actions: Sequence[ActionData], index: Sequence
     row_of = graph.row_of_uid
 
     def rows(uids: Sequence[str]) -> list[int]:
+        """Rows of those uids that are there."""
         return [row_of[uid] for uid in uids if uid in row_of]
 
     def limit(name: str, default: float) -> NDArray[np.float64]:
+        """A threshold of all actions, or its default."""
         values = [getattr(action.thresholds, name) for action in actions]
         return np.array([default if value is None else value for value in values], np.float64)
 

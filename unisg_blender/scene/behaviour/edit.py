@@ -37,6 +37,7 @@ def change(root: LessonNode, uid: str, edit: Callable[[LessonNode], LessonNode])
         raise UniSGError(f"the lesson has no node with uid {uid!r}")
 
     def walk(node: LessonNode) -> LessonNode:
+        """The tree with the edited node."""
         if node.uid == uid:
             return edit(node)
         return replace(node, children=tuple(map(walk, node.children)))
@@ -54,6 +55,7 @@ def insert(root: LessonNode, parent: str, node: LessonNode, place: int | None = 
     """
 
     def add(above: LessonNode) -> LessonNode:
+        """The node with the new one among its children."""
         if node.kind not in MAY_HOLD[above.kind]:
             raise UniSGError(f"{article(above.kind)} {above.kind} cannot hold {article(node.kind)} {node.kind}")
         at = len(above.children) if place is None else place

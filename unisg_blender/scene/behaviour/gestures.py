@@ -59,6 +59,7 @@ def touch_goals(
     top = float(sum(reach)) + distance + 0.05
 
     def lifted(height: float) -> NDArray[np.float64]:
+        """The tool's pose (4, 4) with its middle so many metres over the target's."""
         goal = world[tool].copy()
         goal[:3, 3] += middle[1] - middle[0] + (0, 0, height)
         return goal

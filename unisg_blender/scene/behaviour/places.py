@@ -60,6 +60,7 @@ def _leaves(operation: LessonNode) -> Iterator[tuple[str, Place]]:
     counts = {"lesson": 0, "stage": 0, "action": 0}
 
     def walk(node: LessonNode, lesson: int, stage: int, depth: int) -> Iterator[tuple[str, Place]]:
+        """The places of all actions below a node."""
         for order, child in enumerate(node.children):
             number = counts[child.kind]
             counts[child.kind] += 1

@@ -116,6 +116,7 @@ def _tasks(
     members: list[list[int]] = []
 
     def add(action: ActionData) -> int:
+        """Append an action with its members; its number."""
         place = len(actions)
         actions.append(action)
         members.append([])

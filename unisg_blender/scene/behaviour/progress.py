@@ -47,6 +47,7 @@ def advance(
     changes: list[Change] = []
 
     def put(place: int, new: int) -> None:
+        """Set a place's status, and skip what can no longer be done."""
         status[place] = new
         changes.append(Change(place, new))
         missed = outline.below(place) if new == SKIPPED else ()

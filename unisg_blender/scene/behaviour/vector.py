@@ -83,6 +83,7 @@ def encode_action(
     """Write one action into a row of ``values`` and ``mask``, both (:data:`WIDTH`,) and zero."""
 
     def put(channel: str | slice, numbers: object, used: object = True) -> None:
+        """Write numbers into a channel and mark it as used."""
         where = _FIRST[channel] if isinstance(channel, str) else channel
         values[where], mask[where] = numbers, used
 
