@@ -2,14 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from pathlib import Path
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 from tests.generate.rooms import at, box
+from unisg_blender.dataset.asset_file import save_assets
 from unisg_blender.dataset.assets import turn
+from unisg_blender.generate.contract import Contract
 from unisg_blender.generate.habits import learn_habits
+from unisg_blender.generate.library import Library
+from unisg_blender.generate.model import Model, assets_path
+from unisg_blender.generate.pieces import Piece, box_piece
 from unisg_blender.generate.proposals import Scene
-from unisg_blender.generate.spans import reached
+from unisg_blender.generate.spans import fit_for, reached
 from unisg_blender.generate.things import things_of
 from unisg_blender.scene import Relation, SceneBuilder, SceneGraph, world_matrices
 
@@ -53,7 +62,7 @@ def test_what_touches_two_walls_spans_and_what_hangs_on_one_does_not() -> None:
         ([WIDE / 2, 0.05, 0.04], {1, 3}),
         ([0.05, WIDE / 2, 0.04], {1, 3}),  # whichever side is its longer one
         ([DEEP / 2, 0.05, 0.04], {0, 2}),
-        ([1.0, 0.05, 0.04], {0, 1, 2, 3}),  # reaches across from none: all stay
+        ([1.0, 0.05, 0.04], set()),
     ],
 )
 def test_holders_are_those_from_which_it_reaches_across(yaw: float, half: list[float], held_by: set[int]) -> None:
@@ -62,3 +71,32 @@ def test_holders_are_those_from_which_it_reaches_across(yaw: float, half: list[f
     scene = Scene.of(things, world_matrices(graph)[things.row])
     found = reached(scene, things.category == VOCABULARY.index("Wall"), np.array(half))
     assert {graph.name[row] for row in things.row[found]} == {f"Wall.{side}" for side in held_by}
+
+
+def test_what_reaches_across_from_nowhere_may_be_held_by_any() -> None:
+    graph = hall(girder=False)
+    things = things_of(graph, VOCABULARY)
+    scene, walls = Scene.of(things, world_matrices(graph)[things.row]), things.category == VOCABULARY.index("Wall")
+    habits = learn_habits([things_of(hall(), VOCABULARY)], VOCABULARY)
+    assert fit_for("Girder", np.array([1.0, 0.05, 0.04]), scene, walls, habits).sum() == 4
+    assert fit_for("Girder", np.array([WIDE / 2, 0.05, 0.04]), scene, walls, habits).sum() == 2
+    assert fit_for("Clock", np.array([WIDE / 2, 0.05, 0.04]), scene, walls, habits).sum() == 4
+
+
+def test_of_several_shapes_one_that_fits_is_drawn(tmp_path: Path) -> None:
+    lengths = (4.0, WIDE, 9.0)
+    assets = [box_piece("Girder", np.array([length, 0.1, 0.08])).asset for length in lengths]
+    save_assets(assets_path(tmp_path / "girders.onnx"), assets)
+    habits = learn_habits([things_of(hall(), VOCABULARY)], VOCABULARY)
+    no_network = SimpleNamespace(get_inputs=list)
+    model = Model(tmp_path / "girders.onnx", no_network, Contract("anchors", VOCABULARY, habits))
+    library, empty = Library(model), hall(girder=False)
+
+    def drawn(fits: Callable[[Piece], bool] | None) -> set[float]:
+        """The lengths of twenty shapes, metres."""
+        rng = np.random.default_rng(0)
+        return {round(2 * float(library.piece("Girder", empty, rng, fits).half.max()), 3) for _ in range(20)}
+
+    assert drawn(None) == set(lengths)
+    assert drawn(lambda piece: abs(2 * piece.half[0] - WIDE) < 0.1) == {WIDE}
+    assert drawn(lambda piece: False) == set(lengths)

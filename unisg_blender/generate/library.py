@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from ..dataset.assets import Asset, thing_of
@@ -19,19 +21,26 @@ class Library:
         self._own: dict[tuple[int, str], list[Piece]] = {}
         self._scene: SceneGraph | None = None
 
-    def piece(self, category: str, scene: SceneGraph, rng: np.random.Generator) -> Piece:
-        """Something of a category, drawn at random among what there is."""
+    def piece(
+        self, category: str, scene: SceneGraph, rng: np.random.Generator, fits: Callable[[Piece], bool] | None = None
+    ) -> Piece:
+        """Something of a category, drawn at random among what there is; among what ``fits``, if anything does."""
         own = self.of_scene(category, scene)
+        file = self.model.assets
+        numbers = file.numbers(category) if file is not None and not own else []
+        if fits is not None:
+            own = [piece for piece in own if fits(piece)] or own
+            numbers = [number for number in numbers if fits(self._kept(number))] or numbers
         if own:
             return own[int(rng.integers(len(own)))]
-        file = self.model.assets
-        numbers = file.numbers(category) if file is not None else []
         if not numbers:
             return box_piece(category, np.array(self.model.contract.habits.sizes[category]))
-        number = numbers[int(rng.integers(len(numbers)))]
+        return self._kept(numbers[int(rng.integers(len(numbers)))])
+
+    def _kept(self, number: int) -> Piece:
         if number not in self._known:
-            assert file is not None
-            self._known[number] = Piece(file.asset(number))
+            assert self.model.assets is not None
+            self._known[number] = Piece(self.model.assets.asset(number))
         return self._known[number]
 
     def of_scene(self, category: str, scene: SceneGraph) -> list[Piece]:

@@ -27,7 +27,7 @@ from .requests import BESIDE, Beside, On, aside, covers
 from .results import Placement
 from .settle import Support, fitting, nearest_support, rest, search
 from .space import Space
-from .spans import fit_for
+from .spans import fit_for, reached
 from .things import find_thing, things_of
 
 BATCHES = (8, 24, 28)
@@ -79,10 +79,10 @@ class Placing:
         self.additions: list[Addition] = []
         self.coming = Counter(wanted)
         self.given: set[int] = set()
-        self.pieces = self._pieces(wanted, assets or {})
         self.usual = usual_kinds(self.vocabulary, self.habits)
         self.floor = self.vocabulary.index(FLOOR) if FLOOR in self.vocabulary else -2
         self.on = -1
+        self.pieces = self._pieces(wanted, assets or {})
         self._resting: dict[tuple[str, int], Support] = {}
 
     def request(self, on: str, beside: str) -> None:
@@ -113,8 +113,17 @@ class Placing:
                 self.given.add(number)
                 pieces.append(left[name].pop(0))
             else:
-                pieces.append(self.library.piece(name, self.graph, self.rng))
+                pieces.append(self._shape(name))
         return pieces
+
+    def _shape(self, name: str) -> Piece:
+        """A shape at random; of what spans, one that reaches across in this room, if there is any."""
+        if name not in self.habits.spans:
+            return self.library.piece(name, self.graph, self.rng)
+        holders = self._allowed(name)[0]
+        return self.library.piece(
+            name, self.graph, self.rng, lambda piece: bool(reached(self.scene, holders, piece.half).any())
+        )
 
     def propose_all(self, wanted: Sequence[str]) -> list[Proposals]:
         """First proposals for all objects, none of them seeing another."""
@@ -164,7 +173,7 @@ class Placing:
         else:
             spot = self._drawn(name, piece, allowed, early, planned)
             for _ in range(0 if number in self.given or spot.fits else OTHER_SHAPES):
-                piece = self.library.piece(name, self.graph, self.rng)
+                piece = self._shape(name)
                 if (other := self._drawn(name, piece, allowed, None, planned)).fits:
                     spot = other
                     break

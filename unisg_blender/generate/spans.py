@@ -16,15 +16,16 @@ ALONG = np.linspace(-0.6, 0.6, 13)
 def fit_for(
     name: str, half: NDArray[np.float64], scene: Scene, allowed: NDArray[np.bool_], habits: Habits
 ) -> NDArray[np.bool_]:
-    """Those of the ``allowed`` holders (K,) that may hold a thing of a category: all, unless it spans."""
-    return reached(scene, allowed, half) if name in habits.spans else allowed
+    """Those of the ``allowed`` holders (K,) that may hold a thing of a category: all, unless it spans.
+
+    Where what spans reaches across from none of them, all may.
+    """
+    found = reached(scene, allowed, half) if name in habits.spans else allowed
+    return found if found.any() else allowed
 
 
 def reached(scene: Scene, allowed: NDArray[np.bool_], half: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Those of the ``allowed`` holders (K,) from which a thing of half extents (3,) reaches another one of its kind.
-
-    All of them where it reaches across from none.
-    """
+    """Those of the ``allowed`` holders (K,) from which a thing of half extents (3,) reaches another one of its kind."""
     found = np.zeros(len(allowed), bool)
     for holder in np.flatnonzero(allowed):
         others = np.flatnonzero(scene.category == scene.category[holder])
@@ -34,7 +35,7 @@ def reached(scene: Scene, allowed: NDArray[np.bool_], half: NDArray[np.float64])
             for other in others[others != holder]
         ]
         found[holder] = bool(gaps) and bool(_between(np.min(gaps, axis=0)).any())
-    return found if found.any() else allowed
+    return found
 
 
 def _between(gap: NDArray[np.float64]) -> NDArray[np.bool_]:
