@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -11,13 +11,15 @@ import pytest
 
 from tests.generate.rooms import at, box
 from unisg_blender.dataset.asset_file import save_assets
-from unisg_blender.dataset.assets import turn
+from unisg_blender.dataset.assets import shell_of, turn
 from unisg_blender.generate.contract import Contract
+from unisg_blender.generate.extend import Names, uid_maker
 from unisg_blender.generate.habits import learn_habits
 from unisg_blender.generate.library import Library
 from unisg_blender.generate.model import Model, assets_path
 from unisg_blender.generate.pieces import Piece, box_piece
 from unisg_blender.generate.proposals import Scene
+from unisg_blender.generate.shells import add_shell
 from unisg_blender.generate.spans import fit_for, reached
 from unisg_blender.generate.things import things_of
 from unisg_blender.scene import Relation, SceneBuilder, SceneGraph, world_matrices
@@ -26,14 +28,14 @@ VOCABULARY = ("Clock", "Floor", "Girder", "Wall")
 WIDE, DEEP = 6.0, 8.0
 
 
-def hall(yaw: float = 0.0, girder: bool = True) -> SceneGraph:
-    """A room of 6 x 8 m: a girder of 6 m high up along x, held by a wall at its end, and a clock on the same wall."""
+def hall(yaw: float = 0.0, girder: bool = True, wide: float = WIDE, deep: float = DEEP) -> SceneGraph:
+    """A room of 6 x 8 m: a girder high up along x, held by a wall at its end, and a clock on the same wall."""
     builder = SceneBuilder("Hall")
     floor = builder.add(
-        "Floor", uid="floor", local=turn(yaw) @ at(0, 0, -0.1), mesh=box("Floor", WIDE, DEEP, 0.1), category="Floor"
+        "Floor", uid="floor", local=turn(yaw) @ at(0, 0, -0.1), mesh=box("Floor", wide, deep, 0.1), category="Floor"
     )
     for side in range(4):
-        reach, length = (DEEP, WIDE) if side % 2 == 0 else (WIDE, DEEP)
+        reach, length = (deep, wide) if side % 2 == 0 else (wide, deep)
         local = turn(side * np.pi / 2) @ at(0, reach / 2 + 0.05, 0.1)
         wall = builder.add(
             f"Wall.{side}", uid=f"wall{side}", parent=floor, local=local, mesh=box("Wall", length, 0.1, 3.0),
@@ -45,8 +47,8 @@ def hall(yaw: float = 0.0, girder: bool = True) -> SceneGraph:
             builder.add("Clock", uid="clock", parent=wall, local=clock, mesh=box("Clock", 0.3, 0.1, 0.3),
                         category="Clock", relations=held)  # fmt: skip
             if girder:
-                local = at(-1.0, -0.05 - WIDE / 2, 2.9, np.pi / 2)
-                builder.add("Girder", uid="girder", parent=wall, local=local, mesh=box("Girder", WIDE, 0.1, 0.08),
+                local = at(-1.0, -0.05 - wide / 2, 2.9, np.pi / 2)
+                builder.add("Girder", uid="girder", parent=wall, local=local, mesh=box("Girder", wide, 0.1, 0.08),
                             category="Girder", relations=held)  # fmt: skip
     return builder.build()
 
@@ -83,14 +85,18 @@ def test_what_reaches_across_from_nowhere_may_be_held_by_any() -> None:
     assert fit_for("Clock", np.array([WIDE / 2, 0.05, 0.04]), scene, walls, habits).sum() == 4
 
 
-def test_of_several_shapes_one_that_fits_is_drawn(tmp_path: Path) -> None:
-    lengths = (4.0, WIDE, 9.0)
-    assets = [box_piece("Girder", np.array([length, 0.1, 0.08])).asset for length in lengths]
-    save_assets(assets_path(tmp_path / "girders.onnx"), assets)
+def library_of(folder: Path, lengths: Sequence[float], shells: Sequence[SceneGraph] = ()) -> Library:
+    """Girders of some lengths, metres, and rooms."""
+    girders = [box_piece("Girder", np.array([length, 0.1, 0.08])).asset for length in lengths]
+    save_assets(assets_path(folder / "girders.onnx"), girders + [shell for shell in map(shell_of, shells) if shell])
     habits = learn_habits([things_of(hall(), VOCABULARY)], VOCABULARY)
     no_network = SimpleNamespace(get_inputs=list)
-    model = Model(tmp_path / "girders.onnx", no_network, Contract("anchors", VOCABULARY, habits))
-    library, empty = Library(model), hall(girder=False)
+    return Library(Model(folder / "girders.onnx", no_network, Contract("anchors", VOCABULARY, habits)))
+
+
+def test_of_several_shapes_one_that_fits_is_drawn(tmp_path: Path) -> None:
+    lengths = (4.0, WIDE, 9.0)
+    library, empty = library_of(tmp_path, lengths), hall(girder=False)
 
     def drawn(fits: Callable[[Piece], bool] | None) -> set[float]:
         """The lengths of twenty shapes, metres."""
@@ -100,3 +106,15 @@ def test_of_several_shapes_one_that_fits_is_drawn(tmp_path: Path) -> None:
     assert drawn(None) == set(lengths)
     assert drawn(lambda piece: abs(2 * piece.half[0] - WIDE) < 0.1) == {WIDE}
     assert drawn(lambda piece: False) == set(lengths)
+
+
+@pytest.mark.parametrize(("length", "wide"), [(WIDE, {WIDE}), (WIDE + 1, {WIDE + 1}), (1.0, {WIDE, WIDE + 1})])
+def test_a_new_room_is_one_that_a_shape_reaches_across(tmp_path: Path, length: float, wide: set[float]) -> None:
+    halls = [hall(girder=False, wide=size, deep=9.5) for size in (WIDE, WIDE + 1)]
+    library, nothing = library_of(tmp_path, [length], halls), SceneBuilder("Nothing").build()
+    found = set()
+    for seed in range(12):
+        rng, counts = np.random.default_rng(seed), {"Floor": 1, "Wall": 4, "Girder": 1}
+        made, _ = add_shell(nothing, counts, library, rng, Names(()), uid_maker(nothing, seed))
+        found.add(round(float(np.ptp(made.meshes[made.mesh[made.row("Floor")]].points[:, 0])), 3))
+    assert found == wide

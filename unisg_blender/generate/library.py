@@ -25,9 +25,7 @@ class Library:
         self, category: str, scene: SceneGraph, rng: np.random.Generator, fits: Callable[[Piece], bool] | None = None
     ) -> Piece:
         """Something of a category, drawn at random among what there is; among what ``fits``, if anything does."""
-        own = self.of_scene(category, scene)
-        file = self.model.assets
-        numbers = file.numbers(category) if file is not None and not own else []
+        own, numbers = self.of_scene(category, scene), self._numbers(category)
         if fits is not None:
             own = [piece for piece in own if fits(piece)] or own
             numbers = [number for number in numbers if fits(self._kept(number))] or numbers
@@ -36,6 +34,13 @@ class Library:
         if not numbers:
             return box_piece(category, np.array(self.model.contract.habits.sizes[category]))
         return self._kept(numbers[int(rng.integers(len(numbers)))])
+
+    def pieces(self, category: str, scene: SceneGraph) -> list[Piece]:
+        """All that there is of a category, apart from plain boxes."""
+        return self.of_scene(category, scene) or [self._kept(number) for number in self._numbers(category)]
+
+    def _numbers(self, category: str) -> list[int]:
+        return [] if self.model.assets is None else self.model.assets.numbers(category)
 
     def _kept(self, number: int) -> Piece:
         if number not in self._known:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -13,7 +13,11 @@ from ..errors import UniSGError
 from ..scene import SceneGraph, subtree, take, world_matrices
 from .extend import Addition, Names, UidMaker, extend
 from .library import Library
+from .planning import usual_kinds
+from .proposals import Scene
 from .results import Placement
+from .spans import reached
+from .things import things_of
 
 
 def add_shell(
@@ -34,7 +38,10 @@ def add_shell(
         raise UniSGError("the model has no room shells beside it: add to a scene that has a floor, or export again")
     missing = np.array([_difference(shell.graph, wanted) for shell in shells])
     best = np.flatnonzero(missing == missing.min())
-    graph = shells[int(best[rng.integers(len(best))])].graph
+    drawn = rng.permutation(best)
+    spanning = [name for name in library.model.contract.habits.spans if name in counts]
+    rooms = [shells[int(number)].graph for number in drawn]
+    graph = next((room for room in rooms if _is_reached_across(room, spanning, library)), rooms[0])
     rows = _chosen(graph, wanted)
     world = world_matrices(graph)
     additions, made = [], {}
@@ -53,6 +60,23 @@ def add_shell(
     left = Counter(wanted) - Counter(item.category for item in additions)
     placements += [Placement(kind, note="the rooms beside the model have no more") for kind in left.elements()]
     return extend(scene, additions, names, make_uid), placements
+
+
+def _is_reached_across(graph: SceneGraph, spanning: Sequence[str], library: Library) -> bool:
+    """Is there for each category that is to span a room a shape that reaches across this one?"""
+    if not spanning:
+        return True
+    contract = library.model.contract
+    things = things_of(graph, contract.vocabulary)
+    scene = Scene.of(things, world_matrices(graph)[things.row])
+    usual = usual_kinds(contract.vocabulary, contract.habits)
+
+    def reaches(name: str) -> bool:
+        """Does any shape of a category?"""
+        holders = usual[contract.vocabulary.index(name)][scene.category] & (scene.category >= 0)
+        return any(reached(scene, holders, piece.half).any() for piece in library.pieces(name, graph))
+
+    return all(map(reaches, spanning))
 
 
 def _counts(graph: SceneGraph) -> Counter[str]:
