@@ -5,6 +5,7 @@ from __future__ import annotations
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,7 +16,7 @@ from unisg_blender.dataset.assets import thing_of
 from unisg_blender.errors import UniSGError
 from unisg_blender.evaluate.scene_metrics import measure_scene
 from unisg_blender.generate import Generator
-from unisg_blender.generate.anchors import DRAWN, AnchorProposer, Row
+from unisg_blender.generate.anchors import DRAWN, AnchorProposer, Choice, Row
 from unisg_blender.generate.pieces import Piece
 from unisg_blender.generate.proposals import Proposals, Scene
 from unisg_blender.generate.things import things_of
@@ -91,6 +92,42 @@ def test_the_critic_chooses_among_the_draws(monkeypatch: pytest.MonkeyPatch) -> 
     assert len(seen[0]) == DRAWN
     assert drawn.places[:, 0].min() > np.median(seen[0][:, 0])
     assert {*drawn.places[:, 0]} <= {*seen[0][:, 0]}
+
+
+@pytest.mark.parametrize(("before", "whole"), [(0, True), (2, False)])
+def test_what_is_put_on_an_empty_table_is_all_that_it_will_hold(
+    monkeypatch: pytest.MonkeyPatch, before: int, whole: bool
+) -> None:
+    generator, seen, original = Generator.load(shared_model("anchors")), [], AnchorProposer.propose_on
+
+    def watched(self: AnchorProposer, *given: Any) -> Proposals:
+        """Keep what is asked."""
+        seen.append(given[6])
+        return original(self, *given)
+
+    monkeypatch.setattr(AnchorProposer, "propose_on", watched)
+    result = generator.add(room(5, cups=before), {"Cup": 3}, seed=1)
+    assert result.added == 3
+    assert [row.whole for row in seen[:3]] == [whole] * 3
+    assert [sum(row.counts.values()) for row in seen[:3]] == [2, 1, 0]
+
+
+@pytest.mark.parametrize(("counts", "whole"), [({"Table": 1}, False), ({"Table": 1, "Cup": 2, "Lamp": 1}, True)])
+def test_a_floor_for_less_than_a_room_may_get_more_another_time(
+    monkeypatch: pytest.MonkeyPatch, counts: dict[str, int], whole: bool
+) -> None:
+    seen, original = [], AnchorProposer.choose
+
+    def watched(self: AnchorProposer, *given: Any) -> Choice:
+        """Keep what is asked."""
+        seen.append(given[6])
+        return original(self, *given)
+
+    monkeypatch.setattr(AnchorProposer, "choose", watched)
+    generator = Generator.load(shared_model("anchors"))
+    result = generator.add(SceneBuilder("Nothing").build(), {"Floor": 1, "Wall": 4, **counts}, seed=1)
+    assert not result.refused
+    assert seen[0] == whole
 
 
 def test_settled_things_stand_touch_nothing_and_stay_inside(generator: Generator) -> None:

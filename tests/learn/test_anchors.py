@@ -16,8 +16,21 @@ from unisg_blender.generate.context import FLAGS  # noqa: E402
 from unisg_blender.generate.contract import Contract  # noqa: E402
 from unisg_blender.generate.habits import Habits, learn_habits  # noqa: E402
 from unisg_blender.generate.model import load_model  # noqa: E402
+from unisg_blender.generate.proposals import Scene  # noqa: E402
 from unisg_blender.generate.things import things_of  # noqa: E402
-from unisg_blender.learn.anchor_batches import BARE, Layout, Order, example, padded, visible_with  # noqa: E402
+from unisg_blender.learn.anchor_batches import (  # noqa: E402
+    BARE,
+    JITTER,
+    LESS,
+    RANDOM_SUBSETS,
+    TURN_JITTER,
+    Layout,
+    Order,
+    example,
+    padded,
+    shaken,
+    visible_with,
+)
 from unisg_blender.learn.anchor_critic import DRAWS, drawn, ranking_loss  # noqa: E402
 from unisg_blender.learn.anchor_geometry import base_places  # noqa: E402
 from unisg_blender.learn.anchor_latent import LATENT, PoseEncoder, kl_divergence  # noqa: E402
@@ -60,10 +73,52 @@ def test_the_building_is_there_before_all_else() -> None:
     layout = Layout(TrainingScene(things, world, world), order)
     table, walls = int(np.flatnonzero(things.category == 3)[0]), things.category == 4
     seen = [visible_with(layout, table, np.random.default_rng(seed)) for seed in range(200)]
-    whole = np.mean([chosen[walls].all() and placed[walls].all() for chosen, placed in seen])
+    whole = np.mean([chosen[walls].all() and placed[walls].all() for chosen, placed, _ in seen])
     assert whole >= 1 - 2 * BARE
     assert whole < 1
-    assert not any(placed[table] for _, placed in seen)
+    assert not any(placed[table] for _, placed, _ in seen)
+
+
+def test_in_order_rows_are_filled_from_one_end_and_otherwise_anyhow() -> None:
+    things = things_of(graph := room(3, cups=4), VOCABULARY)
+    order, world = Order.of(VOCABULARY, learn_habits([things], VOCABULARY)), world_matrices(graph)[things.row]
+    layout = Layout(TrainingScene(things, world, world), order)
+    cups = np.flatnonzero(things.category == 0)
+    ordered, from_one_end = [], []
+    for seed in range(400):
+        target = cups[seed % 4]
+        _, placed, in_order = visible_with(layout, int(target), np.random.default_rng(seed))
+        ordered.append(in_order)
+        from_one_end.append((placed[cups] == (layout.row[cups] < layout.row[target])).all())
+    assert np.mean(ordered) == pytest.approx(1 - RANDOM_SUBSETS, abs=0.1)
+    assert np.all(np.array(from_one_end)[ordered])
+    assert np.mean(np.array(from_one_end)[~np.array(ordered)]) < 0.5
+
+
+def test_the_whole_is_all_that_lies_there_and_else_less_may_come() -> None:
+    things = things_of(graph := room(3, cups=4), VOCABULARY)
+    order, world = Order.of(VOCABULARY, learn_habits([things], VOCABULARY)), world_matrices(graph)[things.row]
+    layout = Layout(TrainingScene(things, world, world), order)
+    cups, beside = np.flatnonzero(things.category == 0), {True: [], False: []}
+    for seed in range(400):
+        seen = example(layout, int(cups[seed % 4]), order, np.random.default_rng(seed))
+        there, coming = seen["flags"][:, 1].sum(), np.expm1(seen["row"]).sum()
+        assert seen["whole"] == seen["plan"][-1]
+        beside[bool(seen["whole"])].append(round(float(there + coming)))
+    assert set(beside[True]) == {3}
+    assert min(beside[False]) < 3
+    assert len(beside[True]) / 400 == pytest.approx((1 - RANDOM_SUBSETS) * (1 - LESS), abs=0.1)
+
+
+def test_shaking_does_not_turn_walls() -> None:
+    things = things_of(graph := room(3, cups=2), VOCABULARY)
+    scene, walls = Scene.of(things, world_matrices(graph)[things.row]), things.category == 4
+    seen = [shaken(scene, np.random.default_rng(seed), 1.0, walls) for seed in range(100)]
+    turns, moves = np.abs([one.yaw - scene.yaw for one in seen]), np.abs([one.center - scene.center for one in seen])
+    assert turns[:, walls].max() == 0
+    assert np.radians(1) < turns[:, ~walls].max() <= TURN_JITTER
+    assert 0 < moves[:, walls].max() <= JITTER + 1e-12
+    assert moves[..., 2].max() == 0
 
 
 def places_of(network: AnchorModel, batch: dict[str, torch.Tensor]) -> tuple[torch.Tensor, ...]:
@@ -248,7 +303,7 @@ def test_heights_are_a_density(network: AnchorModel) -> None:
     batch = batch_of([1])
     with torch.no_grad():
         _, *heights = network.choose(
-            *(batch[name] for name in ("target_category", "target_half", "coming")),
+            *(batch[name] for name in ("target_category", "target_half", "coming", "whole")),
             *(batch[f"support_{name}"] for name in ("category", "holder", "half", "load", "content", "near")),
         )
     z = torch.linspace(-20, 20, 400_001)

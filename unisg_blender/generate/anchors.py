@@ -48,10 +48,16 @@ CHOSEN = ("support_score", "height_weight", "height_mean", "height_sigma")
 
 @dataclass(frozen=True, eq=False)
 class Row:
-    """What else is to come to the same support: counts by category number, and their footprints in m2."""
+    """What else is to come to the same support: counts by category number, and their footprints in m2.
+
+    ``whole`` says that the support was empty and this is all that it will hold, put there in the order of
+    :mod:`.order`. The next in a row then goes beside the last, and how far depends on all that is to come;
+    otherwise it could fill any gap, and more may come another time.
+    """
 
     counts: Mapping[int, int]
     area: float
+    whole: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,9 +105,12 @@ class AnchorProposer:
 
     def choose(
         self, scene: Scene, load: Load, category: int, half: NDArray[np.float64], allowed: NDArray[np.bool_],
-        coming: Mapping[int, int],
+        coming: Mapping[int, int], whole: bool = False,
     ) -> Choice:  # fmt: skip
-        """Log probabilities of all spots of the ``allowed`` things, bool (K,), of which there is at least one."""
+        """Log probabilities of all spots of the ``allowed`` things, bool (K,), of which there is at least one.
+
+        ``whole``: all of them were empty, and ``coming`` is all that will be put on them.
+        """
         spots = Spots.of(scene, np.flatnonzero(allowed))
         near = Nearness.of(scene).by_kind(scene, np.ones(len(allowed), bool), self.unknown)
         inputs = {
@@ -109,6 +118,7 @@ class AnchorProposer:
             "target_category": np.array([category], np.int64),
             "target_half": half[None].astype(np.float32),
             "coming": coming_vector(coming, self.unknown)[None],
+            "whole": np.array([whole], np.float32),
         }
         score, weight, mean, sigma = self._run(inputs, *CHOSEN)
         return Choice(spots, score - np.logaddexp.reduce(score), weight, mean, sigma)
@@ -156,7 +166,7 @@ class AnchorProposer:
         support, board = spot
         seen = np.ones(len(scene.category), bool)
         tokens = tokens_for(scene, seen, support, board, bottom, half)
-        plan = plan_vector(scene, seen, category, support, board, half, row.counts, row.area)
+        plan = plan_vector(scene, seen, category, support, board, half, row.counts, row.area, row.whole)
         return {
             **_batch(context_arrays(scene, tokens, category, support, board, self.unknown)),
             "target_category": np.array([category], np.int64),

@@ -28,7 +28,7 @@ THIN, LONG, TALL = 0.15, 0.5, 0.6
 FLAT = 0.3
 """A root lower than twice this, in metres, is a floor."""
 
-FLAGS, PLAN_WIDTH = 7, 7
+FLAGS, PLAN_WIDTH = 7, 8
 TINY = 1e-4
 
 Arrays = dict[str, NDArray[np.float32] | NDArray[np.int64]]
@@ -174,11 +174,12 @@ def ground_of(scene: Scene) -> float:
 
 def plan_vector(
     scene: Scene, seen: NDArray[np.bool_], category: int, parent: int, board: int, half: NDArray[np.float64],
-    coming: Mapping[int, int], coming_area: float,
+    coming: Mapping[int, int], coming_area: float, whole: bool,
 ) -> NDArray[np.float32]:  # fmt: skip
     """What is there and what is still to come to this board besides the target, (PLAN_WIDTH,).
 
-    Logarithms of counts, and shares of the board's area that are covered, the target's own, and still to be covered.
+    Logarithms of counts, shares of the board's area that are covered, the target's own, and still to be covered, and
+    whether that is the ``whole`` of what the board will hold, put there in order.
     """
     there = seen & (scene.support == parent) & (scene.board == board) & (parent >= 0)
     same = seen & (scene.category == category)
@@ -189,7 +190,7 @@ def plan_vector(
     footprint = 4 * scene.half[there, :2].prod(axis=1).sum()
     counts = [same.sum(), (same & there).sum(), there.sum(), coming.get(category, 0), sum(coming.values())]
     shares = np.minimum(np.array([footprint + 4 * half[:2].prod(), coming_area]) / max(area, TINY), 2.0)
-    return np.concatenate([np.log1p(counts), shares]).astype(np.float32)
+    return np.concatenate([np.log1p(counts), shares, [whole]]).astype(np.float32)
 
 
 def coming_vector(coming: Mapping[int, int], categories: int) -> NDArray[np.float32]:

@@ -12,8 +12,8 @@ from typing import Any
 from ..errors import UniSGError
 from .habits import Habits
 
-VERSION = 4
-SINCE = {"anchors": 4}
+VERSION = 5
+SINCE = {"anchors": 5}
 """The first version of a kind that this software runs, where that is not 1."""
 
 TASK = "generate"

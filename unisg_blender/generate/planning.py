@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from ..dataset.assets import STRUCTURE
 from .anchors import AnchorProposer, Choice, Row
 from .contract import Contract
 from .habits import Habits
@@ -55,6 +56,12 @@ class Planner:
     ) -> None:  # fmt: skip
         self.proposer, self.scene, self.pieces, self.usual, self.rng = proposer, scene, pieces, usual, rng
         self.vocabulary, self.habits = contract.vocabulary, contract.habits
+        movable = np.array([name not in STRUCTURE for name in (*self.vocabulary, "")])
+        there = movable[scene.category]
+        self.furnished = set(scene.support[there].tolist())
+        fewest = min((int(np.dot(room, movable[:-1])) for room in self.habits.rooms), default=0)
+        if len(pieces) + there.sum() < fewest:  # no whole room: more may come
+            self.furnished |= set(np.flatnonzero(scene.support < 0).tolist())
 
     def order(self, wanted: Sequence[str], coming: Mapping[str, int]) -> Iterator[Planned]:
         """All objects in the order of placing; whoever takes one places it before asking for the next."""
@@ -83,7 +90,8 @@ class Planner:
             allowed = fit_for(self.vocabulary[kind], piece.half, self.scene, allowed, self.habits)
             if not allowed.any():
                 continue
-            choice = self.proposer.choose(self.scene, load, kind, piece.half, allowed, left)
+            empty = not self.furnished.intersection(np.flatnonzero(allowed).tolist())
+            choice = self.proposer.choose(self.scene, load, kind, piece.half, allowed, left, empty)
             total = np.cumsum(np.exp(choice.score))
             drawn = int(np.searchsorted(total, self.rng.random() * total[-1]).clip(max=len(total) - 1))
             spots[number] = int(choice.spots.thing[drawn]), int(choice.spots.board[drawn])
@@ -114,6 +122,7 @@ class Planner:
             for number in numbers:
                 counts[int(category[number])] -= 1
                 area -= float(4 * self.pieces[number].half[:2].prod())
-                row = Row({kind: count for kind, count in counts.items() if count}, max(area, 0.0))
+                left = {kind: count for kind, count in counts.items() if count}
+                row = Row(left, max(area, 0.0), thing not in self.furnished)
                 result.append(Planned(number, spots[number], row, choices[number]))
         return result + [Planned(int(number)) for number in mine if int(number) not in spots]

@@ -36,11 +36,14 @@ BUILDING = 0.25
 BARE = 0.1
 """Share of examples in which parts of the building may be missing too; in the rest it is there before anything else."""
 
-LESS = 0.3
+LESS = 0.2
 """Share of examples in which less is still to come than is missing: a user may ask for less than a whole room."""
 
 JITTER, TURN_JITTER, DEQUANTISE, TURN_DEQUANTISE = 0.005, 0.02, 0.004, 0.0087
-"""Metres and radians by which what is there and the target are moved, on supports of a metre and more."""
+"""Metres and radians by which what is there and the target are moved, on supports of a metre and more.
+
+The building is not turned: the far end of a wall would move by centimetres, and with it what stands along it.
+"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -151,10 +154,12 @@ class Examples(Dataset[dict[str, Any]]):
         return example(layout, int(rng.choice(layout.targets, p=layout.chance)), self.order, rng)
 
 
-def visible_with(layout: Layout, target: int, rng: np.random.Generator) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-    """What is there when the target's support is chosen, and when it is placed, each bool (K,)."""
-    count = len(layout.row)
-    if rng.random() < RANDOM_SUBSETS:
+def visible_with(
+    layout: Layout, target: int, rng: np.random.Generator
+) -> tuple[NDArray[np.bool_], NDArray[np.bool_], bool]:
+    """What is there when the target's support is chosen, and when it is placed, each bool (K,); is that in order?"""
+    count, in_order = len(layout.row), bool(rng.random() >= RANDOM_SUBSETS)
+    if not in_order:
         chosen = placed = rng.random(count) < rng.random()
     else:
         before, group = layout.group < layout.group[target], layout.group == layout.group[target]
@@ -166,7 +171,7 @@ def visible_with(layout: Layout, target: int, rng: np.random.Generator) -> tuple
         placed = before | (group & earlier)
     if rng.random() >= BARE and not layout.building[target]:
         chosen, placed = chosen | layout.building, placed | layout.building
-    return _standing(layout, chosen, target), _standing(layout, placed, target)
+    return _standing(layout, chosen, target), _standing(layout, placed, target), in_order
 
 
 def _standing(layout: Layout, seen: NDArray[np.bool_], target: int) -> NDArray[np.bool_]:
@@ -181,8 +186,9 @@ def example(layout: Layout, target: int, order: Order, rng: np.random.Generator)
     """One example: inputs of the model and the true spot, height, position and heading."""
     scene, unknown = layout.scene, len(order.rank) - 1
     category, parent, board = int(scene.category[target]), int(scene.support[target]), int(scene.board[target])
-    chosen, placed = visible_with(layout, target, rng)
+    chosen, placed, in_order = visible_with(layout, target, rng)
     fewer = rng.random() ** 2 if rng.random() < LESS else 1.0
+    whole = in_order and fewer == 1.0
     kept = rng.random(len(placed)) < fewer
     half = scene.half[target]
     bottom = scene.center[target, 2] - half[2]
@@ -191,16 +197,17 @@ def example(layout: Layout, target: int, order: Order, rng: np.random.Generator)
     here[target] = False
     area = float(4 * (scene.half[here, 0] * scene.half[here, 1]).sum())
     coming = Counter(scene.category[here].tolist())
-    shaken = _shaken(scene, rng, scale)
-    tokens = tokens_for(shaken, placed, parent, board, bottom, half)
+    moved = shaken(scene, rng, scale, layout.building)
+    tokens = tokens_for(moved, placed, parent, board, bottom, half)
     position = scene.center[target, :2] + scale * rng.uniform(-DEQUANTISE, DEQUANTISE, 2)
     return {
         "target_category": category,
         "target_half": half.astype(np.float32),
         "target_bottom": np.float32(bottom - room_of(scene).ground),
-        "plan": plan_vector(scene, placed, category, parent, board, half, coming, area),
+        "plan": plan_vector(scene, placed, category, parent, board, half, coming, area, whole),
         "row": coming_vector(coming, unknown),
-        **context_arrays(shaken, tokens, category, parent, board, unknown),
+        "whole": np.float32(whole),
+        **context_arrays(moved, tokens, category, parent, board, unknown),
         **_choice(layout, target, chosen, kept, order, rng),
         "position": position.astype(np.float32),
         "heading": np.float32(scene.yaw[target] + rng.uniform(-TURN_DEQUANTISE, TURN_DEQUANTISE)),
@@ -231,10 +238,14 @@ def _choice(
     }
 
 
-def _shaken(scene: Scene, rng: np.random.Generator, scale: float) -> Scene:
+def shaken(scene: Scene, rng: np.random.Generator, scale: float, building: NDArray[np.bool_]) -> Scene:
+    """The scene with each thing a little moved, and turned unless it is part of the ``building``, bool (K,).
+
+    ``scale``, metres, is the size of the support that is looked at: the smaller, the less they are moved.
+    """
     shift = np.zeros_like(scene.center)
     shift[:, :2] = rng.uniform(-JITTER * scale, JITTER * scale, (len(shift), 2))
-    yaw = scene.yaw + rng.uniform(-TURN_JITTER, TURN_JITTER, len(scene.yaw))
+    yaw = scene.yaw + np.where(building, 0.0, rng.uniform(-TURN_JITTER, TURN_JITTER, len(scene.yaw)))
     return replace(scene, center=scene.center + shift, yaw=yaw)
 
 

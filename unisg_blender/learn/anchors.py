@@ -51,7 +51,7 @@ class AnchorModel(nn.Module):
         super().__init__()
         self.sizes = sizes
         self.embedding = nn.Embedding(sizes.categories + 1, sizes.embedding)
-        both = 6 * sizes.embedding + 6 + 6 + LOAD_WIDTH
+        both = 6 * sizes.embedding + 6 + 6 + 1 + LOAD_WIDTH
         self.support = nn.Sequential(nn.Linear(both, 96), nn.GELU(), nn.Linear(96, 64), nn.GELU())
         self.support_score = nn.Linear(64, 1)
         self.height = nn.Linear(64, LEVELS * 5)
@@ -76,7 +76,7 @@ class AnchorModel(nn.Module):
         return [weight for weight in weights if min(weight.shape) >= NARROW]
 
     def choose(
-        self, target_category: Tensor, target_half: Tensor, coming: Tensor, support_category: Tensor,
+        self, target_category: Tensor, target_half: Tensor, coming: Tensor, whole: Tensor, support_category: Tensor,
         support_holder: Tensor, support_half: Tensor, support_load: Tensor, support_content: Tensor,
         support_near: Tensor,
     ) -> tuple[Tensor, Tensor, Tensor, Tensor]:  # fmt: skip
@@ -88,7 +88,9 @@ class AnchorModel(nn.Module):
         """
         count = support_category.shape[1]
         ahead = coming @ self.embedding.weight[:-1]
-        mine = torch.cat([self.embedding(target_category), _size_features(target_half), ahead], dim=-1)
+        mine = torch.cat(
+            [self.embedding(target_category), _size_features(target_half), ahead, whole.unsqueeze(1)], dim=-1
+        )
         there = torch.cat([
             self.embedding(support_category), self.embedding(support_holder), _size_features(support_half),
             support_load, support_content @ self.embedding.weight, support_near @ self.embedding.weight,
@@ -174,13 +176,13 @@ class AnchorModel(nn.Module):
 
     def forward(
         self, target_category: Tensor, target_half: Tensor, target_bottom: Tensor, plan: Tensor, row: Tensor,
-        latent: Tensor, category: Tensor, box: Tensor, flags: Tensor, mask: Tensor, coming: Tensor,
+        latent: Tensor, category: Tensor, box: Tensor, flags: Tensor, mask: Tensor, coming: Tensor, whole: Tensor,
         support_category: Tensor, support_holder: Tensor, support_half: Tensor, support_load: Tensor,
         support_content: Tensor, support_near: Tensor, view: Tensor, place: Tensor,
     ) -> tuple[Tensor, ...]:  # fmt: skip
         """What :meth:`choose`, :meth:`places` and, in a given ``view``, :meth:`judge` return, one after the other."""
         chosen = self.choose(
-            target_category, target_half, coming, support_category, support_holder, support_half, support_load,
+            target_category, target_half, coming, whole, support_category, support_holder, support_half, support_load,
             support_content, support_near,
         )  # fmt: skip
         placed = self.places(target_category, target_half, target_bottom, plan, row, latent, category, box, flags, mask)

@@ -27,13 +27,16 @@ from .publish import provenance, save_model_assets
 from .scenes import load_scenes, split, vocabulary_of
 from .settings import Settings
 
-EPOCHS = 27
+EPOCHS = 23
 PER_EPOCH = 11200
 PER_TARGET = 2
 """Examples in an epoch: at most so many for each thing in the scenes."""
 
 BATCH = 64
 BACKGROUND = 2000
+WATCHED = 640
+"""Held-out examples on which the loss is watched, at most."""
+
 NLL_LIMIT = 20.0
 HEIGHT_WEIGHT, SUPPORT_WEIGHT = 0.3, 0.3
 CRITIC_WEIGHT = 0.5
@@ -67,7 +70,7 @@ def train(dataset: Dataset, out: Path, settings: Settings) -> dict[str, Any]:
     count = min(PER_EPOCH, PER_TARGET * sum(len(layout.targets) for layout in layouts[0]))
     loaders = [
         _loader(layouts[0], order, count, settings.seed, fresh=True),
-        _loader(layouts[1], order, min(1280, 40 * len(val_scenes)), settings.seed + 1, fresh=False),
+        _loader(layouts[1], order, min(WATCHED, 40 * len(val_scenes)), settings.seed + 1, fresh=False),
     ]
     hidden = network.hidden_matrices()
     schedule = Schedule(settings.epochs or EPOCHS, muon=hidden, devices=settings.devices, nodes=settings.nodes)
@@ -113,7 +116,7 @@ def part_terms(network: AnchorModel, batch: Mapping[str, Tensor]) -> dict[str, T
     """For each example (B,): negative log-likelihoods of place, height and support, and was the likeliest right."""
     each = torch.arange(len(batch["parent"]))
     score, *heights = network.choose(
-        batch["target_category"], batch["target_half"], batch["coming"], batch["support_category"],
+        batch["target_category"], batch["target_half"], batch["coming"], batch["whole"], batch["support_category"],
         batch["support_holder"], batch["support_half"], batch["support_load"], batch["support_content"],
         batch["support_near"],
     )  # fmt: skip
@@ -186,6 +189,7 @@ def example_inputs(
         "flags": torch.zeros(batch, tokens, FLAGS),
         "mask": torch.ones(batch, tokens),
         "coming": torch.rand(batch, categories),
+        "whole": torch.ones(batch),
         "support_category": torch.zeros(batch, supports, dtype=torch.int64),
         "support_holder": torch.zeros(batch, supports, dtype=torch.int64),
         "support_half": torch.rand(batch, supports, 3),
