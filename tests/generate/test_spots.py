@@ -7,11 +7,11 @@ import pytest
 
 from tests.generate.rooms import at, box, room
 from unisg_blender.dataset.assets import thing_of
-from unisg_blender.generate.anchors import _behind_walls
 from unisg_blender.generate.boards import board_at, boards_of
 from unisg_blender.generate.context import room_of, tokens_for
 from unisg_blender.generate.habits import BESIDE, RESTS, Habit, Habits, learn_habits
 from unisg_blender.generate.leaders import find_leaders
+from unisg_blender.generate.mixture import behind_walls
 from unisg_blender.generate.order import DEEPEST, along, groups, learn_orders, levels, row_order
 from unisg_blender.generate.pieces import Piece
 from unisg_blender.generate.proposals import Scene, within
@@ -192,9 +192,9 @@ def test_places_behind_a_wall_are_told_from_places_in_the_room() -> None:
     flags = np.zeros((1, 7), np.float32)
     flags[0, 4] = -1
     places = np.array([[0, 1.5], [0, 1.84], [0, 1.99], [0, 2.5], [4, 2.5], [0, 9.0]])
-    assert _behind_walls(wall, flags, places, 0.1).tolist() == [False, False, True, True, False, False]
+    assert behind_walls(wall, flags, places, 0.1).tolist() == [False, False, True, True, False, False]
     flags[0, 0] = 1  # the wall holds it: a door
-    assert not _behind_walls(wall, flags, places, 0.1).any()
+    assert not behind_walls(wall, flags, places, 0.1).any()
 
 
 def test_matrices_relative_to_others_agree_with_the_inverse() -> None:

@@ -11,10 +11,10 @@ from scipy.stats import truncnorm
 torch = pytest.importorskip("torch")
 
 from tests.generate.rooms import room  # noqa: E402
-from unisg_blender.generate.anchors import TAIL  # noqa: E402
 from unisg_blender.generate.context import FLAGS  # noqa: E402
 from unisg_blender.generate.contract import Contract  # noqa: E402
 from unisg_blender.generate.habits import Habits, learn_habits  # noqa: E402
+from unisg_blender.generate.mixture import TAIL  # noqa: E402
 from unisg_blender.generate.model import load_model  # noqa: E402
 from unisg_blender.generate.proposals import Scene  # noqa: E402
 from unisg_blender.generate.things import things_of  # noqa: E402

@@ -15,9 +15,9 @@ pytest.importorskip("matplotlib")
 from unisg_blender.cli import main
 from unisg_blender.evaluate.paper import plan, report, runs
 from unisg_blender.evaluate.paper.data import Sizes, tumbled
-from unisg_blender.evaluate.paper.poses import landmarks, poses_of_landmarks, random_signs
 from unisg_blender.evaluate.paper.scale import field
 from unisg_blender.evaluate.pose_metrics import decoded
+from unisg_blender.learn.paper.poses import landmarks, poses_of_landmarks, random_signs
 from unisg_blender.poses import FORMS
 from unisg_blender.predict.boxes import candidate_pairs
 from unisg_blender.scene import world_matrices

@@ -8,26 +8,19 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import i0e, ndtr, ndtri
 
 from .context import Arrays, coming_vector, context_arrays, plan_vector, room_of, tokens_for
+from .mixture import OUT, behind_walls, draw_places, log_density, snapped
 from .model import Model
 from .pieces import Piece
 from .proposals import Proposals, Scene
 from .spots import Load, Nearness, Spots, support_arrays
 
-COMPONENTS = 48
 MOST_SPOTS = 3
 """On how many different spots at most proposals are made at a time."""
 
-ALIGNED, SNAP = np.exp(8.0), np.radians(4)
-"""A heading of at least this concentration within so many radians of its token's axes is meant to be along them."""
-
 SLACK = 0.6
 """What is left of such a turn for things on the floor: cupboards stand along a wall to half a degree, books exactly."""
-
-TAIL = 2.0
-"""Positions are drawn within so many standard deviations: the tails of a normal distribution reach into others."""
 
 DRAWN, MANY = 64, 96
 """Places that are drawn, at least, among which the critic chooses; many for what stands on the floor or hangs on walls,
@@ -38,9 +31,6 @@ CODES = 16
 
 NORM = 64
 """Draws over which the critic's ratio is averaged to make it a density."""
-
-BEHIND, OUT = 1.5, -50.0
-"""Places up to so many metres behind a wall are out of the room, and lose so much of their log weight."""
 
 PLACED = ("weight", "mean", "sigma", "heading", "kappa", "seen")
 CHOSEN = ("support_score", "height_weight", "height_mean", "height_sigma")
@@ -146,10 +136,10 @@ class AnchorProposer:
         rng, found = np.random.default_rng(0), []
         for _ in range(CODES if self.model.contract.latent else 1):
             mixture = self._mixture(inputs, rng)
-            drawn = _drawn(inputs["box"][0], mixture, NORM, rng)[0]
+            drawn = draw_places(inputs["box"][0], mixture, NORM, rng)[0]
             own, *ratios = self._ratios(inputs, mixture[-1], np.concatenate([place[None, [0, 1, 3]], drawn]))
             mean = np.logaddexp.reduce(ratios) - np.log(len(ratios))
-            found.append(_log_density(inputs, mixture, place) + own - mean)
+            found.append(log_density(inputs, mixture, place) + own - mean)
         return float(np.logaddexp.reduce(found) - np.log(len(found)))
 
     def density(
@@ -181,7 +171,7 @@ class AnchorProposer:
         """The mixture for one latent code; places behind walls have next to no weight."""
         code = rng.standard_normal((1, self.model.contract.latent)).astype(np.float32)
         weight, mean, *rest = self._run({**inputs, "latent": code}, *PLACED)
-        behind = _behind_walls(inputs["box"][0], inputs["flags"][0], mean, float(inputs["target_half"][0, :2].min()))
+        behind = behind_walls(inputs["box"][0], inputs["flags"][0], mean, float(inputs["target_half"][0, :2].min()))
         kept = weight + np.where(behind, OUT, 0.0)
         return [kept - np.logaddexp.reduce(kept), mean, *rest]
 
@@ -201,10 +191,10 @@ class AnchorProposer:
             return Proposals(np.full(count, support), _around_origin(bottoms, rng))
         floor = support >= 0 and scene.support[support] < 0
         drawn = MANY if floor or (support >= 0 and room_of(scene).inner[support]) else DRAWN
-        places, axis, kappa = _drawn(inputs["box"][0], mixture, max(drawn, count + DRAWN // 2), rng)
+        places, axis, kappa = draw_places(inputs["box"][0], mixture, max(drawn, count + DRAWN // 2), rng)
         ratio = self._ratios(inputs, mixture[-1], places)
         kept = np.argsort(-(ratio + rng.gumbel(size=len(ratio))))[:count]
-        yaw = _snapped(places[kept, 2], axis[kept], kappa[kept], SLACK if floor else 0.0)
+        yaw = snapped(places[kept, 2], axis[kept], kappa[kept], SLACK if floor else 0.0)
         return Proposals(np.full(count, support), np.column_stack([places[kept, :2], bottoms, yaw]))
 
     def _ratios(self, inputs: Arrays, view: NDArray[np.float64], places: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -233,67 +223,8 @@ class AnchorProposer:
         return [part[0].astype(np.float64) for part in self.model.run(list(outputs), **inputs)]
 
 
-def _drawn(
-    box: NDArray[np.float32], mixture: list[NDArray[np.float64]], count: int, rng: np.random.Generator
-) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-    """Places (T, 3) (x, y, yaw) from a mixture, the headings of their tokens and their concentrations (T,)."""
-    weight, mean, sigma, heading, kappa, _ = mixture
-    total = np.cumsum(np.exp(weight))
-    part = np.searchsorted(total, rng.random(count) * total[-1]).clip(max=len(total) - 1)
-    cos, sin = box[part // COMPONENTS, 6:].T.astype(np.float64)
-    along, across = (ndtri(rng.uniform(ndtr(-TAIL), ndtr(TAIL), (count, 2))) * sigma[part]).T
-    turn = rng.vonmises(_wrapped(heading[part]), kappa[part])
-    x, y = mean[part, 0] + cos * along - sin * across, mean[part, 1] + sin * along + cos * across
-    axis = np.arctan2(sin.copy(), cos.copy())  # of strided columns it varies by the last bit
-    return np.column_stack([x, y, turn]), axis, kappa[part]
-
-
-def _log_density(inputs: Arrays, mixture: list[NDArray[np.float64]], place: NDArray[np.float64]) -> float:
-    """Log-density of a place (4,) in a mixture."""
-    weight, mean, sigma, heading, kappa, _ = mixture
-    cos, sin = np.repeat(inputs["box"][0, :, 6:], COMPONENTS, axis=0).T.astype(np.float64)
-    offset = place[:2] - mean
-    along = (cos * offset[:, 0] + sin * offset[:, 1]) / sigma[:, 0]
-    across = (cos * offset[:, 1] - sin * offset[:, 0]) / sigma[:, 1]
-    at = -0.5 * (along**2 + across**2) - np.log(sigma).sum(axis=1) - np.log(2 * np.pi)
-    turned = kappa * (np.cos(place[3] - heading) - 1) - np.log(2 * np.pi * i0e(kappa))
-    return float(np.logaddexp.reduce(weight + at + turned))
-
-
 def _batch(arrays: Arrays) -> dict[str, Any]:
     return {name: array[None] for name, array in arrays.items()}
-
-
-def _behind_walls(
-    box: NDArray[np.float32], flags: NDArray[np.float32], mean: NDArray[np.float64], half: float
-) -> NDArray[np.bool_]:
-    """Which places (N, 2) of a thing lie behind one of the walls in view or deep in it, unless a wall holds the thing.
-
-    ``half`` is its smaller half extent, metres, half of which may be in the wall.
-    """
-    walls = flags[:, 4] != 0
-    if not walls.any() or (walls & (flags[:, 0] > 0)).any():
-        return np.zeros(len(mean), bool)
-    x, y, _, long, thick, _, cos, sin = box[walls].astype(np.float64).T
-    offset = mean[:, None] - np.stack([x, y], axis=1)
-    along = np.abs(cos * offset[..., 0] + sin * offset[..., 1])
-    into = (cos * offset[..., 1] - sin * offset[..., 0]) * flags[walls, 4]
-    return ((along < long) & (into < thick + half / 2) & (into > -BEHIND)).any(axis=1)
-
-
-def _wrapped(angle: NDArray[np.float64]) -> NDArray[np.float64]:
-    return (angle + np.pi) % (2 * np.pi) - np.pi
-
-
-def _snapped(
-    yaw: NDArray[np.float64], axis: NDArray[np.float64], kappa: NDArray[np.float64], slack: float
-) -> NDArray[np.float64]:
-    """Headings (T,), turned towards the nearest quarter from ``axis`` where the model is sure and they are near it.
-
-    A share ``slack`` of what they are off is left.
-    """
-    off = _wrapped(4 * (yaw - axis)) / 4
-    return yaw - (1 - slack) * np.where((kappa >= ALIGNED) & (np.abs(off) < SNAP), off, 0.0)
 
 
 def _around_origin(bottoms: NDArray[np.float64], rng: np.random.Generator) -> NDArray[np.float64]:

@@ -25,10 +25,9 @@ class Library:
         self, category: str, scene: SceneGraph, rng: np.random.Generator, fits: Callable[[Piece], bool] | None = None
     ) -> Piece:
         """Something of a category, drawn at random among what there is; among what ``fits``, if anything does."""
+        if fits is not None and (fitting := [piece for piece in self.pieces(category, scene) if fits(piece)]):
+            return fitting[int(rng.integers(len(fitting)))]
         own, numbers = self.of_scene(category, scene), self._numbers(category)
-        if fits is not None:
-            own = [piece for piece in own if fits(piece)] or own
-            numbers = [number for number in numbers if fits(self._kept(number))] or numbers
         if own:
             return own[int(rng.integers(len(own)))]
         if not numbers:

@@ -27,7 +27,7 @@ from .requests import BESIDE, Beside, On, aside, covers
 from .results import Placement
 from .settle import Support, fitting, nearest_support, rest, search
 from .space import Space
-from .spans import fit_for, reached
+from .spans import fit_for, reaches
 from .things import find_thing, things_of
 
 BATCHES = (8, 24, 28)
@@ -121,9 +121,7 @@ class Placing:
         if name not in self.habits.spans:
             return self.library.piece(name, self.graph, self.rng)
         holders = self._allowed(name)[0]
-        return self.library.piece(
-            name, self.graph, self.rng, lambda piece: bool(reached(self.scene, holders, piece.half).any())
-        )
+        return self.library.piece(name, self.graph, self.rng, lambda piece: reaches(self.scene, holders, piece.half))
 
     def propose_all(self, wanted: Sequence[str]) -> list[Proposals]:
         """First proposals for all objects, none of them seeing another."""

@@ -16,7 +16,7 @@ from .library import Library
 from .planning import usual_kinds
 from .proposals import Scene
 from .results import Placement
-from .spans import reached
+from .spans import reaches
 from .things import things_of
 
 
@@ -71,12 +71,12 @@ def _is_reached_across(graph: SceneGraph, spanning: Sequence[str], library: Libr
     scene = Scene.of(things, world_matrices(graph)[things.row])
     usual = usual_kinds(contract.vocabulary, contract.habits)
 
-    def reaches(name: str) -> bool:
+    def spanned_by(name: str) -> bool:
         """Does any shape of a category?"""
         holders = usual[contract.vocabulary.index(name)][scene.category] & (scene.category >= 0)
-        return any(reached(scene, holders, piece.half).any() for piece in library.pieces(name, graph))
+        return any(reaches(scene, holders, piece.half) for piece in library.pieces(name, graph))
 
-    return all(map(reaches, spanning))
+    return all(map(spanned_by, spanning))
 
 
 def _counts(graph: SceneGraph) -> Counter[str]:

@@ -24,6 +24,11 @@ def fit_for(
     return found if found.any() else allowed
 
 
+def reaches(scene: Scene, holders: NDArray[np.bool_], half: NDArray[np.float64]) -> bool:
+    """Does a thing of half extents (3,) reach across from any of the ``holders`` (K,)?"""
+    return bool(reached(scene, holders, half).any())
+
+
 def reached(scene: Scene, allowed: NDArray[np.bool_], half: NDArray[np.float64]) -> NDArray[np.bool_]:
     """Those of the ``allowed`` holders (K,) from which a thing of half extents (3,) reaches another one of its kind."""
     found = np.zeros(len(allowed), bool)

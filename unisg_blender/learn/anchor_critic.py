@@ -15,7 +15,7 @@ import math
 import torch
 from torch import Tensor, nn
 
-from ..generate.anchors import TAIL
+from ..generate.mixture import TAIL
 from .anchor_geometry import PAIR_FEATURES, pair_features, relative
 
 DRAWS = 16

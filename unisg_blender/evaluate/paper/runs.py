@@ -18,14 +18,14 @@ from ...errors import UniSGError
 from ...progress import Progress
 
 EXPERIMENTS = {
-    "classification": (1, ".classification:run"),
-    "topology": (2, ".topology:run"),
-    "generation": (1, ".generation:run"),
-    "poses": (1, ".poses:run"),
+    "classification": (1, "...learn.paper.classification:run"),
+    "topology": (2, "...learn.paper.topology:run"),
+    "generation": (1, "...learn.paper.generation:run"),
+    "poses": (1, "...learn.paper.poses:run"),
     "pairs": (1, ".pairs:run"),
     "rules": (1, ".pairs:run_rules"),
     "scale": (1, ".scale:run"),
-    "link_prediction": (2, ".links:run"),
+    "link_prediction": (2, "...learn.paper.links:run"),
 }
 """Version of the code (another one makes results anew) and "module:function": (settings, data folder) -> result."""
 

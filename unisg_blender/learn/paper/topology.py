@@ -12,8 +12,8 @@ from torch import Tensor
 from torch_geometric.transforms import ToUndirected
 
 from ...dataset import UniSGDataset
-from ...learn.gae import GraphAutoencoder, edge_logits, edge_loss, random_pairs
-from ..edge_metrics import area_under_roc, average_precision
+from ...evaluate.edge_metrics import area_under_roc, average_precision
+from ..gae import GraphAutoencoder, edge_logits, edge_loss, random_pairs
 from .classification import scenes_of, standardised, widths_of
 
 RATE, HIDDEN = 3e-3, 16
