@@ -21,8 +21,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from unisg_blender.behaviour import compile_actions, moment, start, step
 from unisg_blender.scene import ActionData, SceneBuilder, SceneGraph, Thresholds, mesh_from_faces, world_matrices
-from unisg_blender.scene.behaviour import compile_actions, moment, start, step
 
 POSE = (*np.eye(4).ravel(),)
 FACES = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]

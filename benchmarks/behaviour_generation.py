@@ -15,13 +15,13 @@ from itertools import islice
 from pathlib import Path
 
 import numpy as np
+from unisg_blender.dataset.assets.asset.shaped_scenes import scenes_with_shapes
 
-from unisg_blender.dataset.reader import open_dataset
-from unisg_blender.dataset.shapes import scenes_with_shapes
-from unisg_blender.evaluate.behaviour import compare_behaviour, plays_to_the_end
+from unisg_blender.behaviour import check_scene, operations
+from unisg_blender.dataset.format.reader import open_dataset
+from unisg_blender.experiments.behaviour.behaviour_benchmark import compare_behaviour, plays_to_the_end
 from unisg_blender.generate import Generator
 from unisg_blender.scene import SceneBuilder
-from unisg_blender.scene.behaviour import check_scene, operations
 
 COLUMNS = (
     "scenes", "actions", "recall", "usual_recall", "precision", "exact", "entities", "stage", "order", "thresholds",

@@ -27,12 +27,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from unisg_blender.dataset.export.batch_export.batch_export import ExportOptions, export_dataset
 
-from unisg_blender.dataset import open_dataset, writer
-from unisg_blender.dataset.columns import Columns, Vocabulary
-from unisg_blender.dataset.encode import Sample, encode_scenes, widths
-from unisg_blender.dataset.export import ExportOptions, export_dataset
-from unisg_blender.dataset.schema import COLUMNS, STRINGS, TABLES, table_of
+from unisg_blender.dataset import open_dataset
+from unisg_blender.dataset.format import writer
+from unisg_blender.dataset.format.columns import Columns, Vocabulary
+from unisg_blender.dataset.format.encoding import Sample, encode_scenes, widths
+from unisg_blender.dataset.format.schema import COLUMNS, STRINGS, TABLES, table_of
 from unisg_blender.poses import FORMS
 from unisg_blender.scene import SceneBuilder, mesh_from_faces
 

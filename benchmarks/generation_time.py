@@ -18,7 +18,7 @@ import bpy
 import numpy as np
 
 from unisg_blender.blender import new_file, read_scene, write_rows, write_scene
-from unisg_blender.evaluate.cases import Case, case_of
+from unisg_blender.experiments.rooms.cases import Case, case_of
 from unisg_blender.generate import Generator
 from unisg_blender.worlds import WORLDS
 

@@ -12,10 +12,10 @@ import bpy
 from PIL import Image
 
 from unisg_blender.blender import new_file, write_scene
-from unisg_blender.blender.picture import render_picture
-from unisg_blender.evaluate.atiss import load_generator
-from unisg_blender.evaluate.cases import case_of
-from unisg_blender.evaluate.furnish import ByModel
+from unisg_blender.blender.render.picture import render_picture
+from unisg_blender.experiments.rooms.atiss_proposer import load_generator
+from unisg_blender.experiments.rooms.cases import case_of
+from unisg_blender.experiments.rooms.furnishing import ByModel
 from unisg_blender.scene import SceneGraph
 from unisg_blender.worlds import WORLDS
 

@@ -11,8 +11,8 @@ import argparse
 import json
 from pathlib import Path
 
-from unisg_blender.evaluate.layouts import read_layouts
-from unisg_blender.evaluate.layouts_support import (
+from unisg_blender.experiments.layouts.designed_rooms import read_layouts
+from unisg_blender.experiments.layouts.designed_supports import (
     OURS,
     by_boxes,
     by_model,
@@ -23,7 +23,7 @@ from unisg_blender.evaluate.layouts_support import (
     times,
 )
 from unisg_blender.generate import Generator
-from unisg_blender.predict.topology import TopologyModel
+from unisg_blender.predict.support_prediction import TopologyModel
 
 
 def main() -> None:

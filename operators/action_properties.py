@@ -29,7 +29,7 @@ _items: list[tuple[str, str, str]] = []
 
 def type_items(self: object, context: bpy.types.Context | None) -> list[tuple[str, str, str]]:
     """The types that an action can have, those of the user's own too."""
-    from ..unisg_blender.scene.behaviour.own_types import OWN_CONDITIONS
+    from ..unisg_blender.behaviour.lesson.custom_types import OWN_CONDITIONS
 
     _items[:] = [*TYPE_ITEMS, *((name, name, "A type of your own") for name in OWN_CONDITIONS)]
     return _items  # Blender needs the strings kept alive
@@ -42,7 +42,7 @@ def active_place(context: bpy.types.Context, item: bpy.types.Object) -> int:
 
 def readable_actions(item: bpy.types.Object) -> tuple[Any, ...]:
     """The object's actions; none where its property cannot be read (the panel says so)."""
-    from ..unisg_blender.blender.behaviour import actions_of
+    from ..unisg_blender.blender.authoring.authoring.stored_behaviour import actions_of
     from ..unisg_blender.errors import UniSGError
 
     try:
@@ -67,7 +67,7 @@ def _reader(read: Callable[[Any], Any], default: Any) -> Callable[[bpy.types.Obj
 
 def _writer(write: Callable[[Any, Any], Any]) -> Callable[[bpy.types.Object, Any], None]:
     def set_value(item: bpy.types.Object, value: Any) -> None:
-        from ..unisg_blender.blender.authoring import change_action
+        from ..unisg_blender.blender.authoring.authoring.authoring import change_action
         from ..unisg_blender.errors import UniSGError
 
         place = active_place(bpy.context, item)
@@ -184,8 +184,8 @@ class UNISG_OT_load_types(bpy.types.Operator):
         return {"RUNNING_MODAL"}
 
     def execute(self, context: bpy.types.Context) -> set[str]:
+        from ..unisg_blender.behaviour.lesson.custom_types import load_types
         from ..unisg_blender.errors import UniSGError
-        from ..unisg_blender.scene.behaviour.own_types import load_types
 
         try:
             names = load_types(bpy.path.abspath(self.filepath))

@@ -30,7 +30,7 @@ class UNISG_OT_classify(bpy.types.Operator):
     def execute(self, context: bpy.types.Context) -> set[str]:
         from ..unisg_blender.blender import read_scene
         from ..unisg_blender.errors import UniSGError
-        from ..unisg_blender.predict.classify import SceneModel
+        from ..unisg_blender.predict.scene_kind import SceneModel
 
         try:
             model = SceneModel(bpy.path.abspath(self.model) if self.model else None)

@@ -24,7 +24,7 @@ class UNISG_OT_convert(bpy.types.Operator):
     )
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        from ..unisg_blender.usd.library import missing_pxr
+        from ..unisg_blender.usd.pxr_library import missing_pxr
 
         if missing_pxr() and self.filepath.endswith(USD):
             self.filepath = str(Path(self.filepath).with_suffix(".json"))
@@ -33,8 +33,8 @@ class UNISG_OT_convert(bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         from ..unisg_blender.blender import ReadReport, read_scene
-        from ..unisg_blender.commands.scene_files import write_scene_file
         from ..unisg_blender.errors import UniSGError
+        from ..unisg_blender.formats.scene_files import write_scene_file
 
         path = Path(bpy.path.abspath(self.filepath))
         report, manager = ReadReport(), context.window_manager
@@ -69,7 +69,7 @@ class UNISG_OT_open_master_file(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        from ..unisg_blender.usd.library import missing_pxr
+        from ..unisg_blender.usd.pxr_library import missing_pxr
 
         if reason := missing_pxr():
             cls.poll_message_set(reason)
@@ -81,8 +81,8 @@ class UNISG_OT_open_master_file(bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         from ..unisg_blender.blender import ReadReport, write_scene
-        from ..unisg_blender.commands.scene_files import read_scene_file
         from ..unisg_blender.errors import UniSGError
+        from ..unisg_blender.formats.scene_files import read_scene_file
 
         path = Path(bpy.path.abspath(self.filepath))
         report = ReadReport()

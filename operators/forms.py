@@ -22,7 +22,7 @@ class UNISG_OT_copy_form(bpy.types.Operator):
         return False
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        from ..unisg_blender.blender.transform_forms import transform_forms, transform_text
+        from ..unisg_blender.blender.viewport.transform_forms import transform_forms, transform_text
         from ..unisg_blender.errors import UniSGError
 
         try:
@@ -37,7 +37,7 @@ class UNISG_OT_copy_form(bpy.types.Operator):
 
 
 def _switch(settings: UNISG_PG_microscope, context: bpy.types.Context) -> None:
-    from ..unisg_blender.blender import microscope
+    from ..unisg_blender.blender.viewport import motion_paths as microscope
 
     microscope.start() if settings.show else microscope.stop()
     _redraw(settings, context)
@@ -79,7 +79,7 @@ def register() -> None:
 
 def unregister() -> None:
     """Stop drawing and take the settings away."""
-    from ..unisg_blender.blender import microscope
+    from ..unisg_blender.blender.viewport import motion_paths as microscope
 
     microscope.stop()
     del bpy.types.WindowManager.unisg_microscope

@@ -22,7 +22,7 @@ class LessonOperator:
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        from ..unisg_blender.blender.behaviour import why_fixed
+        from ..unisg_blender.blender.authoring.authoring.stored_behaviour import why_fixed
         from ..unisg_blender.scene.properties import LSA
 
         item = lesson_object(context)
@@ -32,7 +32,7 @@ class LessonOperator:
         return not reason
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        from ..unisg_blender.blender.authoring import change_lesson
+        from ..unisg_blender.blender.authoring.authoring.authoring import change_lesson
         from ..unisg_blender.errors import UniSGError
 
         node = active_node(context)
@@ -63,7 +63,7 @@ class UNISG_OT_lesson_new(bpy.types.Operator):
         return False
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        from ..unisg_blender.blender.authoring import new_lesson
+        from ..unisg_blender.blender.authoring.authoring.authoring import new_lesson
 
         context.window_manager.unisg_lesson = new_lesson(context.scene, self.name).name
         return {"FINISHED"}
@@ -78,8 +78,8 @@ class UNISG_OT_lesson_add(LessonOperator, bpy.types.Operator):
     kind: bpy.props.EnumProperty(name="Kind", items=KIND_ITEMS, default="stage")
 
     def edit(self, context, root, node):
-        from ..unisg_blender.scene.behaviour.edit import insert, new_node, parent_of
-        from ..unisg_blender.scene.lesson import MAY_HOLD
+        from ..unisg_blender.behaviour.lesson.edit import insert, new_node, parent_of
+        from ..unisg_blender.scene.lesson_node import MAY_HOLD
 
         made = new_node(self.kind, self.kind.capitalize())
         above, after = node, None
@@ -106,8 +106,8 @@ class UNISG_OT_lesson_add_action(LessonOperator, bpy.types.Operator):
         return super().poll(context)
 
     def edit(self, context, root, node):
+        from ..unisg_blender.behaviour.lesson.edit import insert, new_node, parent_of
         from ..unisg_blender.errors import UniSGError
-        from ..unisg_blender.scene.behaviour.edit import insert, new_node, parent_of
 
         action = active_action(context, context.active_object)
         made = new_node("action", action.name, action.uid)
@@ -131,7 +131,7 @@ class UNISG_OT_lesson_remove(LessonOperator, bpy.types.Operator):
     bl_label = "Remove"
 
     def edit(self, context, root, node):
-        from ..unisg_blender.scene.behaviour.edit import parent_of, remove
+        from ..unisg_blender.behaviour.lesson.edit import parent_of, remove
 
         above = parent_of(root, node.uid)
         left = remove(root, node.uid)
@@ -151,7 +151,7 @@ class UNISG_OT_lesson_move(LessonOperator, bpy.types.Operator):
     )
 
     def edit(self, context, root, node):
-        from ..unisg_blender.scene.behaviour.edit import lift, move, nest
+        from ..unisg_blender.behaviour.lesson.edit import lift, move, nest
 
         if self.how in ("UP", "DOWN"):
             return move(root, node.uid, -1 if self.how == "UP" else 1)
@@ -168,7 +168,7 @@ class UNISG_OT_lesson_select(bpy.types.Operator):
     uid: bpy.props.StringProperty()
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        from ..unisg_blender.blender.authoring import scene_actions
+        from ..unisg_blender.blender.authoring.authoring.authoring import scene_actions
 
         context.window_manager.unisg_lesson_node = self.uid
         node = active_node(context)
@@ -182,7 +182,7 @@ class UNISG_OT_lesson_select(bpy.types.Operator):
 
 
 def _other_nodes(self, context):
-    from ..unisg_blender.blender.behaviour import lesson_of
+    from ..unisg_blender.blender.authoring.authoring.stored_behaviour import lesson_of
 
     item, node = lesson_object(context), active_node(context)
     nodes = list(lesson_of(item).walk())[1:] if item is not None else []
@@ -208,7 +208,7 @@ class UNISG_OT_lesson_require(LessonOperator, bpy.types.Operator):
         return {"RUNNING_MODAL"}
 
     def edit(self, context, root, node):
-        from ..unisg_blender.scene.behaviour.edit import change
+        from ..unisg_blender.behaviour.lesson.edit import change
 
         wanted = (*dict.fromkeys((*node.requires, self.node)),)
         return change(root, node.uid, lambda each: replace(each, requires=wanted))
@@ -223,7 +223,7 @@ class UNISG_OT_lesson_unrequire(LessonOperator, bpy.types.Operator):
     uid: bpy.props.StringProperty()
 
     def edit(self, context, root, node):
-        from ..unisg_blender.scene.behaviour.edit import change
+        from ..unisg_blender.behaviour.lesson.edit import change
 
         left = tuple(uid for uid in node.requires if uid != self.uid)
         return change(root, node.uid, lambda each: replace(each, requires=left))
@@ -243,8 +243,8 @@ class UNISG_OT_lesson_check(bpy.types.Operator):
         return True
 
     def execute(self, context: bpy.types.Context) -> set[str]:
+        from ..unisg_blender.behaviour import check_scene
         from ..unisg_blender.blender import read_scene
-        from ..unisg_blender.scene.behaviour import check_scene
 
         problems = check_scene(read_scene(context.scene, geometry="none", details=False))
         for problem in problems:

@@ -33,7 +33,7 @@ class UNISG_OT_play(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        from ..unisg_blender.blender.authoring import lesson_objects
+        from ..unisg_blender.blender.authoring.authoring.authoring import lesson_objects
 
         if session() is not None:
             cls.poll_message_set("A lesson is being played")
@@ -45,10 +45,10 @@ class UNISG_OT_play(bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Without a window: play the scene's animation through."""
-        from ..unisg_blender.blender.behaviour import scene_moments
-        from ..unisg_blender.blender.play import open_session
+        from ..unisg_blender.behaviour import simulate
+        from ..unisg_blender.blender.authoring.authoring.stored_behaviour import scene_moments
+        from ..unisg_blender.blender.viewport.lesson_session import open_session
         from ..unisg_blender.errors import UniSGError
-        from ..unisg_blender.scene.behaviour import simulate
 
         try:
             lesson = open_session(context.scene, self.operation).lesson
@@ -62,7 +62,7 @@ class UNISG_OT_play(bpy.types.Operator):
         return {"FINISHED"}
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        from ..unisg_blender.blender.play import open_session
+        from ..unisg_blender.blender.viewport.lesson_session import open_session
         from ..unisg_blender.errors import UniSGError
 
         try:

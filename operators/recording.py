@@ -31,8 +31,8 @@ class Take:
 
     def graph(self, millimetres: float, degrees: float) -> Any:
         """The scenegraph with everything recorded."""
+        from ..unisg_blender.behaviour.record.recorded_events import later, with_events
         from ..unisg_blender.blender import read_scene
-        from ..unisg_blender.scene.behaviour.recorded import later, with_events
 
         graph = self.recorder.recorded(read_scene(bpy.data.scenes[self.scene]), millimetres, degrees)
         if self.lesson is None:
@@ -50,7 +50,7 @@ def take() -> Take | None:
 
 
 def _missing_usd(path: str) -> str:
-    from ..unisg_blender.usd.library import missing_pxr
+    from ..unisg_blender.usd.pxr_library import missing_pxr
 
     return missing_pxr() if path else ""
 
@@ -90,7 +90,7 @@ class UNISG_OT_record(bpy.types.Operator):
         return not reason
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        from ..unisg_blender.blender.recording import record_playback
+        from ..unisg_blender.blender.motion.motor_keys.scene_recording import record_playback
         from ..unisg_blender.errors import UniSGError
 
         try:
@@ -100,7 +100,7 @@ class UNISG_OT_record(bpy.types.Operator):
             return {"CANCELLED"}
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        from ..unisg_blender.blender.recording import Recorder
+        from ..unisg_blender.blender.motion.motor_keys.scene_recording import Recorder
 
         if self.playback:
             return self.execute(context)
@@ -142,7 +142,7 @@ class UNISG_OT_record(bpy.types.Operator):
 
     def _save(self, scene: bpy.types.Scene, graph: Any) -> set[str]:
         from ..unisg_blender.blender import ReadReport
-        from ..unisg_blender.blender.recording import store_recording
+        from ..unisg_blender.blender.motion.motor_keys.scene_recording import store_recording
         from ..unisg_blender.errors import UniSGError
 
         moved, events = (graph.components.get(name) for name in ("recording", "events"))
@@ -199,7 +199,7 @@ class UNISG_OT_record_clear(bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        from ..unisg_blender.blender.recording import clear_recording
+        from ..unisg_blender.blender.motion.motor_keys.scene_recording import clear_recording
 
         clear_recording(context.scene)
         return {"FINISHED"}
@@ -211,7 +211,7 @@ class Replay:
     bl_options = {"REGISTER", "UNDO"}
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        from ..unisg_blender.blender.recording import replay
+        from ..unisg_blender.blender.motion.motor_keys.scene_recording import replay
         from ..unisg_blender.errors import UniSGError
 
         try:

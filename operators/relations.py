@@ -54,11 +54,11 @@ class UNISG_OT_relations(bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         from ..unisg_blender.blender import objects_by_uid, read_scene
-        from ..unisg_blender.blender.identity import repair_identities
+        from ..unisg_blender.blender.authoring.authoring.identities import repair_identities
         from ..unisg_blender.errors import UniSGError
         from ..unisg_blender.scene.properties import RELATIONS, relations_of
-        from ..unisg_blender.scene.relate import RelationTolerances, relate
-        from ..unisg_blender.scene.relations import relations_to_json
+        from ..unisg_blender.scene.relation import relations_to_json
+        from ..unisg_blender.spatial.relations import RelationTolerances, relate
 
         repair_identities(context.scene)  # relations name their targets by uid
         graph = read_scene(context.scene)
@@ -95,7 +95,7 @@ def name_of(scene: bpy.types.Scene, uid: str) -> str:
 
 
 def _predicted(graph: SceneGraph, model: str) -> SceneGraph:
-    from ..unisg_blender.predict.topology import TopologyModel, with_relations
+    from ..unisg_blender.predict.support_prediction import TopologyModel, with_relations
 
     path = None if model == SHIPPED else bpy.path.abspath(model)
     return with_relations(graph, TopologyModel(path).find(graph))

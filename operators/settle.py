@@ -27,7 +27,7 @@ class UNISG_OT_settle(bpy.types.Operator):
 
         from ..unisg_blender.blender import objects_by_uid, read_scene
         from ..unisg_blender.errors import UniSGError
-        from ..unisg_blender.generate.settle_scene import settle_rows
+        from ..unisg_blender.generate.place.settle_scene import settle_rows
 
         try:
             graph = read_scene(context.scene)

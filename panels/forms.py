@@ -16,7 +16,7 @@ class UNISG_PT_forms(SidebarPanel, bpy.types.Panel):
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: bpy.types.Context) -> None:
-        from ..unisg_blender.blender.transform_forms import transform_forms
+        from ..unisg_blender.blender.viewport.transform_forms import transform_forms
         from ..unisg_blender.errors import UniSGError
 
         layout = self.layout

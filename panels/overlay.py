@@ -63,7 +63,7 @@ def _made(context: bpy.types.Context, shown: list[tuple[Any, bool]], shader: Any
     import numpy as np
     from gpu_extras.batch import batch_for_shader
 
-    from ..unisg_blender.blender.overlay import action_lines
+    from ..unisg_blender.blender.viewport.action_lines import action_lines
 
     lines: dict[Any, list[Any]] = {}
     for action, holds in shown:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 
-from unisg_blender.progress import Progress
+from unisg_blender.runtime.progress import Progress
 
 
 class Terminal(io.StringIO):

@@ -9,6 +9,12 @@ from hypothesis import strategies as st
 from scipy.optimize import minimize
 from scipy.spatial.transform import Rotation
 
+from unisg_blender.behaviour import compile_actions, holds, moment, start, step
+from unisg_blender.behaviour.play.body_contact import EPSILON, _touching_exactly, bodies_at, body_bounds, touching
+from unisg_blender.behaviour.play.deviation import away_by, placed
+from unisg_blender.geometry.affine_rows import gather, rotation_and_size, turn_between
+from unisg_blender.geometry.box_distance import separation
+from unisg_blender.geometry.box_overlap import penetration
 from unisg_blender.scene import (
     ActionData,
     Boxes,
@@ -19,12 +25,6 @@ from unisg_blender.scene import (
     run,
     world_matrices,
 )
-from unisg_blender.scene.behaviour import compile_actions, holds, moment, start, step
-from unisg_blender.scene.behaviour.components import gather, rotation_and_size, turn_between
-from unisg_blender.scene.behaviour.contact import EPSILON, _touching_exactly, bodies_at, body_bounds, touching
-from unisg_blender.scene.behaviour.deviation import away_by, placed
-from unisg_blender.scene.behaviour.separation import separation
-from unisg_blender.scene.overlap import penetration
 
 CUBE = mesh_from_faces(
     "cube",

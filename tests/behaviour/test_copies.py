@@ -5,16 +5,17 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from unisg_blender.behaviour import all_actions, moments, operations, prepare, rehearse, simulate
 from unisg_blender.errors import UniSGError
 from unisg_blender.scene import ActionData, LessonNode, SceneBuilder, Thresholds
-from unisg_blender.scene.behaviour import all_actions, moments, operations, prepare, rehearse, simulate
 from unisg_blender.usd import read_usd, write_usd
 
 bpy = pytest.importorskip("bpy")
 
+from unisg_blender.blender.authoring.authoring.identities import ensure_uid, repair_copies, repair_identities  # noqa: E402
+from unisg_blender.blender.authoring.authoring.stored_behaviour import actions_of, store_actions  # noqa: E402
+
 from unisg_blender.blender import read_scene, write_scene  # noqa: E402
-from unisg_blender.blender.behaviour import actions_of, store_actions  # noqa: E402
-from unisg_blender.blender.identity import ensure_uid, repair_copies, repair_identities  # noqa: E402
 
 
 @pytest.fixture(autouse=True)

@@ -4,10 +4,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from unisg_blender.behaviour.lesson.edit import change, find, insert, lift, move, nest, remove
 from unisg_blender.errors import UniSGError
 from unisg_blender.scene import LessonNode
-from unisg_blender.scene.behaviour.edit import change, find, insert, lift, move, nest, remove
-from unisg_blender.scene.lesson import MAY_HOLD, lesson_from_json, lesson_to_json
+from unisg_blender.scene.lesson_node import MAY_HOLD, lesson_from_json, lesson_to_json
 
 UIDS = ("op", "l1", "l2", "s1", "s2", "s3", "a", "b", "c")
 

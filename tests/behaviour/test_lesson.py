@@ -7,12 +7,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from unisg_blender.behaviour import begin, check_lesson, check_scene, moment, play, prepare
+from unisg_blender.behaviour.lesson.deadlock import circles, unreached
+from unisg_blender.behaviour.lesson.lesson_tree import outline
+from unisg_blender.behaviour.play.lesson_progress import DONE, OPEN, SKIPPED, advance, first_status
 from unisg_blender.errors import UniSGError
 from unisg_blender.scene import ActionData, LessonNode, SceneBuilder, Thresholds, world_matrices
-from unisg_blender.scene.behaviour import begin, check_lesson, check_scene, moment, play, prepare
-from unisg_blender.scene.behaviour.outline import outline
-from unisg_blender.scene.behaviour.progress import DONE, OPEN, SKIPPED, advance, first_status
-from unisg_blender.scene.behaviour.waiting import circles, unreached
 
 TEN_DEGREES = math.radians(10)
 

@@ -12,9 +12,10 @@ import pytest
 
 bpy = pytest.importorskip("bpy")
 
+from unisg_blender.blender.authoring.authoring.stored_behaviour import actions_of, lesson_of, scene_moments  # noqa: E402
+
+from unisg_blender.behaviour import check_scene, prepare, simulate  # noqa: E402
 from unisg_blender.blender import read_scene  # noqa: E402
-from unisg_blender.blender.behaviour import actions_of, lesson_of, scene_moments  # noqa: E402
-from unisg_blender.scene.behaviour import check_scene, prepare, simulate  # noqa: E402
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -264,7 +265,7 @@ def test_markers_answer_and_animated_numbers_are_trigger_and_force():
 
 
 def test_play_steps_through_the_open_scene():
-    from unisg_extension.unisg_blender.blender.play import open_session
+    from unisg_extension.unisg_blender.blender.viewport.lesson_session import open_session
 
     build_lesson()
     played = open_session(bpy.context.scene)
@@ -287,8 +288,8 @@ def test_a_recording_of_a_lesson_is_kept_replayed_and_played_as_an_animation():
     """As the modal operator does it, without its clock: moves, a trigger, an answer; then from the scene itself."""
     recording = importlib.import_module("unisg_extension.operators.recording")
     play = importlib.import_module("unisg_extension.operators.play")
-    from unisg_extension.unisg_blender.blender.play import open_session
-    from unisg_extension.unisg_blender.blender.recording import Recorder, scene_recording
+    from unisg_extension.unisg_blender.blender.motion.motor_keys.scene_recording import Recorder, scene_recording
+    from unisg_extension.unisg_blender.blender.viewport.lesson_session import open_session
 
     knee, scalpel, scene = bpy.data.objects["Knee"], bpy.data.objects["Scalpel"], bpy.context.scene
     activate("Knee", "Scalpel")
@@ -352,7 +353,7 @@ class Reports:
 
 
 def test_types_of_a_users_own_are_in_the_menu(tmp_path):
-    from unisg_extension.unisg_blender.scene.behaviour import remove_type
+    from unisg_extension.unisg_blender.behaviour import remove_type
 
     path = tmp_path / "types.py"
     path.write_text("CONDITIONS = {'Lift': lambda batch, moment: moment.world[batch.target, 2, 3] > batch.distance}")
@@ -390,7 +391,7 @@ def test_nothing_is_stored_beside_the_documented_properties():
 
 
 def test_lines_of_the_overlay():
-    from unisg_extension.unisg_blender.blender.overlay import action_lines
+    from unisg_extension.unisg_blender.blender.viewport.action_lines import action_lines
 
     build_lesson()
     place, away = actions_of(bpy.data.objects["Scalpel"])

@@ -7,10 +7,10 @@ import json
 import numpy as np
 import pytest
 
+from unisg_blender.behaviour import add_type, check_scene, load_types, prepare, rehearse, remove_type
 from unisg_blender.cli import main
 from unisg_blender.errors import UniSGError
 from unisg_blender.scene import ActionData, LessonNode, SceneBuilder, Thresholds
-from unisg_blender.scene.behaviour import add_type, check_scene, load_types, prepare, rehearse, remove_type
 from unisg_blender.usd import write_usd
 
 FILE = """

@@ -11,9 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from unisg_blender.cli import main
-from unisg_blender.errors import UniSGError
-from unisg_blender.scene.behaviour import (
+from unisg_blender.behaviour import (
     Recorder,
     local_matrices,
     moments,
@@ -24,9 +22,11 @@ from unisg_blender.scene.behaviour import (
     simulate,
     with_events,
 )
-from unisg_blender.scene.behaviour.recorded import WORDS, new_inputs
+from unisg_blender.behaviour.record.recorded_events import WORDS, new_inputs
+from unisg_blender.cli import main
+from unisg_blender.errors import UniSGError
 from unisg_blender.scene.hierarchy import world_matrices
-from unisg_blender.scene.recording import Recorded, recorded_from_json, recorded_of, recorded_to_json
+from unisg_blender.scene.recording_tables import Recorded, recorded_from_json, recorded_of, recorded_to_json
 from unisg_blender.usd import read_usd, write_usd
 
 spec = importlib.util.spec_from_file_location("surgery", Path(__file__).with_name("test_simulate.py"))
@@ -96,7 +96,7 @@ def test_events_are_time_samples_in_usd(recorded, tmp_path, ending):
 
 def test_a_blend_file_keeps_recordings_as_custom_properties(recorded, tmp_path):
     pytest.importorskip("bpy")
-    from unisg_blender.commands.scene_files import read_scene_file, write_scene_file
+    from unisg_blender.formats.scene_files import read_scene_file, write_scene_file
 
     graph, timeline = recorded
     write_scene_file(graph, tmp_path / "recorded.blend")
@@ -157,7 +157,7 @@ def test_what_is_no_recording_is_refused(text, message):
 
 
 def test_words_of_other_tools_are_no_inputs(graph):
-    from unisg_blender.scene.recording import event_table
+    from unisg_blender.scene.recording_tables import event_table
 
     words = ["force:much", "answered:x", "danced", "pressed"]
     found = graph.with_component("events", event_table((1, (float(at), word, "")) for at, word in enumerate(words)))

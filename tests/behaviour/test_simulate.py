@@ -7,9 +7,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from unisg_blender.errors import UniSGError
-from unisg_blender.scene import ActionData, LessonNode, SceneBuilder, Thresholds, mesh_from_faces, table, world_matrices
-from unisg_blender.scene.behaviour import (
+from unisg_blender.behaviour import (
     Input,
     Motion,
     Track,
@@ -22,6 +20,8 @@ from unisg_blender.scene.behaviour import (
     simulate,
     timeline_record,
 )
+from unisg_blender.errors import UniSGError
+from unisg_blender.scene import ActionData, LessonNode, SceneBuilder, Thresholds, mesh_from_faces, table, world_matrices
 
 CUBE = mesh_from_faces(
     "cube",

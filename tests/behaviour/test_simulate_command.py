@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from unisg_blender.behaviour import moments, prepare, rehearse
 from unisg_blender.cli import main
-from unisg_blender.scene.behaviour import moments, prepare, rehearse
 from unisg_blender.scene.graph import table
 from unisg_blender.usd import write_usd
 

@@ -8,17 +8,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from unisg_blender.behaviour import CHANNELS, WIDTH, action_places, action_vector, behaviour_links, decode_action
 from unisg_blender.errors import UniSGError
 from unisg_blender.scene import ActionData, LessonNode, SceneBuilder, Thresholds
-from unisg_blender.scene.actions import MODES, TYPES, actions_from_json, actions_to_json
-from unisg_blender.scene.behaviour import (
-    CHANNELS,
-    WIDTH,
-    action_places,
-    action_vector,
-    behaviour_links,
-    decode_action,
-)
+from unisg_blender.scene.action_data import MODES, TYPES, actions_from_json, actions_to_json
 
 LIMIT = st.none() | st.floats(0, 1e6)
 NUMBER = st.floats(-1e6, 1e6)

@@ -12,7 +12,7 @@ import pytest
 
 from tests.blender.helpers import add, assert_same_scene, box
 from unisg_blender.blender import read_scene
-from unisg_blender.usd.library import missing_pxr
+from unisg_blender.usd.pxr_library import missing_pxr
 
 ROOT = Path(__file__).resolve().parents[2]
 NEEDS_USD = pytest.mark.skipif(bool(missing_pxr()), reason="this Blender offers no USD to Python")

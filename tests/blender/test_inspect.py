@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from unisg_blender.usd.library import missing_pxr
+from unisg_blender.usd.pxr_library import missing_pxr
 
 DATA = Path(__file__).parents[1] / "data"
 NESTED = DATA / "usd-wg-assets/test_assets/schemaTests/usdGeom/transforms/xforms_nested.usda"

@@ -9,7 +9,7 @@ import pytest
 from tests.blender.helpers import add, assert_same_scene, box, relative_gap
 from unisg_blender.blender import ReadReport, read_scene, write_scene
 from unisg_blender.scene import world_matrices
-from unisg_blender.scene.instances import realize
+from unisg_blender.scene.realize_instances import realize
 
 
 def drawn_boxes() -> np.ndarray:

@@ -14,12 +14,13 @@ import bpy
 import numpy as np
 import pytest
 from mathutils import Matrix, Quaternion
+from unisg_blender.blender.motion.motor_keys.keyframes import key_count, key_times, read_motors
+from unisg_blender.blender.motion.motor_keys.motor_keys import Tolerance, interpolate_with_motors, reduce_item_keyframes
 
 from unisg_blender import UniSGError
-from unisg_blender.blender import keyframes, microscope
-from unisg_blender.blender.keyframes import key_count, key_times, read_motors
-from unisg_blender.blender.motion import Tolerance, interpolate_with_motors, reduce_item_keyframes
-from unisg_blender.blender.transform_forms import transform_forms, transform_text
+from unisg_blender.blender.motion.motor_keys import keyframes
+from unisg_blender.blender.viewport import motion_paths as microscope
+from unisg_blender.blender.viewport.transform_forms import transform_forms, transform_text
 from unisg_blender.poses import FORMS, pose_errors, rebuild
 from unisg_blender.poses.paths import PATH_NAMES, compare_paths
 
@@ -222,7 +223,7 @@ def test_microscope_switches_on_and_off(extension):
 
 
 def microscope_of_extension():
-    return sys.modules["unisg_extension.unisg_blender.blender.microscope"]
+    return sys.modules["unisg_extension.unisg_blender.blender.viewport.motion_paths"]
 
 
 def test_panels_draw_every_form(extension):

@@ -11,7 +11,7 @@ import pytest
 from tests.blender.helpers import add, box
 from unisg_blender import UniSGError
 from unisg_blender.blender import render_picture
-from unisg_blender.blender.picture import category_colors
+from unisg_blender.blender.render.picture import category_colors
 
 
 def pixels(path: Path) -> np.ndarray:

@@ -10,8 +10,9 @@ import signal
 import sys
 from pathlib import Path
 
-from unisg_blender.dataset import shards
-from unisg_blender.dataset.export import ExportOptions, export_dataset
+from unisg_blender.dataset.export.batch_export.batch_export import ExportOptions, export_dataset
+
+from unisg_blender.dataset.format import shards
 from unisg_blender.errors import UniSGError
 
 replace = os.replace

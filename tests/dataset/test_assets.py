@@ -6,15 +6,17 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from unisg_blender.dataset.assets.asset.asset import Asset, shell_of, thing_of
+from unisg_blender.dataset.assets.asset.asset_collector import AssetCollector
+from unisg_blender.dataset.assets.asset.asset_file import AssetFile, Assets, assets_bytes, pack_assets
+from unisg_blender.dataset.assets.asset.shaped_scenes import scenes_with_shapes
 
 from tests.dataset.conftest import CORNERS, FACES, box
-from unisg_blender.dataset import collect, open_dataset, write_dataset
-from unisg_blender.dataset.asset_file import AssetFile, Assets, assets_bytes, pack_assets
-from unisg_blender.dataset.assets import Asset, owners, shell_of, thing_of
-from unisg_blender.dataset.collect import AssetCollector
-from unisg_blender.dataset.shapes import scenes_with_shapes
+from unisg_blender.dataset import open_dataset, write_dataset
+from unisg_blender.dataset.assets.asset import asset_collector as collect
 from unisg_blender.errors import UniSGError
 from unisg_blender.scene import Material, Mesh, SceneBuilder, SceneGraph, mesh_from_faces
+from unisg_blender.spatial.structure import owners
 
 
 def room(number: int, shapes: int = 1, faces: int = 6) -> SceneGraph:

@@ -11,11 +11,12 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from unisg_blender.dataset import Sample, open_dataset, to_scenegraph, write_dataset, writer
-from unisg_blender.dataset.behaviour_rows import LINKS
-from unisg_blender.dataset.columns import Vocabulary, join, scene_count
-from unisg_blender.dataset.encode import encode_scenes
-from unisg_blender.dataset.schema import COLUMNS, STRINGS, TABLES
+from unisg_blender.dataset import Sample, open_dataset, to_scenegraph, write_dataset
+from unisg_blender.dataset.format import writer
+from unisg_blender.dataset.format.behaviour_rows import LINKS
+from unisg_blender.dataset.format.columns import Vocabulary, join, scene_count
+from unisg_blender.dataset.format.encoding import encode_scenes
+from unisg_blender.dataset.format.schema import COLUMNS, STRINGS, TABLES
 from unisg_blender.errors import UniSGError
 from unisg_blender.poses import FORMS
 from unisg_blender.scene import SceneBuilder, SceneGraph, local_bounds, world_matrices

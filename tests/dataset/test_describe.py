@@ -9,8 +9,9 @@ from typing import Any
 import pytest
 
 from unisg_blender.cli import main
-from unisg_blender.dataset import Sample, write_dataset, writer
-from unisg_blender.dataset.describe import describe_dataset, description_lines
+from unisg_blender.dataset import Sample, write_dataset
+from unisg_blender.dataset.dataset_description import describe_dataset, description_lines
+from unisg_blender.dataset.format import writer
 from unisg_blender.errors import UNUSABLE_INPUT
 from unisg_blender.scene import SceneBuilder, SceneGraph
 

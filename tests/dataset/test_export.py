@@ -10,11 +10,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from unisg_blender.dataset.export.batch_export.batch_export import ExportOptions, export_dataset
 
 from unisg_blender.cli import main
 from unisg_blender.dataset import open_dataset
-from unisg_blender.dataset.describe import printable
-from unisg_blender.dataset.export import ExportOptions, export_dataset
+from unisg_blender.dataset.dataset_description import printable
 from unisg_blender.errors import MISUSE, SOME_FAILED, UNUSABLE_INPUT, UniSGError
 
 HERE = Path(__file__).parent
@@ -274,7 +274,7 @@ def test_another_form_is_read_anew(tmp_path: Path, put: Callable[..., Path]) -> 
 
 
 def test_large_exports_go_in_windows(tmp_path: Path, put: Callable[..., Path], monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("unisg_blender.dataset.pool.WINDOW", 3)
+    monkeypatch.setattr("unisg_blender.dataset.export.file_pool.WINDOW", 3)
     for number in range(20):
         put(f"{number:02}.obj", seed=number)
     export_dataset([tmp_path / "in"], tmp_path / "ds", OPTIONS, jobs=2)
@@ -285,7 +285,7 @@ def test_large_exports_go_in_windows(tmp_path: Path, put: Callable[..., Path], m
 def test_children_that_retired_are_replaced(
     tmp_path: Path, put: Callable[..., Path], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from unisg_blender.dataset import supervise
+    from unisg_blender.dataset.export.batch_export import supervisor as supervise
 
     put("1.obj", seed=1)
     put("2.obj", seed=2)

@@ -14,7 +14,8 @@ from torch_geometric.data import Batch, HeteroData  # noqa: E402
 from torch_geometric.loader import DataLoader  # noqa: E402
 from torch_geometric.transforms import ToUndirected  # noqa: E402
 
-from unisg_blender.dataset import UniSGDataset, open_dataset, to_heterodata, write_dataset, writer  # noqa: E402
+from unisg_blender.dataset import UniSGDataset, open_dataset, to_heterodata, write_dataset  # noqa: E402
+from unisg_blender.dataset.format import writer  # noqa: E402
 from unisg_blender.poses import FORMS  # noqa: E402
 from unisg_blender.scene import SceneBuilder, SceneGraph, info  # noqa: E402
 
@@ -159,7 +160,7 @@ def test_datasets_travel_to_other_processes(folder: Path) -> None:
 
 @pytest.mark.parametrize("mapped", [1, 2, 500])
 def test_few_shards_stay_in_memory(folder: Path, monkeypatch: pytest.MonkeyPatch, mapped: int) -> None:
-    monkeypatch.setattr("unisg_blender.dataset.reader.MOST_MAPPED", mapped)
+    monkeypatch.setattr("unisg_blender.dataset.format.reader.MOST_MAPPED", mapped)
     dataset = open_dataset(folder, memory=1)
     expected = [scene.features.copy() for scene in open_dataset(folder)]
     for number in (0, 9, 19, 1, 9):

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from unisg_blender.dataset.mapping import apply_mapping, read_mapping, scene_label
+from unisg_blender.dataset.category_mapping import apply_mapping, read_mapping, scene_label
 from unisg_blender.errors import UniSGError
 from unisg_blender.scene import SceneBuilder, SceneGraph, table
 

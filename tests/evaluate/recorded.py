@@ -6,10 +6,10 @@ import hashlib
 import json
 from pathlib import Path
 
-from unisg_blender.evaluate.cases import case_of
-from unisg_blender.evaluate.furnish import ByModel
-from unisg_blender.evaluate.scene_metrics import measure_scene
+from unisg_blender.experiments.rooms.cases import case_of
+from unisg_blender.experiments.rooms.furnishing import ByModel
 from unisg_blender.generate import Generator
+from unisg_blender.metrics.scene_validity import measure_scene
 from unisg_blender.worlds import WORLDS
 
 PRETRAINED = Path(__file__).parents[2] / "unisg_blender" / "pretrained"

@@ -13,8 +13,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from unisg_blender.errors import UniSGError
-from unisg_blender.evaluate.layouts import read_layouts, turn_of
-from unisg_blender.evaluate.layouts_support import (
+from unisg_blender.experiments.layouts.designed_rooms import read_layouts, turn_of
+from unisg_blender.experiments.layouts.designed_supports import (
     average_precision,
     bounds_of,
     by_boxes,

@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 from scipy.stats import bootstrap, norm
 
 from tests.evaluate.hand_made import box_mesh
-from unisg_blender.evaluate.pose_metrics import (
+from unisg_blender.metrics.pose_errors import (
     angles,
     decoded,
     distances,

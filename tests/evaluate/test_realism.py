@@ -3,8 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from unisg_blender.evaluate.realism import c2st, noisy
-from unisg_blender.evaluate.realism_features import (
+from unisg_blender.metrics.layout_features import (
     ANGLE,
     FAR,
     LENGTH,
@@ -16,6 +15,7 @@ from unisg_blender.evaluate.realism_features import (
     scene_kinds,
     scene_width,
 )
+from unisg_blender.metrics.two_sample_test import c2st, noisy
 
 from .hand_made import Scene
 

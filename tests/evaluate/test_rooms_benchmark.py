@@ -8,8 +8,8 @@ import pytest
 
 from unisg_blender.dataset import open_dataset
 from unisg_blender.errors import UniSGError
-from unisg_blender.evaluate import rooms_benchmark
-from unisg_blender.evaluate.rooms_benchmark import PARTS, Part, file_sums, scenes_digest, write_part, write_rooms
+from unisg_blender.experiments.rooms import frozen_rooms as rooms_benchmark
+from unisg_blender.experiments.rooms.frozen_rooms import PARTS, Part, file_sums, scenes_digest, write_part, write_rooms
 
 SMALL = (
     Part(

@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from unisg_blender.evaluate.scene_metrics import (
+from unisg_blender.metrics.scene_validity import (
     counted_objects,
     find_collisions,
     measure_scene,
@@ -12,7 +12,7 @@ from unisg_blender.evaluate.scene_metrics import (
     summarise,
     support_levels,
 )
-from unisg_blender.evaluate.scene_support import support_gaps
+from unisg_blender.metrics.support_gaps import support_gaps
 from unisg_blender.scene import Relation
 
 from . import hand_made

@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from unisg_blender.evaluate.variety import Rooms, layout_of, mean_pairwise, nearest_distances, novelty_limit
+from unisg_blender.metrics.layout_distances import Rooms, layout_of, mean_pairwise, nearest_distances, novelty_limit
 
 from .hand_made import Scene
 

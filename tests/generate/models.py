@@ -28,9 +28,9 @@ def shared_dataset() -> Path:
 def shared_model(kind: str) -> Path:
     """A model of a kind, trained for a moment."""
     import torch
+    from unisg_blender.learn.cgvae.network.training import train
 
     from unisg_blender.learn.settings import Settings
-    from unisg_blender.learn.train_cgvae import train
 
     torch.set_num_threads(1)  # two test runs at a time share the cores
     out = Path(_FOLDER.name) / f"{kind}.onnx"

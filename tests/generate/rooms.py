@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from unisg_blender.dataset.assets import turn
+from unisg_blender.geometry.planar import turn
 from unisg_blender.scene import (
     ActionData,
     Material,

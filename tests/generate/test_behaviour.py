@@ -8,22 +8,28 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from unisg_blender.behaviour import all_actions, check_scene, operations
 from unisg_blender.errors import UniSGError
-from unisg_blender.evaluate.behaviour import behaviour_cases, by_chooser, is_sound, measure_behaviour, plays_to_the_end
-from unisg_blender.evaluate.behaviour_removal import without_behaviour
-from unisg_blender.generate.behaviour.acts import read_acts
-from unisg_blender.generate.behaviour.add import Behaviour, add_behaviour
-from unisg_blender.generate.behaviour.choice import Casting, Scores
-from unisg_blender.generate.behaviour.habits import learn_kinds
-from unisg_blender.generate.behaviour.kinds import Kind, Kinds
-from unisg_blender.generate.behaviour.play import read_play
-from unisg_blender.generate.behaviour.reference import Sample, learn_reference, reference_pose
-from unisg_blender.generate.behaviour.rehearsal import unperformed
-from unisg_blender.generate.behaviour.right import Asked, learn_right
-from unisg_blender.generate.behaviour.rules import FrequencyChooser, LackingChooser
-from unisg_blender.generate.extend import uid_maker
+from unisg_blender.experiments.behaviour.behaviour_benchmark import (
+    behaviour_cases,
+    by_chooser,
+    is_sound,
+    measure_behaviour,
+    plays_to_the_end,
+)
+from unisg_blender.experiments.behaviour.behaviour_removal import without_behaviour
+from unisg_blender.generate.behaviour.action_kinds import Kind, Kinds
+from unisg_blender.generate.behaviour.action_policy import Casting, Scores
+from unisg_blender.generate.behaviour.action_statistics import learn_kinds
+from unisg_blender.generate.behaviour.answer_rules import Asked, learn_right
+from unisg_blender.generate.behaviour.behaviour_adder import Behaviour, add_behaviour
+from unisg_blender.generate.behaviour.feasibility import unperformed
+from unisg_blender.generate.behaviour.frequency_policy import FrequencyChooser, LackingChooser
+from unisg_blender.generate.behaviour.observation import read_play
+from unisg_blender.generate.behaviour.reference_poses import Sample, learn_reference, reference_pose
+from unisg_blender.generate.behaviour.roled_actions import read_acts
+from unisg_blender.generate.place.scene_extension import uid_maker
 from unisg_blender.scene import ActionData, LessonNode, SceneGraph, Thresholds
-from unisg_blender.scene.behaviour import all_actions, check_scene, operations
 from unisg_blender.worlds import operating_room
 
 
@@ -151,7 +157,7 @@ def test_what_cannot_be_performed_is_not_made_and_a_note_says_so(monkeypatch: py
     graph = rooms()[0]
     bare, uid = without_behaviour(graph, graph.row("Scalpel"))
     monkeypatch.setattr(
-        "unisg_blender.generate.behaviour.add.unperformed",
+        "unisg_blender.generate.behaviour.behaviour_adder.unperformed",
         lambda scene, actions: {action.uid: "it could not be performed" for action in actions},
     )
     made = add_behaviour(bare, [uid], Wants("Incise the knee"), uid_maker(bare, 0))

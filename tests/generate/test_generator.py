@@ -9,18 +9,18 @@ from typing import Any
 
 import numpy as np
 import pytest
+from unisg_blender.dataset.assets.asset.asset import thing_of
 
 from tests.generate.models import shared_model
 from tests.generate.rooms import at, box, room
-from unisg_blender.dataset.assets import thing_of
 from unisg_blender.errors import UniSGError
-from unisg_blender.evaluate.scene_metrics import measure_scene
 from unisg_blender.generate import Generator
-from unisg_blender.generate.anchors import DRAWN, AnchorProposer, Choice, Row
-from unisg_blender.generate.pieces import Piece
-from unisg_blender.generate.proposals import Proposals, Scene
-from unisg_blender.generate.things import things_of
+from unisg_blender.generate.observe.proposals import Proposals, Scene
+from unisg_blender.generate.place.placeable import Piece
+from unisg_blender.generate.propose.anchor_proposer import DRAWN, AnchorProposer, Choice, Row
+from unisg_blender.metrics.scene_validity import measure_scene
 from unisg_blender.scene import SceneBuilder, SceneGraph, world_matrices
+from unisg_blender.spatial.objects import things_of
 
 
 @pytest.fixture(scope="module")

@@ -11,13 +11,13 @@ import pytest
 from tests.generate.rooms import at, box, room
 from unisg_blender.cli import main
 from unisg_blender.errors import UniSGError
-from unisg_blender.evaluate.requested import is_beside, is_on
 from unisg_blender.generate import Generator
-from unisg_blender.generate.pieces import Piece, box_piece
-from unisg_blender.generate.proposals import Proposals, Scene
-from unisg_blender.generate.requests import APART, BESIDE, Beside, aside
-from unisg_blender.generate.things import things_of
+from unisg_blender.generate.observe.proposals import Proposals, Scene
+from unisg_blender.generate.place.placeable import Piece, box_piece
+from unisg_blender.generate.propose.requests import APART, BESIDE, Beside, aside
+from unisg_blender.metrics.requested_relations import is_beside, is_on
 from unisg_blender.scene import Mesh, Relation, SceneBuilder, SceneGraph, world_matrices
+from unisg_blender.spatial.objects import things_of
 from unisg_blender.usd import write_usd
 
 KNOWN = ("Cup", "Floor", "Lamp", "Table", "Wall")

@@ -8,21 +8,22 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from unisg_blender.dataset.assets.asset.asset import shell_of
+from unisg_blender.dataset.assets.asset.asset_file import save_assets
 
 from tests.generate.rooms import at, box
-from unisg_blender.dataset.asset_file import save_assets
-from unisg_blender.dataset.assets import shell_of, turn
-from unisg_blender.generate.contract import Contract
-from unisg_blender.generate.extend import Names, uid_maker
-from unisg_blender.generate.habits import learn_habits
-from unisg_blender.generate.library import Library
-from unisg_blender.generate.model import Model, assets_path
-from unisg_blender.generate.pieces import Piece, box_piece
-from unisg_blender.generate.proposals import Scene
-from unisg_blender.generate.shells import add_shell
-from unisg_blender.generate.spans import fit_for, reached
-from unisg_blender.generate.things import things_of
+from unisg_blender.generate.observe.contract import Contract
+from unisg_blender.generate.observe.proposals import Scene
+from unisg_blender.generate.observe.support_priors import learn_habits
+from unisg_blender.generate.place.placeable import Piece, box_piece
+from unisg_blender.generate.place.room_shell import add_shell
+from unisg_blender.generate.place.scene_extension import Names, uid_maker
+from unisg_blender.generate.place.spanning_objects import fit_for, reached
+from unisg_blender.generate.shape_library import Library
+from unisg_blender.generate.trained_model import Model, assets_path
+from unisg_blender.geometry.planar import turn
 from unisg_blender.scene import Relation, SceneBuilder, SceneGraph, world_matrices
+from unisg_blender.spatial.objects import things_of
 
 VOCABULARY = ("Clock", "Floor", "Girder", "Wall")
 WIDE, DEEP = 6.0, 8.0

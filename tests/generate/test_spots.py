@@ -4,23 +4,23 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from unisg_blender.dataset.assets.asset.asset import thing_of
 
 from tests.generate.rooms import at, box, room
-from unisg_blender.dataset.assets import thing_of
-from unisg_blender.generate.boards import board_at, boards_of
-from unisg_blender.generate.context import room_of, tokens_for
-from unisg_blender.generate.habits import BESIDE, RESTS, Habit, Habits, learn_habits
-from unisg_blender.generate.leaders import find_leaders
-from unisg_blender.generate.mixture import behind_walls
-from unisg_blender.generate.order import DEEPEST, along, groups, learn_orders, levels, row_order
-from unisg_blender.generate.pieces import Piece
-from unisg_blender.generate.proposals import Scene, within
-from unisg_blender.generate.settle import Support, nearest_support, rest
-from unisg_blender.generate.space import Space
-from unisg_blender.generate.spots import Load, Nearness, Spots, support_arrays
-from unisg_blender.generate.surfaces import Surfaces, rectangles, with_joined
-from unisg_blender.generate.things import Things, things_of
+from unisg_blender.generate.observe.placement_order import DEEPEST, along, groups, learn_orders, levels, row_order
+from unisg_blender.generate.observe.proposals import Scene, within
+from unisg_blender.generate.observe.reference_objects import find_leaders
+from unisg_blender.generate.observe.scene_tokens import room_of, tokens_for
+from unisg_blender.generate.observe.support_candidates import Load, Nearness, Spots, support_arrays
+from unisg_blender.generate.observe.support_priors import BESIDE, RESTS, Habit, Habits, learn_habits
+from unisg_blender.generate.place.free_space import Space
+from unisg_blender.generate.place.placeable import Piece
+from unisg_blender.generate.place.settling import Support, nearest_support, rest
+from unisg_blender.generate.propose.mixture import behind_walls
 from unisg_blender.scene import Boxes, SceneBuilder, world_matrices
+from unisg_blender.spatial.level_surfaces import Surfaces, rectangles, with_joined
+from unisg_blender.spatial.objects import Things, things_of
+from unisg_blender.spatial.support_surfaces import board_at, boards_of
 
 VOCABULARY = ("Cup", "Floor", "Lamp", "Table", "Wall")
 

@@ -10,15 +10,8 @@ from scipy.stats import truncnorm
 
 torch = pytest.importorskip("torch")
 
-from tests.generate.rooms import room  # noqa: E402
-from unisg_blender.generate.context import FLAGS  # noqa: E402
-from unisg_blender.generate.contract import Contract  # noqa: E402
-from unisg_blender.generate.habits import Habits, learn_habits  # noqa: E402
-from unisg_blender.generate.mixture import TAIL  # noqa: E402
-from unisg_blender.generate.model import load_model  # noqa: E402
-from unisg_blender.generate.proposals import Scene  # noqa: E402
-from unisg_blender.generate.things import things_of  # noqa: E402
-from unisg_blender.learn.anchor_batches import (  # noqa: E402
+from unisg_blender.learn.anchors.network.critic import DRAWS, drawn  # noqa: E402
+from unisg_blender.learn.anchors.network.examples import (  # noqa: E402
     BARE,
     JITTER,
     LESS,
@@ -31,13 +24,24 @@ from unisg_blender.learn.anchor_batches import (  # noqa: E402
     shaken,
     visible_with,
 )
-from unisg_blender.learn.anchor_critic import DRAWS, drawn, ranking_loss  # noqa: E402
-from unisg_blender.learn.anchor_geometry import base_places  # noqa: E402
-from unisg_blender.learn.anchor_latent import LATENT, PoseEncoder, kl_divergence  # noqa: E402
-from unisg_blender.learn.anchors import AnchorModel, AnchorSizes, height_nll, mixture_nll  # noqa: E402
-from unisg_blender.learn.scenes import TrainingScene  # noqa: E402
-from unisg_blender.learn.train_anchors import OUTPUTS, example_inputs, write_anchors  # noqa: E402
+from unisg_blender.learn.anchors.network.network import AnchorModel, AnchorSizes  # noqa: E402
+from unisg_blender.learn.anchors.network.pair_geometry import base_places  # noqa: E402
+from unisg_blender.learn.anchors.network.pose_encoder import LATENT, PoseEncoder  # noqa: E402
+from unisg_blender.learn.anchors.network.training import OUTPUTS, example_inputs, write_anchors  # noqa: E402
+
+from tests.generate.rooms import room  # noqa: E402
+from unisg_blender.generate.observe.contract import Contract  # noqa: E402
+from unisg_blender.generate.observe.proposals import Scene  # noqa: E402
+from unisg_blender.generate.observe.scene_tokens import FLAGS  # noqa: E402
+from unisg_blender.generate.observe.support_priors import Habits, learn_habits  # noqa: E402
+from unisg_blender.generate.propose.mixture import TAIL  # noqa: E402
+from unisg_blender.generate.trained_model import load_model  # noqa: E402
+from unisg_blender.learn.losses.mixtures import height_nll, mixture_nll  # noqa: E402
+from unisg_blender.learn.losses.ranking import ranking_loss  # noqa: E402
+from unisg_blender.learn.losses.variational import kl_divergence  # noqa: E402
+from unisg_blender.learn.training_scenes import TrainingScene  # noqa: E402
 from unisg_blender.scene import world_matrices  # noqa: E402
+from unisg_blender.spatial.objects import things_of  # noqa: E402
 
 VOCABULARY = ("Cup", "Floor", "Lamp", "Table", "Wall")
 PLACES = (

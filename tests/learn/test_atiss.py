@@ -8,18 +8,20 @@ import pytest
 
 torch = pytest.importorskip("torch")
 
+from unisg_blender.dataset.assets.asset.shaped_scenes import scenes_with_shapes  # noqa: E402
+from unisg_blender.learn.atiss.network.network import Atiss, AtissSizes  # noqa: E402
+from unisg_blender.learn.atiss.network.training import example_inputs, train, write_atiss  # noqa: E402
+
 from tests.generate.models import shared_dataset  # noqa: E402
 from unisg_blender.dataset import open_dataset  # noqa: E402
-from unisg_blender.dataset.shapes import scenes_with_shapes  # noqa: E402
-from unisg_blender.evaluate.atiss import AtissProposer, load_generator  # noqa: E402
-from unisg_blender.evaluate.cases import case_of  # noqa: E402
-from unisg_blender.evaluate.furnish import ByModel  # noqa: E402
-from unisg_blender.generate.contract import Contract  # noqa: E402
-from unisg_blender.generate.habits import Habits  # noqa: E402
-from unisg_blender.generate.pieces import box_piece  # noqa: E402
-from unisg_blender.learn.atiss import Atiss, AtissSizes, logistics_nll  # noqa: E402
+from unisg_blender.experiments.rooms.atiss_proposer import AtissProposer, load_generator  # noqa: E402
+from unisg_blender.experiments.rooms.cases import case_of  # noqa: E402
+from unisg_blender.experiments.rooms.furnishing import ByModel  # noqa: E402
+from unisg_blender.generate.observe.contract import Contract  # noqa: E402
+from unisg_blender.generate.observe.support_priors import Habits  # noqa: E402
+from unisg_blender.generate.place.placeable import box_piece  # noqa: E402
+from unisg_blender.learn.losses.mixtures import logistics_nll  # noqa: E402
 from unisg_blender.learn.settings import Settings  # noqa: E402
-from unisg_blender.learn.train_atiss import example_inputs, train, write_atiss  # noqa: E402
 
 
 @pytest.fixture(scope="module")
@@ -94,9 +96,9 @@ def test_rooms_are_furnished_and_the_same_seed_gives_the_same(model: Path) -> No
 
 
 def test_drawn_places_are_where_the_density_is_high(model: Path) -> None:
-    from unisg_blender.generate.proposals import Scene
-    from unisg_blender.generate.things import things_of
+    from unisg_blender.generate.observe.proposals import Scene
     from unisg_blender.scene import world_matrices
+    from unisg_blender.spatial.objects import things_of
 
     generator = load_generator(model)
     room = next(iter(scenes_with_shapes(open_dataset(shared_dataset()))))

@@ -14,16 +14,16 @@ pytest.importorskip("pytorch_lightning")
 
 from tests.generate.rooms import room  # noqa: E402
 from unisg_blender.dataset import open_dataset, write_dataset  # noqa: E402
-from unisg_blender.generate.behaviour.choice import Casting  # noqa: E402
-from unisg_blender.generate.behaviour.habits import learn_kinds  # noqa: E402
-from unisg_blender.generate.behaviour.kinds import Kinds, behaviour_path  # noqa: E402
-from unisg_blender.generate.behaviour.model import load_behaviour  # noqa: E402
-from unisg_blender.generate.behaviour.network import INPUTS, play_arrays  # noqa: E402
-from unisg_blender.generate.behaviour.play import Play, read_play  # noqa: E402
-from unisg_blender.learn.behaviour_batches import Examples, collate  # noqa: E402
-from unisg_blender.learn.behaviour_net import BehaviourNet  # noqa: E402
+from unisg_blender.generate.behaviour.action_kinds import Kinds, behaviour_path  # noqa: E402
+from unisg_blender.generate.behaviour.action_policy import Casting  # noqa: E402
+from unisg_blender.generate.behaviour.action_statistics import learn_kinds  # noqa: E402
+from unisg_blender.generate.behaviour.behaviour_file import load_behaviour  # noqa: E402
+from unisg_blender.generate.behaviour.network_policy import INPUTS, play_arrays  # noqa: E402
+from unisg_blender.generate.behaviour.observation import Play, read_play  # noqa: E402
+from unisg_blender.learn.behaviour.examples import Examples, collate  # noqa: E402
+from unisg_blender.learn.behaviour.network import BehaviourNet  # noqa: E402
+from unisg_blender.learn.behaviour.training import make_network, train, write_behaviour  # noqa: E402
 from unisg_blender.learn.settings import Settings  # noqa: E402
-from unisg_blender.learn.train_behaviour import make_network, train, write_behaviour  # noqa: E402
 from unisg_blender.worlds import living_room  # noqa: E402
 
 

@@ -11,14 +11,16 @@ import pytest
 torch = pytest.importorskip("torch")
 pytest.importorskip("torch_geometric")
 
+from unisg_blender.learn.cgvae.network.network import Cgvae, CgvaeSizes  # noqa: E402
+from unisg_blender.learn.cgvae.network.training import normalisation, write_cgvae  # noqa: E402
+
 from unisg_blender.dataset import open_dataset  # noqa: E402
-from unisg_blender.generate.cgvae import edges_of, node_features, poses_of  # noqa: E402
-from unisg_blender.generate.contract import Contract  # noqa: E402
-from unisg_blender.generate.habits import Habits  # noqa: E402
-from unisg_blender.generate.model import load_model  # noqa: E402
-from unisg_blender.learn.cgvae import Cgvae, CgvaeSizes, cgvae_losses  # noqa: E402
-from unisg_blender.learn.scenes import load_scenes, vocabulary_of  # noqa: E402
-from unisg_blender.learn.train_cgvae import normalisation, write_cgvae  # noqa: E402
+from unisg_blender.generate.observe.contract import Contract  # noqa: E402
+from unisg_blender.generate.observe.support_priors import Habits  # noqa: E402
+from unisg_blender.generate.propose.cgvae_proposer import edges_of, node_features, poses_of  # noqa: E402
+from unisg_blender.generate.trained_model import load_model  # noqa: E402
+from unisg_blender.learn.losses.variational import cgvae_losses  # noqa: E402
+from unisg_blender.learn.training_scenes import load_scenes, vocabulary_of  # noqa: E402
 from unisg_blender.poses import FORMS  # noqa: E402
 
 SIZES = CgvaeSizes(features=5, categories=4)
@@ -117,9 +119,9 @@ def test_the_file_agrees_with_torch_and_keeps_to_blenders_onnxruntime(network: C
 @pytest.mark.parametrize("form", FORMS)
 def test_features_go_out_and_come_back_in_every_form(form: str) -> None:
     from tests.generate.rooms import room
-    from unisg_blender.generate.proposals import relative
-    from unisg_blender.generate.things import things_of
+    from unisg_blender.generate.observe.proposals import relative
     from unisg_blender.scene import world_matrices
+    from unisg_blender.spatial.objects import things_of
 
     graphs = [room(seed) for seed in range(4)]
     things = [things_of(graph, graph.vocabulary) for graph in graphs]

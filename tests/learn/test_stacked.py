@@ -6,7 +6,7 @@ import pytest
 
 torch = pytest.importorskip("torch")
 
-from unisg_blender.learn.stacked import StackedMlp, train_stacked  # noqa: E402
+from unisg_blender.learn.ensemble import StackedMlp, train_stacked  # noqa: E402
 
 
 def mse(found: torch.Tensor, wanted: torch.Tensor) -> torch.Tensor:

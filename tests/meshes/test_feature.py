@@ -7,12 +7,12 @@ import pytest
 
 from unisg_blender.errors import UniSGError
 from unisg_blender.meshes import AtlasNetEncoder, decode_cloud, decode_mesh
+from unisg_blender.meshes.atlasnet_sessions import load_network
 from unisg_blender.meshes.decode import allot, decode_unit, patch_areas, signed_volume
-from unisg_blender.meshes.feature import atlasnet_feature, cloud
-from unisg_blender.meshes.networks import load_network
+from unisg_blender.meshes.feature_text import feature_from_text, feature_to_text
 from unisg_blender.meshes.normalise import normalise
+from unisg_blender.meshes.shape_feature import atlasnet_feature, cloud
 from unisg_blender.meshes.sphere import box_template, sphere_template
-from unisg_blender.meshes.stored import feature_from_text, feature_to_text
 from unisg_blender.scene import Mesh, mesh_from_faces
 
 from .shapes import box, is_closed_and_oriented, joined, sphere

@@ -9,9 +9,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from unisg_blender.errors import UniSGError
-from unisg_blender.meshes.label import accept, beside, propose_categories
-from unisg_blender.meshes.label_model import LabelModel, size_channels
-from unisg_blender.meshes.names import name_scores, words
+from unisg_blender.predict.category_model import LabelModel, size_channels
+from unisg_blender.predict.category_proposals import accept, beside, propose_categories
+from unisg_blender.predict.name_evidence import name_scores, words
 from unisg_blender.scene import Mesh, SceneBuilder, SceneGraph
 
 from .shapes import box, sphere

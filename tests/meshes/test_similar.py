@@ -33,7 +33,7 @@ def test_library_of_a_folder(tmp_path: Path) -> None:
     library = folder_library(DATA)
     assert len(library.names) == 6
     chair = next(name for name in library.names if name.endswith("chair_A.gltf"))
-    from unisg_blender.meshes.files import read_mesh_file
+    from unisg_blender.meshes.mesh_files import read_mesh_file
 
     match = library.nearest(read_mesh_file(chair), 1)[0]
     assert match.name == chair

@@ -7,14 +7,15 @@ import pytest
 
 torch = pytest.importorskip("torch")
 
-from unisg_blender.evaluate.meshes_metrics import chamfer_l2, f_score  # noqa: E402
-from unisg_blender.learn.atlasnet import AtlasNet, PointNetEncoder  # noqa: E402
-from unisg_blender.learn.atlasnet_decoder import PatchDecoder, draw_template  # noqa: E402
-from unisg_blender.learn.chamfer import chamfer  # noqa: E402
-from unisg_blender.learn.train_labels import standing_together, temperature  # noqa: E402
-from unisg_blender.learn.train_meshes import MeshTraining, augment, random_rotation, train  # noqa: E402
-from unisg_blender.meshes.label_model import nearest_of_class  # noqa: E402
-from unisg_blender.meshes.models import Model  # noqa: E402
+from unisg_blender.learn.atlasnet.network.network import AtlasNet, PointNetEncoder  # noqa: E402
+from unisg_blender.learn.atlasnet.network.patch_decoder import PatchDecoder, draw_template  # noqa: E402
+from unisg_blender.learn.atlasnet.network.training import MeshTraining, augment, random_rotation, train  # noqa: E402
+
+from unisg_blender.learn.categories.training import standing_together, temperature  # noqa: E402
+from unisg_blender.learn.losses.chamfer import chamfer  # noqa: E402
+from unisg_blender.meshes.shape_files import Model  # noqa: E402
+from unisg_blender.metrics.point_clouds import chamfer_l2, f_score  # noqa: E402
+from unisg_blender.predict.category_model import nearest_of_class  # noqa: E402
 from unisg_blender.worlds import WORLDS  # noqa: E402
 
 from .shapes import box, sphere  # noqa: E402
@@ -92,8 +93,9 @@ def test_training_learns_and_repeats() -> None:
 
 def test_exported_networks_are_the_trained_ones(tmp_path: Path) -> None:
     pytest.importorskip("onnxscript")
-    from unisg_blender.learn.atlasnet_export import export
-    from unisg_blender.meshes.networks import load_network, patch_count
+    from unisg_blender.learn.atlasnet.network.export import export
+
+    from unisg_blender.meshes.atlasnet_sessions import load_network, patch_count
 
     torch.manual_seed(2)
     network = AtlasNet(5, 32, 3).eval()

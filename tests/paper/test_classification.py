@@ -8,7 +8,7 @@ import pytest
 torch = pytest.importorskip("torch")
 pytest.importorskip("torch_geometric")
 
-from unisg_blender.evaluate.paper.plan import DOUBLED_FORMS  # noqa: E402
+from unisg_blender.experiments.paper.plan import DOUBLED_FORMS  # noqa: E402
 from unisg_blender.learn.paper.classification import Scenes, doubled  # noqa: E402
 from unisg_blender.poses import FORMS  # noqa: E402
 

@@ -13,13 +13,14 @@ pytest.importorskip("torch_geometric")
 pytest.importorskip("matplotlib")
 
 from unisg_blender.cli import main
-from unisg_blender.evaluate.paper import plan, report, runs
-from unisg_blender.evaluate.paper.data import Sizes, tumbled
-from unisg_blender.evaluate.paper.scale import field
-from unisg_blender.evaluate.pose_metrics import decoded
+from unisg_blender.experiments.paper import paper_report as report
+from unisg_blender.experiments.paper import plan, runs
+from unisg_blender.experiments.paper.scale import field
+from unisg_blender.learn.paper.experiment_scenes import Sizes, tumbled
 from unisg_blender.learn.paper.poses import landmarks, poses_of_landmarks, random_signs
+from unisg_blender.metrics.pose_errors import decoded
 from unisg_blender.poses import FORMS
-from unisg_blender.predict.boxes import candidate_pairs
+from unisg_blender.predict.object_pairs import candidate_pairs
 from unisg_blender.scene import world_matrices
 from unisg_blender.worlds import cubes
 
@@ -37,7 +38,7 @@ def tiny(monkeypatch: pytest.MonkeyPatch) -> None:
     factors = {name: (settings, FORMS_KEPT) for name, (settings, _) in kept.items()}
     monkeypatch.setattr(plan, "POSE_FACTORS", factors)
     monkeypatch.setattr(plan, "PAPER_FORMS", {"PGA": "pga"})
-    monkeypatch.setattr("unisg_blender.evaluate.paper.tables.PAPER_FORMS", {"PGA": "pga"})
+    monkeypatch.setattr("unisg_blender.experiments.paper.paper_tables.PAPER_FORMS", {"PGA": "pga"})
     monkeypatch.setattr(plan, "NARROW_FORMS", FORMS_KEPT)
     monkeypatch.setattr(plan, "FEW_FORMS", ("sixd",))
     monkeypatch.setattr(report, "QUICK_PLAN", replace(TINY))

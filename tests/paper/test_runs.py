@@ -9,8 +9,8 @@ from typing import Any
 import pytest
 
 from unisg_blender.errors import UniSGError
-from unisg_blender.evaluate.paper import runs
-from unisg_blender.evaluate.paper.runs import Run, finished, run_all
+from unisg_blender.experiments.paper import runs
+from unisg_blender.experiments.paper.runs import Run, finished, run_all
 
 CALLS: list[int] = []
 

@@ -12,12 +12,12 @@ from scipy.spatial.transform import Rotation
 from tests.evaluate.hand_made import Scene, box_mesh, table_mesh
 from unisg_blender.cli import main
 from unisg_blender.errors import UniSGError
-from unisg_blender.predict.boxes import candidate_pairs, pair_features, relative_poses, thing_boxes
-from unisg_blender.predict.classify import SceneModel
-from unisg_blender.predict.network import load_network
-from unisg_blender.predict.topology import TopologyModel, with_relations
+from unisg_blender.geometry.boxes import Boxes
+from unisg_blender.predict.object_pairs import candidate_pairs, pair_features, relative_poses, thing_boxes
+from unisg_blender.predict.prediction_session import load_network
+from unisg_blender.predict.scene_kind import SceneModel
+from unisg_blender.predict.support_prediction import TopologyModel, with_relations
 from unisg_blender.scene import SceneGraph, world_matrices
-from unisg_blender.scene.bounds import Boxes
 from unisg_blender.scene.properties import relations_of
 from unisg_blender.worlds import cubes, living_room, operating_room
 

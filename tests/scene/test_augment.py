@@ -4,10 +4,12 @@ import numpy as np
 import pytest
 
 from tests.worlds.digest import digest
+from unisg_blender.behaviour import check_scene
 from unisg_blender.errors import UniSGError
-from unisg_blender.evaluate.scene_metrics import measure_scene
+from unisg_blender.geometry.polygon import area
+from unisg_blender.metrics.scene_validity import measure_scene
 from unisg_blender.scene import world_matrices
-from unisg_blender.scene.augment import (
+from unisg_blender.scene.augmentation import (
     category_dropout,
     mesh_jitter,
     mirrored,
@@ -15,8 +17,7 @@ from unisg_blender.scene.augment import (
     quarter_turns,
     scale_noise,
 )
-from unisg_blender.scene.behaviour import check_scene
-from unisg_blender.scene.outline import area, room_outline
+from unisg_blender.spatial.floor_plan import room_outline
 from unisg_blender.worlds import living_room, operating_room
 
 SOURCE = operating_room(0)

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from unisg_blender.scene import SceneBuilder, SceneGraph, children, subtree, table, take, world_matrices
-from unisg_blender.scene.instances import realize
+from unisg_blender.scene.realize_instances import realize
 
 
 @st.composite

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from unisg_blender import errors
+from unisg_blender.geometry.polygon import area, inside, outside_distance
 from unisg_blender.scene import SceneBuilder, mesh_from_faces
-from unisg_blender.scene.outline import area, inside, mesh_outline, outside_distance, room_outline
+from unisg_blender.spatial.floor_plan import mesh_outline, room_outline
 
 L_SHAPE = np.array([(-2, -2), (2, -2), (2, 0), (0, 0), (0, 2), (-2, 2)], float)
 

@@ -7,8 +7,10 @@ from hypothesis import strategies as st
 from scipy.optimize import linprog
 from scipy.spatial.transform import Rotation
 
-from unisg_blender.scene import Boxes, Mesh, SceneBuilder, mesh_from_faces, oriented_boxes, overlap
-from unisg_blender.scene.overlap import PART_LIMIT, mesh_parts, nearby_pairs, part_boxes, penetration
+from unisg_blender.geometry.box_overlap import nearby_pairs, penetration
+from unisg_blender.scene import Boxes, Mesh, SceneBuilder, mesh_from_faces, oriented_boxes
+from unisg_blender.spatial import part_boxes as overlap
+from unisg_blender.spatial.part_boxes import PART_LIMIT, mesh_parts, part_boxes
 
 CUBE = np.stack(np.meshgrid(*[[-0.5, 0.5]] * 3, indexing="ij"), -1).reshape(-1, 3)
 CUBE_FACES = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]

@@ -8,7 +8,7 @@ from typing import Any
 if sys.argv[1] == "bpy":
     import bpy  # noqa: F401  Blender's own USD
 
-from unisg_blender.usd.library import require_pxr
+from unisg_blender.usd.pxr_library import require_pxr
 
 require_pxr()
 from pxr import Usd, UsdUtils  # noqa: E402

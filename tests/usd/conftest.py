@@ -7,7 +7,7 @@ import contextlib
 with contextlib.suppress(ImportError):
     import bpy  # noqa: F401
 
-from unisg_blender.usd.library import missing_pxr
+from unisg_blender.usd.pxr_library import missing_pxr
 
 if missing_pxr():  # Blender before 4.4, or neither Blender nor usd-core
     collect_ignore_glob = ["*"]

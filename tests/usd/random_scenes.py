@@ -9,7 +9,7 @@ import numpy as np
 from hypothesis.extra import numpy as arrays
 
 from unisg_blender.scene import ActionData, LessonNode, Material, Mesh, Relation, SceneGraph, Thresholds, table
-from unisg_blender.scene.assemble import Columns, assemble
+from unisg_blender.scene.assembly import Columns, assemble
 from unisg_blender.scene.properties import ObjectProperties
 
 NAMES = st.one_of(

@@ -14,8 +14,8 @@ from unisg_blender.scene import SceneBuilder, SceneGraph, mesh_from_faces, table
 from unisg_blender.scene.graph import TYPE_INDEX
 from unisg_blender.usd import read_usd, write_usd
 from unisg_blender.usd.cameras import NEW as CAMERA
-from unisg_blender.usd.library import require_pxr
 from unisg_blender.usd.lights import NEW as LIGHT
+from unisg_blender.usd.pxr_library import require_pxr
 
 TRIANGLE = mesh_from_faces("Triangle", np.eye(3), [[0, 1, 2]])
 CAMERA_VALUES = {"data": "Eye", "active": True, "fit": "VERTICAL", "shift_x": 0.1, "lens": 1 / 3, "fstop": 1.7}

@@ -14,7 +14,7 @@ from tests.conftest import scene_files
 from tests.usd.test_edits import studio
 from unisg_blender.scene import SceneBuilder, SceneGraph, mesh_from_faces, table, world_matrices
 from unisg_blender.usd import read_usd, write_usd
-from unisg_blender.usd.library import require_pxr
+from unisg_blender.usd.pxr_library import require_pxr
 
 DATA = Path(__file__).parents[1] / "data"
 OTHERS = sorted(
@@ -66,8 +66,7 @@ def stage_boxes(path: Path) -> np.ndarray:
     """The same after USD's own bounding boxes of points, in metres and Z up."""
     require_pxr()
     from pxr import Usd, UsdGeom
-
-    from unisg_blender.usd.stage import stage_frame
+    from unisg_blender.usd.read.stage_reader.stage import stage_frame
 
     stage = Usd.Stage.Open(str(path))
     frame, cache, found = stage_frame(stage), UsdGeom.XformCache(), []

@@ -10,12 +10,12 @@ import pytest
 pytest.importorskip("bpy")
 
 import bpy
+from unisg_blender.blender.authoring.authoring.identities import repair_identities
 
 from tests.blender.helpers import add, box, relative_gap
 from unisg_blender.blender import objects_by_uid, read_scene
-from unisg_blender.blender.identity import repair_identities
 from unisg_blender.scene import ActionData, SceneGraph, world_matrices
-from unisg_blender.scene.actions import actions_to_json
+from unisg_blender.scene.action_data import actions_to_json
 from unisg_blender.usd import write_usd
 
 LIGHTS = {"POINT": 30.0, "SUN": 3.0, "SPOT": 40.0, "AREA": 50.0}

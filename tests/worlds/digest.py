@@ -6,8 +6,8 @@ import hashlib
 import sys
 
 from unisg_blender.scene import SceneGraph
-from unisg_blender.scene.actions import actions_to_json
-from unisg_blender.scene.lesson import lesson_to_json
+from unisg_blender.scene.action_data import actions_to_json
+from unisg_blender.scene.lesson_node import lesson_to_json
 from unisg_blender.worlds import WORLDS
 
 

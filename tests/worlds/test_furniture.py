@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from unisg_blender.scene.overlap import PART_LIMIT, mesh_parts
+from unisg_blender.spatial.part_boxes import PART_LIMIT, mesh_parts
 from unisg_blender.worlds.furniture.kit import Asset, ball, block, lathe, prism, rod, turned
 from unisg_blender.worlds.furniture.palette import MATERIALS
 from unisg_blender.worlds.living_room import furnish as furnish_home

@@ -15,13 +15,13 @@ try:
 except ImportError:
     raise MissingPackageError("bpy", "blender") from None
 
-from .animation import sample_animation
-from .files import SUFFIXES, new_file, open_file, read_file, save_blend
+from .blend_files import SUFFIXES, new_file, open_file, read_file, save_blend
 from .lookup import objects_by_uid
-from .picture import render_picture
-from .read import read_scene, read_scenes
-from .report import ReadReport
-from .write import write_rows, write_scene
+from .motion.sampled_animation import sample_animation
+from .read.scene_reader import read_scene, read_scenes
+from .render.picture import render_picture
+from .unsupported.read_report import ReadReport
+from .write.scene_writer import write_rows, write_scene
 
 __all__ = [
     "SUFFIXES", "ReadReport", "new_file", "objects_by_uid", "open_file", "read_file", "read_scene", "read_scenes",

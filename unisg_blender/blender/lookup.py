@@ -18,7 +18,7 @@ def stored_uid(owner: bpy.types.Object) -> str:
 
 
 def objects_by_uid(scene: bpy.types.Scene) -> dict[str, bpy.types.Object]:
-    """Every object of the scene under the uid that :func:`~.read.read_scene` gives it."""
+    """Every object of the scene under the uid that :func:`~.read.scene_reader.read_scene` gives it."""
     objects = list(scene.objects)
     uids = resolve_uids([stored_uid(item) for item in objects], [item.name for item in objects])
     return dict(zip(uids, objects, strict=True))

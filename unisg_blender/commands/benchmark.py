@@ -17,11 +17,17 @@ HELP = "Measure in one run and write tables (CSV, JSON) and figures (PNG, SVG)."
 
 # name -> what it measures, and "module:function": (args, folder, progress) -> report; the function writes its files
 BENCHMARKS = {
-    "poses": ("exactness and speed of the representation forms", "..evaluate.poses_report:write_poses_report"),
-    "motion": ("keyframe reduction beside Blender's own", "..evaluate.motion_report:write_motion_report"),
-    "meshes": ("mesh features, decoded meshes and proposed categories", "..evaluate.meshes_report:write_meshes_report"),
-    "rooms": ("the frozen rooms to train and measure generators on", "..evaluate.rooms_benchmark:write_rooms"),
-    "paper": ("the paper's experiments, and a fair comparison of forms", "..evaluate.paper.report:write_paper_report"),
+    "poses": ("exactness and speed of the representation forms", "..experiments.poses.poses_report:write_poses_report"),
+    "motion": ("keyframe reduction beside Blender's own", "..experiments.poses.motion_report:write_motion_report"),
+    "meshes": (
+        "mesh features, decoded meshes and proposed categories",
+        "..experiments.meshes.meshes_report:write_meshes_report",
+    ),
+    "rooms": ("the frozen rooms to train and measure generators on", "..experiments.rooms.frozen_rooms:write_rooms"),
+    "paper": (
+        "the paper's experiments, and a fair comparison of forms",
+        "..experiments.paper.paper_report:write_paper_report",
+    ),
 }
 
 

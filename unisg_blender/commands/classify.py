@@ -7,7 +7,7 @@ import json
 from pathlib import Path
 
 from ..errors import DONE
-from .scene_files import check_kinds, read_scene_file, shown
+from ..formats.scene_files import check_kinds, read_scene_file, shown
 
 HELP = "Tell what kind of scene a file holds, by a trained network."
 
@@ -20,7 +20,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Print the chance of each kind, or with ``--json`` one JSON object."""
-    from ..predict.classify import SceneModel
+    from ..predict.scene_kind import SceneModel
 
     model = SceneModel(args.model)
     check_kinds(args.path, None)

@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 
 from ..errors import DONE, UniSGError
-from .scene_files import BLENDER, READABLE, WRITABLE, check_kinds, read_scene_file, shown, write_scene_file
+from ..formats.scene_files import BLENDER, READABLE, WRITABLE, check_kinds, read_scene_file, shown, write_scene_file
 
 HELP = f"Turn a scene file ({', '.join(READABLE)}) into {', '.join(WRITABLE)}, through the scenegraph."
 
@@ -33,8 +33,8 @@ def run(args: argparse.Namespace) -> int:
     check_kinds(args.source, args.target)
     if args.target.exists() and args.target.resolve() == args.source.resolve():
         raise UniSGError(f"{args.target}: is the file to be read; choose another name")
-    from ..scene.describe import summary
-    from ..scene.instances import realize
+    from ..scene.realize_instances import realize
+    from ..scene.scene_text import summary
 
     quiet = args.quiet or args.json
     with shown(quiet, "frames" if args.source.suffix.lower() in BLENDER else "entities read") as tell:

@@ -61,7 +61,7 @@ def run(args: argparse.Namespace) -> int:
 
 def _demo(args: argparse.Namespace, out: Path, bar: tqdm) -> dict[str, Any]:
     from ..blender import read_scene, write_scene
-    from ..blender.files import new_file, save_blend
+    from ..blender.blend_files import new_file, save_blend
     from ..generate import Generator
     from ..pretrained import default_generator
     from ..worlds import operating_room
@@ -149,8 +149,8 @@ def _pictures(out: Path, before: SceneGraph, completed: Generated, empty: Genera
     import bpy
 
     from ..blender import write_rows, write_scene
-    from ..blender.files import new_file, save_blend
-    from ..blender.picture import render_picture
+    from ..blender.blend_files import new_file, save_blend
+    from ..blender.render.picture import render_picture
 
     scene = bpy.context.scene
     render_picture(out / "before_perspective.png", scene)
@@ -180,7 +180,7 @@ def _model_record(generator: Generator) -> dict[str, Any]:
 
 def _room_record(graph: SceneGraph) -> dict[str, Any]:
     """Objects and faults of a room, measured."""
-    from ..evaluate.scene_metrics import measure_scene
+    from ..metrics.scene_validity import measure_scene
 
     report = measure_scene(graph)
     return {
@@ -192,7 +192,7 @@ def _room_record(graph: SceneGraph) -> dict[str, Any]:
 
 
 def _generated_record(generated: Generated) -> dict[str, Any]:
-    from ..evaluate.scene_metrics import measure_scene
+    from ..metrics.scene_validity import measure_scene
 
     report, rows = measure_scene(generated.scene), generated.rows
     spent = sorted(placement.milliseconds for placement in generated.objects)

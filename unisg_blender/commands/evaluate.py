@@ -15,7 +15,7 @@ from ..errors import DONE, UniSGError
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from ..evaluate.generation import Plan, Progress
+    from ..experiments.rooms.generation_table import Plan, Progress
 
 HELP = "Furnish the rooms of a dataset anew with a model, measure the result, and print baselines beside it."
 QUICK_SCENES, QUICK_TREES = 12, 50
@@ -45,10 +45,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Measure and print the table."""
-    from ..evaluate.generation import compare
-    from ..evaluate.generation_report import table, write_report
-    from ..evaluate.poses_report import machine
-    from ..evaluate.work import processes
+    from ..experiments.poses.poses_report import machine
+    from ..experiments.rooms.generation_report import table, write_report
+    from ..experiments.rooms.generation_table import compare
+    from ..runtime.result_cache import processes
 
     plan = _plan(args)
     start = time.perf_counter()
@@ -68,11 +68,11 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _plan(args: argparse.Namespace) -> Plan:
-    from ..dataset.reader import open_dataset
-    from ..evaluate.atiss import load_generator
-    from ..evaluate.generation import Plan
-    from ..evaluate.realism import TREES
-    from ..evaluate.rows import Data
+    from ..dataset.format.reader import open_dataset
+    from ..experiments.rooms.atiss_proposer import load_generator
+    from ..experiments.rooms.generation_table import Plan
+    from ..experiments.rooms.table_rows import Data
+    from ..metrics.two_sample_test import TREES
 
     for name in ("scenes", "seeds", "jobs"):
         value = getattr(args, name)
@@ -109,7 +109,7 @@ def _folder(out: Path | None) -> Iterator[Path]:
 @contextmanager
 def _bars(quiet: bool) -> Iterator[Progress]:
     """A progress bar per step."""
-    from ..progress import Progress as Bar
+    from ..runtime.progress import Progress as Bar
 
     bars: dict[str, Bar] = {}
 

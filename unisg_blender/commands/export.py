@@ -13,10 +13,10 @@ from typing import TYPE_CHECKING, Any
 from ..errors import DONE, SOME_FAILED, MissingPackageError, UniSGError
 
 if TYPE_CHECKING:
-    from ..progress import Progress
+    from ..runtime.progress import Progress
 
 HELP = "Turn scene files into a dataset for learning."
-ENCODERS = {"atlasnet": "unisg_blender.meshes.feature:atlasnet_feature"}
+ENCODERS = {"atlasnet": "unisg_blender.meshes.shape_feature:atlasnet_feature"}
 """Mesh encoders that have a name of their own."""
 
 EPILOG = "A file that crashes, hangs or cannot be read costs only itself; the dataset's list of files says why."
@@ -59,9 +59,9 @@ def _positive(text: str) -> int:
 
 def run(args: argparse.Namespace) -> int:
     """Export, show progress and one line per file that lost something or failed."""
-    from ..dataset.export import ExportOptions, export_dataset
-    from ..dataset.mapping import read_mapping
-    from ..progress import Progress
+    from ..dataset.category_mapping import read_mapping
+    from ..dataset.export.batch_export import ExportOptions, export_dataset
+    from ..runtime.progress import Progress
 
     options = ExportOptions(
         form=args.form,
@@ -102,7 +102,7 @@ def run(args: argparse.Namespace) -> int:
 
 def _show_file(bar: Progress, record: dict[str, Any]) -> None:
     """One line about a file: why it failed, or what of it is not in the dataset."""
-    from ..dataset.describe import printable
+    from ..dataset.dataset_description import printable
 
     source = printable(record["source"])
     if record["status"] == "failed":

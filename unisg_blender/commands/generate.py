@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..errors import DONE, SOME_FAILED, UniSGError
-from ..usd.files import replacing
-from .scene_files import check_kinds, read_scene_file, write_scene_file
+from ..formats.scene_files import check_kinds, read_scene_file, write_scene_file
+from ..usd.usd_files import replacing
 
 if TYPE_CHECKING:
     from ..generate import Generated
@@ -108,7 +108,7 @@ def _check(args: argparse.Namespace) -> None:
 def _write(args: argparse.Namespace, result: Generated) -> None:
     kind = args.out.suffix.lower()
     if kind == ".json":
-        from ..scene.describe import to_records
+        from ..scene.scene_text import to_records
 
         new = set(result.rows.tolist())
         records = [{**record, "new": row in new} for row, record in enumerate(to_records(result.scene))]
@@ -124,7 +124,7 @@ def _write_with_blender(args: argparse.Namespace, result: Generated, save: bool)
     import bpy
 
     from ..blender import new_file, open_file, render_picture, save_blend, write_rows, write_scene
-    from ..blender.extend_lessons import extend_lessons
+    from ..blender.authoring.extended_lessons import extend_lessons
 
     if args.scene is not None and args.scene.suffix.lower() not in USD:
         open_file(args.scene)

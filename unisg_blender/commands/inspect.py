@@ -34,8 +34,8 @@ def run(args: argparse.Namespace) -> int:
     """Print the tree, or with ``--json`` everything as one JSON object."""
     if args.path.is_dir():
         return _inspect_dataset(args)
-    from ..scene.describe import summary, to_records, tree_lines
-    from .scene_files import check_kinds, read_scene_file, shown
+    from ..formats.scene_files import check_kinds, read_scene_file, shown
+    from ..scene.scene_text import summary, to_records, tree_lines
 
     check_kinds(args.path, None)
     with shown(args.quiet or args.json, "entities") as tell:
@@ -53,11 +53,14 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _inspect_dataset(args: argparse.Namespace) -> int:
-    from ..dataset.describe import describe_dataset, description_lines  # its own room knows what stands in a dataset
+    from ..dataset.dataset_description import (  # its own room knows what stands in a dataset
+        describe_dataset,
+        description_lines,
+    )
 
     record = describe_dataset(args.path)
     if args.figures is not None:
-        from ..dataset.figures import draw_dataset
+        from ..dataset.dataset_pictures import draw_dataset
 
         record["figures"] = [str(path) for path in draw_dataset(args.path, args.figures)]
     print(json.dumps(record, ensure_ascii=False) if args.json else "\n".join(description_lines(record)))

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from ..errors import DONE, UniSGError
 
 if TYPE_CHECKING:
-    from ..meshes.label import Proposal
+    from ..predict.category_proposals import Proposal
     from ..scene import SceneGraph
 
 HELP = "Propose categories for the objects of a scene that have none, from shape, size, name and neighbours."
@@ -35,9 +35,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Read, propose, print; with ``--out`` accept and write."""
-    from ..meshes.label import propose_categories
-    from ..meshes.label_model import LabelModel
-    from .scene_files import check_kinds, read_scene_file
+    from ..formats.scene_files import check_kinds, read_scene_file
+    from ..predict.category_model import LabelModel
+    from ..predict.category_proposals import propose_categories
 
     use = _checked(args)
     model = LabelModel.load(args.model)
@@ -71,7 +71,7 @@ def _checked(args: argparse.Namespace) -> list[str]:
 
 
 def _write(source: Path, out: Path, graph: SceneGraph, accepted: Sequence[Proposal]) -> None:
-    from ..meshes.label import accept
+    from ..predict.category_proposals import accept
 
     if out.suffix.lower() in USD:
         from ..usd import write_usd
@@ -81,7 +81,7 @@ def _write(source: Path, out: Path, graph: SceneGraph, accepted: Sequence[Propos
     import bpy
 
     from ..blender import new_file, objects_by_uid, save_blend, write_scene
-    from ..blender.identity import assign_category
+    from ..blender.authoring.identities import assign_category
 
     if source.suffix.lower() in USD:
         new_file()

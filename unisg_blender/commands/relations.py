@@ -8,9 +8,9 @@ from dataclasses import fields
 from pathlib import Path
 
 from ..errors import DONE, UniSGError
+from ..formats.scene_files import check_kinds, read_scene_file, shown, write_scene_file
 from ..scene.graph import SceneGraph
-from ..scene.relate import KINDS, RelationTolerances, find_relations, relate
-from .scene_files import check_kinds, read_scene_file, shown, write_scene_file
+from ..spatial.relations import KINDS, RelationTolerances, find_relations, relate
 
 HELP = "Tell which thing stands on, in, above or beside which other, from geometry, or what is on what by a network."
 LENGTHS = {
@@ -64,7 +64,7 @@ def run(args: argparse.Namespace) -> int:
 
 def _run_model(args: argparse.Namespace) -> int:
     """The same by a trained network; with ``--out`` it replaces what the scene says about what is on top of what."""
-    from ..predict.topology import KIND, TopologyModel, with_relations
+    from ..predict.support_prediction import KIND, TopologyModel, with_relations
 
     if args.kind not in (None, [KIND]):
         raise UniSGError(f"the network knows {KIND!r} only: leave out --kind, or --model")

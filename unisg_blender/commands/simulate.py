@@ -18,8 +18,8 @@ from tqdm import tqdm
 from ..errors import DONE, MISUSE, UniSGError
 
 if TYPE_CHECKING:
+    from ..behaviour import Moment
     from ..scene import LessonNode, SceneGraph
-    from ..scene.behaviour import Moment
 
 HELP = (
     "Play the lesson of a scene: against the animation or recording in the file, a scripted motion (--motion), or a "
@@ -62,9 +62,9 @@ def run(args: argparse.Namespace) -> int:
     if args.rate is not None and not 0 < args.rate <= 1000:
         print("unisg simulate: --rate must be above 0 and at most 1000 frames per second", file=sys.stderr)
         return MISUSE
-    from ..scene.behaviour import prepare, simulate, timeline_record
-    from ..scene.behaviour.own_types import load_types
-    from .scene_files import check_kinds, read_scene_file, shown, write_scene_file
+    from ..behaviour import prepare, simulate, timeline_record
+    from ..behaviour.lesson.custom_types import load_types
+    from ..formats.scene_files import check_kinds, read_scene_file, shown, write_scene_file
 
     check_kinds(args.file, args.record)
     for path in args.types:
@@ -92,7 +92,7 @@ class Take:
     """What a film and a recording need of every moment of a lesson that is played."""
 
     def __init__(self, lesson: Any) -> None:
-        from ..scene.behaviour import Recorder
+        from ..behaviour import Recorder
 
         self.lesson, self.recorder = lesson, Recorder()
         self.frames: list[Any] = []
@@ -102,9 +102,9 @@ class Take:
 
     def watch(self, now: Moment, state: Any) -> None:
         """Take down a moment."""
-        from ..scene.behaviour import local_matrices
-        from ..scene.behaviour.progress import STATUSES
-        from ..scene.behaviour.recorded import new_inputs
+        from ..behaviour import local_matrices
+        from ..behaviour.play.lesson_progress import STATUSES
+        from ..behaviour.record.recorded_events import new_inputs
 
         states = [(_name(self.lesson, place), STATUSES[state.status[place]]) for place in self._leaves]
         self.frames.append((now.time, now.world, states))
@@ -115,7 +115,7 @@ class Take:
 
     def recorded(self, events: Iterable[Any]) -> SceneGraph:
         """The scene with all of it as its recording."""
-        from ..scene.behaviour import with_events
+        from ..behaviour import with_events
         from ..scene.components import ANIMATION
 
         graph = self.recorder.recorded(self.lesson.graph)
@@ -124,7 +124,7 @@ class Take:
 
 
 def _chosen(graph: SceneGraph, name: str | None) -> LessonNode | None:
-    from ..scene.behaviour import operations
+    from ..behaviour import operations
 
     if name is None:
         return None
@@ -139,8 +139,8 @@ def _moments(args: argparse.Namespace, graph: SceneGraph, lesson: Any) -> tuple[
     """The moments to play, and the script of a rehearsal as JSON."""
     from dataclasses import replace
 
-    from ..scene.behaviour import moments, motion_from_json, motion_to_json, recorded_motion, rehearse
-    from .scene_files import BLENDER
+    from ..behaviour import moments, motion_from_json, motion_to_json, recorded_motion, rehearse
+    from ..formats.scene_files import BLENDER
 
     if args.rehearse:
         motion = rehearse(lesson, args.rate or 30.0)
@@ -157,7 +157,7 @@ def _moments(args: argparse.Namespace, graph: SceneGraph, lesson: Any) -> tuple[
     if args.file.suffix.lower() in BLENDER:
         import bpy
 
-        from ..blender.behaviour import has_animation, scene_moments
+        from ..blender.authoring.stored_behaviour import has_animation, scene_moments
 
         if has_animation(bpy.context.scene):
             return scene_moments(bpy.context.scene, graph), None
@@ -167,7 +167,7 @@ def _moments(args: argparse.Namespace, graph: SceneGraph, lesson: Any) -> tuple[
 def _write(
     args: argparse.Namespace, graph: SceneGraph, record: dict[str, Any], frames: list[Any], script: str | None
 ) -> None:
-    from ..scene.behaviour.timeline_picture import draw_timeline
+    from ..behaviour.play.timeline_picture import draw_timeline
 
     args.out.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(prefix=".simulate-", dir=args.out) as folder:
@@ -186,8 +186,8 @@ def _render(args: argparse.Namespace, graph: SceneGraph, path: Path, frames: lis
     import bpy
 
     from ..blender import new_file, write_scene
-    from ..blender.film import write_film
-    from .scene_files import BLENDER
+    from ..blender.render.film import write_film
+    from ..formats.scene_files import BLENDER
 
     if args.file.suffix.lower() not in BLENDER:
         new_file()

@@ -21,7 +21,7 @@ JOBS = {
     "classifier": "what kind of scene it is, from datasets with labels, or one dataset per kind",
     "meshes": "the mesh feature (AtlasNet) and the model of categories, from folders of mesh files",
 }
-"""What can be trained: ``learn.train_NAME`` with ``EPOCHS`` and ``train(dataset, out, settings)``, but for "meshes"."""
+"""What can be trained: ``learn.NAME.training`` with ``EPOCHS`` and ``train(dataset, out, settings)``, not so "meshes"."""
 
 SEVERAL = ("topology", "classifier")
 """Jobs whose ``train`` takes a list of datasets."""
@@ -50,12 +50,12 @@ def run(args: argparse.Namespace) -> int:
     """Train, export, report."""
     if args.job == "meshes":
         return train_meshes.run(args)
-    from ..dataset.reader import open_dataset
+    from ..dataset.format.reader import open_dataset
 
     _check(args)
     datasets = [open_dataset(path) for path in args.data]
     try:
-        job = importlib.import_module(f"...learn.train_{args.job}", __name__)
+        job = importlib.import_module(f"...learn.{args.job}.training", __name__)
         from ..learn.settings import Settings
     except ModuleNotFoundError as error:
         if error.name and error.name.split(".")[0] in (

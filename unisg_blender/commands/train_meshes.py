@@ -12,7 +12,7 @@ from typing import Any
 
 from .. import __version__
 from ..errors import DONE, MissingPackageError, UniSGError
-from ..meshes.models import Model, of_split, read_models, world_models
+from ..meshes.shape_files import Model, of_split, read_models, world_models
 
 WORLDS_WITH_THINGS = ("operating-room", "living-room")
 PACKAGES = ("torch", "onnx", "onnxscript")
@@ -57,8 +57,8 @@ def run(args: argparse.Namespace) -> int:
 
 def _train_networks(args: argparse.Namespace, models: list[Model], provenance: dict[str, Any]) -> dict[str, Any]:
     try:
-        from ..learn.atlasnet_export import export
-        from ..learn.train_meshes import MeshTraining, train
+        from ..learn.atlasnet.export import export
+        from ..learn.atlasnet.training import MeshTraining, train
     except ModuleNotFoundError as error:
         if error.name and error.name.split(".")[0] in PACKAGES:
             raise MissingPackageError(error.name, "learn") from None
@@ -80,10 +80,10 @@ def _train_networks(args: argparse.Namespace, models: list[Model], provenance: d
 
 
 def _fit_labels(args: argparse.Namespace, models: list[Model], provenance: dict[str, Any]) -> dict[str, Any]:
-    from ..learn.train_labels import fit_labels
-    from ..meshes.feature import AtlasNetEncoder
-    from ..meshes.label_model import LABELS_FILE
-    from ..meshes.networks import ENCODER_FILE
+    from ..learn.categories.training import fit_labels
+    from ..meshes.atlasnet_sessions import ENCODER_FILE
+    from ..meshes.shape_feature import AtlasNetEncoder
+    from ..predict.category_model import LABELS_FILE
     from ..worlds import WORLDS
 
     own: Path = args.out / ENCODER_FILE

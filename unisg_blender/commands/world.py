@@ -16,7 +16,7 @@ from ..errors import DONE, UniSGError
 from ..worlds.many import make_many
 
 if TYPE_CHECKING:
-    from ..progress import Progress
+    from ..runtime.progress import Progress
     from ..scene.graph import SceneGraph
 
 HELP = "Make procedural scenes."
@@ -40,7 +40,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Make the scenes and write them."""
-    from ..progress import Progress
+    from ..runtime.progress import Progress
 
     if args.count < 1 or args.seed < 0 or (args.jobs is not None and args.jobs < 1):
         raise UniSGError("--count and --jobs must be at least 1, and --seed must not be negative")
@@ -114,8 +114,8 @@ def _write_usda(graph: SceneGraph, path: Path) -> None:
 
 def _write_json(graph: SceneGraph, path: Path) -> None:
     """Summary, records of all entities and the lessons, for eyes and for other tools."""
-    from ..scene.describe import summary, to_records
-    from ..scene.lesson import lesson_to_json
+    from ..scene.lesson_node import lesson_to_json
+    from ..scene.scene_text import summary, to_records
 
     lsa = graph.components.get("lsa")
     lessons = [] if lsa is None else [json.loads(lesson_to_json(lesson)) for lesson in lsa.columns["data"]]

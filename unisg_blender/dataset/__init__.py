@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from typing import Any
 
-from .encode import Sample
-from .reader import Dataset, Scene, open_dataset
+from .format.encoding import Sample
+from .format.reader import Dataset, Scene, open_dataset
+from .format.writer import write_dataset
 from .rebuild import to_scenegraph
-from .writer import write_dataset
 
 __all__ = [
     "Dataset", "Sample", "Scene", "UniSGDataset", "open_dataset", "to_heterodata", "to_scenegraph", "write_dataset",
 ]  # fmt: skip
 
-_LAZY = {"UniSGDataset": "graph_data", "to_heterodata": "graph_data"}
+_LAZY = {"UniSGDataset": "graphs.heterodata", "to_heterodata": "graphs.heterodata"}
 
 
 def __getattr__(name: str) -> Any:

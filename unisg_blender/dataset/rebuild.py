@@ -6,10 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..scene import Mesh, SceneGraph, mesh_from_faces, table
-from ..scene.actions import actions_from_json
+from ..scene.action_data import actions_from_json
 from ..scene.graph import Table
-from ..scene.lesson import lesson_from_json
-from .reader import Scene
+from ..scene.lesson_node import lesson_from_json
+from .format.reader import Scene
 
 BOX_FACES = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
 

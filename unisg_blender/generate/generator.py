@@ -9,24 +9,25 @@ from functools import cached_property
 
 import numpy as np
 
-from ..dataset.assets import STRUCTURE, Asset
+from ..behaviour import all_actions
+from ..dataset.assets.asset import Asset
 from ..errors import UniSGError
 from ..scene import SceneGraph
-from ..scene.behaviour import all_actions
-from ..scene.outline import FLOOR
-from .anchors import AnchorProposer
+from ..spatial.floor_plan import FLOOR
+from ..spatial.structure import STRUCTURE
 from .behaviour import Chooser, behaviour_path, load_behaviour, with_behaviour
-from .cgvae import CgvaeProposer
-from .contract import Contract
-from .extend import Names, extend, uid_maker
-from .library import Library
-from .model import Model, load_model
-from .order import in_order
-from .placing import Placing
-from .planning import Planned
-from .proposals import Proposer
+from .observe.contract import Contract
+from .observe.placement_order import in_order
+from .observe.proposals import Proposer
+from .place.placing import Placing
+from .place.planning import Planned
+from .place.room_shell import add_shell
+from .place.scene_extension import Names, extend, uid_maker
+from .propose.anchor_proposer import AnchorProposer
+from .propose.cgvae_proposer import CgvaeProposer
 from .results import Generated, Placement
-from .shells import add_shell
+from .shape_library import Library
+from .trained_model import Model, load_model
 
 
 class Generator:

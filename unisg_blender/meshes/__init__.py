@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from .decode import decode_cloud, decode_mesh
-from .feature import AtlasNetEncoder, MeshFeature
-from .reconstruct import reconstruct
 from .sampling import SurfaceSamples, sample_surface
+from .shape_feature import AtlasNetEncoder, MeshFeature
+from .surface_reconstruction import reconstruct
 
 __all__ = [
     "AtlasNetEncoder", "MeshFeature", "SurfaceSamples", "decode_cloud", "decode_mesh", "reconstruct", "sample_surface",

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from ..errors import UniSGError
 from ..scene.mesh import Mesh, mesh_from_faces
-from .feature import MeshFeature
-from .networks import DECODER_FILE, PRETRAINED, load_network, patch_count
+from .atlasnet_sessions import DECODER_FILE, PRETRAINED, load_network, patch_count
+from .shape_feature import MeshFeature
 from .sphere import box_template, fibonacci_sphere
 
 FACES = 5000

@@ -10,12 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import UniSGError
+from ..predict.category_model import size_channels
 from ..scene.mesh import Mesh
-from .feature import POINTS, AtlasNetEncoder, cloud, default_encoder
-from .files import MESH_SUFFIXES, read_mesh_file
-from .label_model import size_channels
-from .networks import FEATURE_WIDTH
+from .atlasnet_sessions import FEATURE_WIDTH
+from .mesh_files import MESH_SUFFIXES, read_mesh_file
 from .normalise import normalise
+from .shape_feature import POINTS, AtlasNetEncoder, cloud, default_encoder
 
 SIZE_WEIGHT = 0.25
 """How much a factor of e in size counts, in units of the mean distance between two shapes of the library."""

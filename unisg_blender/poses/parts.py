@@ -12,16 +12,7 @@ from typing import Any, Literal, NamedTuple
 from .arrays import Components, PoseError, as_batch, map_rows, namespace
 from .encodings import dilation_of, nearest_similarity
 from .motors import dual_part, extract_translation
-from .multivectors import (
-    CGA_EVEN,
-    PGA_EVEN,
-    cga_even,
-    from_pga_even,
-    gather,
-    pga_even,
-    similarity_even,
-    spread,
-)
+from .multivectors import CGA_EVEN, PGA_EVEN, cga_even, from_pga_even, gather, pga_even, similarity_even, spread
 from .rotations import unit_quaternion
 
 Algebra = Literal["pga", "cga"]

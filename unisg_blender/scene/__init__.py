@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from .actions import ActionData, Thresholds
-from .assemble import Columns, assemble, canonical
-from .bounds import Boxes, local_bounds, oriented_boxes
+from ..geometry.boxes import Boxes
+from ..spatial.entity_boxes import local_bounds, oriented_boxes
+from .action_data import ActionData, Thresholds
+from .assembly import Columns, assemble, canonical
 from .builder import SceneBuilder
 from .entity import Entity
 from .graph import TYPES, SceneGraph, Table, table
 from .hierarchy import children, compose_world, subtree, take, world_matrices
-from .info import info
-from .lesson import LessonNode
+from .info_component import info
+from .lesson_node import LessonNode
 from .mesh import Material, Mesh, mesh_from_faces
-from .relations import Relation
+from .relation import Relation
 from .systems import run
 
 __all__ = [

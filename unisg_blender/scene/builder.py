@@ -7,13 +7,13 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from .actions import ActionData
-from .assemble import Columns, assemble
+from .action_data import ActionData
+from .assembly import Columns, assemble
 from .graph import SceneGraph
-from .lesson import LessonNode
+from .lesson_node import LessonNode
 from .mesh import Material, Mesh
 from .properties import ObjectProperties
-from .relations import Relation
+from .relation import Relation
 
 
 @dataclass

@@ -12,10 +12,10 @@ custom properties; :func:`~.properties.property_tables` makes them.
 from __future__ import annotations
 
 ACTIONS = "actions"
-"""``data`` object: :class:`~.actions.ActionData`; several per entity."""
+"""``data`` object: :class:`~.action_data.ActionData`; several per entity."""
 
 LSA = "lsa"
-"""``data`` object: :class:`~.lesson.LessonNode`, the root of an operation."""
+"""``data`` object: :class:`~.lesson_node.LessonNode`, the root of an operation."""
 
 RELATIONS = "relations"
 """``kind`` object (str), ``target`` object (str, uid); several per entity."""
@@ -81,7 +81,7 @@ INSTANCES = "instances"
 object for every entry that instances the same thing, its meshes shared with other graphs; it may have instances
 itself; ``matrix`` (K, 4, 4): prototype's world to the frame of the entity; ``source`` object (str): "COLLECTION"
 for a whole collection, "GEOMETRY" for what geometry nodes, particles or duplication make; several per entity.
-:func:`~.instances.realize` turns them into entities."""
+:func:`~.realize_instances.realize` turns them into entities."""
 
 ANIMATION = "animation"
 """Motion. ``times`` object (float64 (T,)): seconds, ascending; ``matrices`` object (float64 (T, 4, 4)):

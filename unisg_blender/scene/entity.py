@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from .graph import TYPES, SceneGraph
 from .hierarchy import children, subtree, world_matrices
-from .info import info
+from .info_component import info
 
 if TYPE_CHECKING:
-    from .actions import ActionData
+    from .action_data import ActionData
     from .mesh import Mesh
 
 

@@ -103,8 +103,8 @@ class SceneGraph:
         Materials by name.
     components
         Sparse tables by component name: ``actions`` (column ``data`` of
-        :class:`~.actions.ActionData`), ``lsa`` (column ``data`` of
-        :class:`~.lesson.LessonNode`), ``relations`` (``kind``, ``target`` uid),
+        :class:`~.action_data.ActionData`), ``lsa`` (column ``data`` of
+        :class:`~.lesson_node.LessonNode`), ``relations`` (``kind``, ``target`` uid),
         ``properties`` (``json``: all other custom properties), ``world``
         (``matrix``: the evaluated world matrix of entities that constraints
         move away from ``local``), and others.

@@ -7,7 +7,7 @@ import uuid
 from collections.abc import Sequence
 from dataclasses import replace
 
-from .actions import ActionData
+from .action_data import ActionData
 from .order import natural_key
 
 

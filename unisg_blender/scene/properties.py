@@ -12,11 +12,11 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from ..errors import UniSGError
-from . import recording
-from .actions import ActionData, actions_from_json
+from . import recording_tables as recording
+from .action_data import ActionData, actions_from_json
 from .graph import SceneGraph, table
-from .lesson import LessonNode, lesson_from_json
-from .relations import Relation, relations_from_json
+from .lesson_node import LessonNode, lesson_from_json
+from .relation import Relation, relations_from_json
 
 CATEGORY = "unisg_category"
 UID = "unisg_uid"

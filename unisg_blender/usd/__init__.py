@@ -2,6 +2,6 @@
 
 from __future__ import annotations
 
-from .files import read_usd, write_usd
+from .usd_files import read_usd, write_usd
 
 __all__ = ["read_usd", "write_usd"]

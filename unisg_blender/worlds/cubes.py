@@ -15,7 +15,7 @@ from ..scene.builder import SceneBuilder
 from ..scene.graph import SceneGraph
 from ..scene.identity import derived_uid
 from ..scene.mesh import Mesh
-from ..scene.relations import Relation
+from ..scene.relation import Relation
 from .furniture.building import floor
 from .furniture.kit import asset, block
 from .furniture.palette import used_by

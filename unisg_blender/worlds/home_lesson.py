@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from ..scene.actions import ActionData
-from ..scene.lesson import LessonNode
+from ..scene.action_data import ActionData
+from ..scene.lesson_node import LessonNode
 from .layout import Layout
 from .script import Script, Thing, choices, turned
 

@@ -11,13 +11,13 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ..scene.actions import ActionData
+from ..geometry.polygon import inside
+from ..scene.action_data import ActionData
 from ..scene.builder import SceneBuilder
 from ..scene.graph import SceneGraph
 from ..scene.identity import derived_uid
-from ..scene.lesson import LessonNode
-from ..scene.outline import inside
-from ..scene.relations import Relation
+from ..scene.lesson_node import LessonNode
+from ..scene.relation import Relation
 from .furniture.kit import Asset
 from .furniture.palette import used_by
 from .occupancy import Occupancy, Shapes

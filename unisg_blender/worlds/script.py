@@ -7,9 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ..scene.actions import ActionData, Thresholds
+from ..scene.action_data import ActionData, Thresholds
 from ..scene.identity import derived_uid
-from ..scene.lesson import LessonNode
+from ..scene.lesson_node import LessonNode
 from .layout import Layout, Placed
 
 Thing = Placed | None

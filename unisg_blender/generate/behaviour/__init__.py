@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from .add import Behaviour, add_behaviour
-from .choice import Chooser
-from .kinds import behaviour_path
-from .model import load_behaviour
-from .placements import with_behaviour
+from .action_kinds import behaviour_path
+from .action_policy import Chooser
+from .behaviour_adder import Behaviour, add_behaviour
+from .behaviour_file import load_behaviour
+from .placed_behaviour import with_behaviour
 
 __all__ = ["Behaviour", "Chooser", "add_behaviour", "behaviour_path", "load_behaviour", "with_behaviour"]

@@ -1,1 +1,1 @@
-"""The paper's experiments that train networks; :mod:`unisg_blender.evaluate.paper` plans, keeps and reports them."""
+"""The paper's experiments that train networks; :mod:`unisg_blender.experiments.paper` plans, keeps and reports them."""

@@ -14,10 +14,10 @@ from torch import Tensor, nn
 from torch_geometric.transforms import ToUndirected
 
 from ...dataset import UniSGDataset
-from ...evaluate.paper.data import TESTS
 from ...poses import FORMS
-from ..classifier import SceneClassifier
-from ..hetero import COMPONENTS, EdgeKind, edge_kinds
+from ..classifier.network import SceneClassifier
+from ..hetero_sage import COMPONENTS, EdgeKind, edge_kinds
+from .experiment_scenes import TESTS
 
 HIDDEN, BATCH = 32, 10
 RATE, FEW_RATE = 1e-3, 3e-3

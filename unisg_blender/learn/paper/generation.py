@@ -14,12 +14,12 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from ...dataset import open_dataset
-from ...evaluate.pose_metrics import pose_report, r_squared
-from ...generate.cgvae import edges_of
+from ...generate.propose.cgvae_proposer import edges_of
+from ...metrics.pose_errors import pose_report, r_squared
 from ...poses import FORMS
-from ..cgvae import Cgvae, CgvaeSizes
-from ..cgvae_sampled import PairSample, sample_pairs, sampled_losses
-from ..train_cgvae import KL_WEIGHT
+from ..cgvae.network import Cgvae, CgvaeSizes
+from ..cgvae.sampled_pairs import PairSample, sample_pairs, sampled_losses
+from ..cgvae.training import KL_WEIGHT
 
 HIDDEN, EMBEDDING, LATENT = 16, 8, 8
 RATE, BATCH, NEGATIVES = 3e-3, 100, 1

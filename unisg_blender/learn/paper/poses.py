@@ -19,11 +19,11 @@ from scipy.spatial.transform import Rotation
 from torch import Tensor
 
 from ...dataset import open_dataset
-from ...evaluate.pose_metrics import angles, decoded, distances, folds_of, invalidity, r_squared, summary
+from ...metrics.pose_errors import angles, decoded, distances, folds_of, invalidity, r_squared, summary
 from ...poses import FORMS
 from ...scene.graph import SceneGraph
 from ...worlds import WORLDS
-from ..stacked import StackedMlp, train_stacked
+from ..ensemble import StackedMlp, train_stacked
 
 RATES = (3e-3, 1e-2, 3e-2)
 COUNTS = {"train": 2048, "validation": 128, "test": 512}

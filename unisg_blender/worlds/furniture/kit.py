@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...scene.mesh import Mesh, mesh_from_faces
-from ...scene.overlap import mesh_parts
+from ...spatial.part_boxes import mesh_parts
 from ..occupancy import Shapes
 
 Vector = Sequence[float]

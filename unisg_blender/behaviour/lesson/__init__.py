@@ -1,0 +1,1 @@
+"""Lessons as data: the tree, its edits, and whether it is sound."""

@@ -1,0 +1,1 @@
+"""Lessons in time: state, conditions, player, rehearsal, timeline."""

@@ -1,0 +1,1 @@
+"""Motion and events of entities over time: tracks, scripts, recordings."""

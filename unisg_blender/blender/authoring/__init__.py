@@ -1,0 +1,1 @@
+"""Categories, identities, actions and lessons written onto Blender objects."""

@@ -1,0 +1,1 @@
+"""Keyframes, animation and recordings in Blender's scenes."""

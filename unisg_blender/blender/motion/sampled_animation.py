@@ -1,0 +1,163 @@
+"""Motion as sampled local matrices, out of Blender and back into keyframes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+
+import bpy
+import mathutils
+import numpy as np
+from numpy.typing import NDArray
+
+from ...scene.components import ANIMATION, PARENTING
+from ...scene.graph import SceneGraph, table
+from ..lookup import objects_by_uid
+from ..read.object_hierarchy import read_hierarchy, updated_depsgraph
+from ..trs import split
+from ..unsupported.read_report import ReadReport
+from .keyframes import continuous_signs, new_curves
+
+STILL = 1e-7  # matrices that differ less, relative to their size, have not moved
+
+
+def may_move(scene: bpy.types.Scene) -> bool:
+    """Whether anything in the file could move the scene's objects, so that sampling is worth its time."""
+    owners = [*scene.objects, *{item.data for item in scene.objects if item.data is not None}]
+    return scene.rigidbody_world is not None or any(getattr(each, "animation_data", None) for each in owners)
+
+
+def sample_animation(
+    graph: SceneGraph,
+    scene: bpy.types.Scene | None = None,
+    frames: Iterable[int] | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> SceneGraph:
+    """The scenegraph with the component ``animation``: how its entities move in the scene it was read from.
+
+    Everything that moves objects counts: keyframes, drivers, constraints, physics.
+    The scene is stepped through the frames and ends at the frame where it was.
+
+    Parameters
+    ----------
+    graph
+        A scenegraph of ``scene``.
+    scene
+        The current scene when omitted.
+    frames
+        Ascending frames; all of the scene's range when omitted. Times are frame / frame rate.
+    progress
+        Called with (frames done, frames in all).
+    """
+    scene = scene or bpy.context.scene
+    frames = list(range(scene.frame_start, scene.frame_end + 1) if frames is None else frames)
+    rate = scene.render.fps / scene.render.fps_base
+    rows = {item: graph.row_of_uid[uid] for uid, item in objects_by_uid(scene).items() if uid in graph.row_of_uid}
+    before = scene.frame_current, scene.frame_subframe
+    try:
+        motion = _changes(scene, frames, progress)
+    finally:
+        scene.frame_set(before[0], subframe=before[1])
+    items = list(scene.objects)
+    moving = [place for place in motion if items[place] in rows]
+    found = table(
+        [rows[items[place]] for place in moving],
+        times=[np.array(frames, np.float64) / rate] * len(moving),
+        matrices=[motion[place] for place in moving],
+    )
+    return graph.with_component(ANIMATION, found)
+
+
+def _changes(
+    scene: bpy.types.Scene, frames: Sequence[int], progress: Callable[[int, int], None] | None
+) -> dict[int, NDArray[np.float64]]:
+    """Local matrices float64 (T, 4, 4) of the objects, by place in ``scene.objects``, that move at any frame."""
+    items = list(scene.objects)
+    updated_depsgraph(scene)  # else a scene that was never shown does not follow frame_set
+    first = last = np.zeros((0, 4, 4))
+    steps: list[tuple[int, NDArray[np.int64], NDArray[np.float64]]] = []
+    for number, frame in enumerate(frames):
+        scene.frame_set(frame)
+        local = _evaluated_locals(scene, items)
+        if progress is not None:
+            progress(number + 1, len(frames))
+        if number == 0:
+            first = last = local
+            continue
+        gap, size = np.abs(local - last).max(axis=(1, 2)), np.abs(last).max(axis=(1, 2))
+        moved = np.flatnonzero(gap > STILL * size)
+        steps.append((number, moved, local[moved]))
+        last = last.copy()
+        last[moved] = local[moved]
+    moving = sorted({int(place) for _, moved, _ in steps for place in moved})
+    motion = {place: np.repeat(first[place][None], len(frames), axis=0) for place in moving}
+    for number, moved, matrices in steps:  # each change lasts until the next one
+        for place, matrix in zip(moved.tolist(), matrices, strict=True):
+            motion[place][number:] = matrix
+    return motion
+
+
+def _evaluated_locals(scene: bpy.types.Scene, items: Sequence[bpy.types.Object]) -> NDArray[np.float64]:
+    """Local matrices, those of constrained objects from where they and their parents stand."""
+    _, depsgraph = updated_depsgraph(scene)
+    hierarchy = read_hierarchy(scene.objects, items, depsgraph)
+    local = hierarchy.local
+    worlds = dict(zip(hierarchy.moved.tolist(), hierarchy.world, strict=True))
+    for row, world in worlds.items():
+        above = items[row].parent
+        frame = np.array(above.evaluated_get(depsgraph).matrix_world, np.float64) if above else np.eye(4)
+        if hierarchy.parent[row] < 0 or abs(np.linalg.det(frame)) < 1e-12:
+            frame = np.eye(4)
+        local[row] = np.linalg.inv(frame) @ world
+    return local
+
+
+def write_animation(
+    graph: SceneGraph,
+    objects: Mapping[int, bpy.types.Object],
+    scene: bpy.types.Scene,
+    report: ReadReport,
+    component: str = ANIMATION,
+) -> None:
+    """Keyframes for the sampled motion of new objects; rotations become quaternions that never jump.
+
+    ``component`` may also be ``recording``.
+    """
+    found = graph.components.get(component)
+    if found is None:
+        return
+    rate = scene.render.fps / scene.render.fps_base
+    parts = graph.components.get(PARENTING)
+    for place, row in enumerate(found.rows.tolist()):
+        item = objects.get(row)
+        if item is None:
+            continue
+        above = np.eye(4)
+        if parts is not None and item.parent_type != "OBJECT" and row in parts.rows:
+            above = parts.of(row)["frame"][0]
+        if item.parent is not None:
+            above = above @ np.array(item.matrix_parent_inverse, np.float64)
+        if abs(np.linalg.det(above)) < 1e-12:
+            report.add(item.name, "its motion is lost: what it hangs on has no size")
+            continue
+        inner = np.linalg.inv(above) @ found.columns["matrices"][place]
+        if _key(item, found.columns["times"][place] * rate, inner):
+            report.add(item.name, "shear in its motion is lost")
+
+
+def _key(item: bpy.types.Object, frames: NDArray[np.float64], matrices: NDArray[np.float64]) -> bool:
+    """Set linear keyframes; returns whether some matrix has shear, which they cannot say."""
+    channels = split(matrices)
+    turns: NDArray[np.float64] = np.array([mathutils.Euler(angles).to_quaternion() for angles in channels.euler])
+    turns = continuous_signs(turns, turns[0])
+    item.rotation_mode = "QUATERNION"
+    item.delta_location, item.delta_scale, item.delta_rotation_quaternion = (0, 0, 0), (1, 1, 1), (1, 0, 0, 0)
+    curves = new_curves(item)
+    for path, values in (("location", channels.location), ("rotation_quaternion", turns), ("scale", channels.scale)):
+        for index in range(values.shape[1]):
+            curve = curves.new(data_path=path, index=index)
+            curve.keyframe_points.add(len(frames))
+            points = np.stack([frames, values[:, index]], axis=1).astype(np.float32)
+            curve.keyframe_points.foreach_set("co", points.ravel())
+            curve.keyframe_points.foreach_set("interpolation", np.full(len(frames), 1, np.uint8))  # linear
+            curve.update()
+    return bool(channels.sheared.any())

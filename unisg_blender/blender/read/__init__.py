@@ -1,0 +1,1 @@
+"""From Blender to the scenegraph; reading never writes."""

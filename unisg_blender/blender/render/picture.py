@@ -1,0 +1,188 @@
+"""Pictures of a scene, coloured by category: from above, or in perspective."""
+
+from __future__ import annotations
+
+import colorsys
+import os
+from collections.abc import Collection, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Literal
+
+import bpy
+import mathutils
+import numpy as np
+from numpy.typing import NDArray
+
+from ...errors import UniSGError
+from ...scene.properties import CATEGORY
+from ..quiet import captured_output
+from ..read.object_hierarchy import updated_depsgraph
+
+View = Literal["perspective", "top"]
+Engine = Literal["workbench", "cycles"]
+Color = tuple[float, float, float, float]
+GREY: Color = (0.55, 0.55, 0.55, 1.0)
+STRUCTURE = ("floor", "wall", "ceiling", "door", "window", "room")  # pale: what stands in the room is what matters
+GOLDEN = 0.61803398875  # steps of this around the colour circle keep neighbours apart
+SHOWN = ("MESH", "CURVE", "SURFACE", "FONT", "META", "EMPTY")
+DOWNWARD = mathutils.Vector((-0.55, 0.75, -0.75))  # from the front right corner, above
+
+
+def render_picture(
+    path: str | os.PathLike[str],
+    scene: bpy.types.Scene | None = None,
+    *,
+    view: View = "perspective",
+    size: tuple[int, int] = (960, 720),
+    engine: Engine = "workbench",
+    leave_out: Collection[str] = (),
+    points: NDArray[np.float64] | None = None,
+) -> None:
+    """Render a scene into a PNG file; the scene itself is not changed.
+
+    Parameters
+    ----------
+    path
+        The PNG file to write.
+    scene
+        The current scene when omitted.
+    view
+        "perspective" from a corner above, or "top": straight down, +Y up.
+    size
+        Width and height in pixels.
+    engine
+        "workbench": plain colours by category, about a second without a graphics
+        card; "cycles": the materials, with light.
+    leave_out
+        Categories that are not drawn, such as a ceiling that would hide the room.
+    points
+        World points (K, 3) that the picture has to show; the objects when omitted.
+
+    Raises
+    ------
+    UniSGError
+        If there is nothing to show, or the file cannot be written.
+    """
+    path = Path(path).absolute()
+    if not path.parent.is_dir():
+        raise UniSGError(f"cannot write {path}: the folder {path.parent} does not exist")
+    scene = scene or bpy.context.scene
+    items = [
+        item
+        for item in scene.objects
+        if item.type in SHOWN and not item.hide_render and category_of(item) not in leave_out
+    ]
+    if points is None:
+        _, depsgraph = updated_depsgraph(scene)
+        points = corner_points([item.evaluated_get(depsgraph) for item in items])
+    if not len(points):
+        raise UniSGError(f"scene {scene.name!r} has nothing to show: add objects with a mesh")
+    with _stage(items, engine) as stage:
+        _aim(stage.camera, points, view, size)
+        _set_output(stage, path, size, engine)
+        try:
+            with captured_output():
+                bpy.ops.render.render(write_still=True, scene=stage.name)
+        except RuntimeError as error:
+            raise UniSGError(f"cannot render {path}: {str(error).strip()}") from None
+    if not path.is_file():
+        raise UniSGError(f"cannot write the picture {path}")
+
+
+def category_of(item: bpy.types.Object) -> str:
+    """The category that an object carries, "" for none."""
+    value = item.get(CATEGORY, "")
+    return value if isinstance(value, str) else ""
+
+
+def corner_points(items: Sequence[bpy.types.Object]) -> NDArray[np.float64]:
+    """Corners (K, 3) in the world of the boxes around all evaluated objects that have geometry."""
+    found = [np.zeros((0, 3))]
+    for item in items:
+        if item.type != "EMPTY":
+            world = np.array(item.matrix_world)
+            found.append(np.array(item.bound_box) @ world[:3, :3].T + world[:3, 3])
+    points = np.concatenate(found)
+    return points[np.isfinite(points).all(axis=1)]
+
+
+def category_colors(names: Collection[str]) -> dict[str, Color]:
+    """A colour for each category: grey for none, pale for walls and floors, else distinct by sorted place."""
+    colors: dict[str, Color] = {"": GREY}
+    for place, name in enumerate(sorted(set(names) - {""})):
+        pale = any(word in name.casefold() for word in STRUCTURE)
+        red, green, blue = colorsys.hsv_to_rgb(place * GOLDEN % 1, 0.06 if pale else 0.62, 0.8 if pale else 0.9)
+        colors[name] = (red, green, blue, 1.0)
+    return colors
+
+
+@contextmanager
+def _stage(items: Sequence[bpy.types.Object], engine: Engine) -> Iterator[bpy.types.Scene]:
+    """A scene of its own with the objects, a camera and lights, removed afterwards with all that was made."""
+    stage = bpy.data.scenes.new("unisg picture")
+    camera = bpy.data.cameras.new("unisg picture")
+    sun = bpy.data.lights.new("unisg picture", "SUN")
+    made = [bpy.data.objects.new("unisg picture", camera), bpy.data.objects.new("unisg picture", sun)]
+    before = [tuple(item.color) for item in items]
+    colors = category_colors([category_of(item) for item in items])
+    try:
+        for item in (*items, *made):
+            stage.collection.objects.link(item)
+        for item in items:
+            item.color = colors[category_of(item)]
+        sun.energy, made[1].rotation_euler = 1.5, (0.6, 0.3, 0.4)
+        stage.camera = made[0]
+        stage.world = bpy.data.worlds.new("unisg picture")
+        stage.world.color = (0.9, 0.9, 0.92) if engine == "workbench" else (0.4, 0.4, 0.42)
+        yield stage
+    finally:
+        for item, color in zip(items, before, strict=True):
+            item.color = color
+        world = stage.world
+        bpy.data.scenes.remove(stage)
+        for item in made:
+            bpy.data.objects.remove(item)
+        bpy.data.cameras.remove(camera)
+        bpy.data.lights.remove(sun)
+        if world is not None:
+            bpy.data.worlds.remove(world)
+
+
+def _aim(item: bpy.types.Object, points: NDArray[np.float64], view: View, size: tuple[int, int]) -> None:
+    """Point the camera so that all points are in the picture, with a margin."""
+    camera = item.data
+    direction = mathutils.Vector((0, 0, -1)) if view == "top" else DOWNWARD.normalized()
+    rotation = mathutils.Matrix.Identity(3) if view == "top" else direction.to_track_quat("-Z", "Y").to_matrix()
+    seen = points @ np.array(rotation)  # in the camera's axes
+    middle = (seen.min(axis=0) + seen.max(axis=0)) / 2
+    wide, high, deep = (seen.max(axis=0) - seen.min(axis=0)) * 1.05 + 1e-3
+    aspect = size[0] / size[1]
+    if view == "top":
+        camera.type, camera.ortho_scale = "ORTHO", max(wide, high * aspect) if aspect >= 1 else max(wide / aspect, high)
+        back = deep
+    else:
+        camera.angle = 0.7
+        reach = np.abs(seen[:, :2] - middle[:2]) * np.array([1.0, aspect]) * 1.05
+        back = float((seen[:, 2] - middle[2] + reach.max(axis=1) / np.tan(0.35) * max(1.0, 1 / aspect)).max())
+    place = np.array(rotation) @ (middle + np.array([0, 0, back]))
+    item.matrix_world = mathutils.Matrix.Translation(place) @ rotation.to_4x4()
+    camera.clip_start, camera.clip_end = max(back - deep, back * 1e-3, 1e-4), back + 2 * deep
+
+
+def _set_output(stage: bpy.types.Scene, path: Path, size: tuple[int, int], engine: Engine) -> None:
+    render = stage.render
+    render.filepath = str(path)
+    render.image_settings.file_format = "PNG"
+    render.resolution_x, render.resolution_y = size
+    stage.view_settings.view_transform = "Standard"
+    if engine == "cycles":
+        render.engine = "CYCLES"
+        stage.cycles.samples, stage.cycles.device, stage.cycles.use_denoising = 16, "CPU", False
+        return
+    render.engine = "BLENDER_WORKBENCH"
+    shading = stage.display.shading
+    shading.light, shading.color_type = "STUDIO", "OBJECT"
+    shading.show_cavity, shading.show_object_outline = True, True
+    shading.background_type = "WORLD"
+    stage.display.render_aa = "5"

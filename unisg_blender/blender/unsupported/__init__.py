@@ -1,0 +1,1 @@
+"""What a scenegraph cannot hold of a Blender scene, told object by object."""

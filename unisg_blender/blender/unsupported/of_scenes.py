@@ -1,0 +1,78 @@
+"""What a scenegraph cannot hold of a scene as a whole, in words."""
+
+from __future__ import annotations
+
+import bpy
+
+from ..id_properties import property_names
+from .changed_settings import changed_settings
+from .read_report import ReadReport
+
+HELD = frozenset((
+    "camera", "frame_current", "frame_float", "frame_subframe", "threads", "world", "cursor",
+))  # fmt: skip
+GROUPS = {"render": "render", "view_settings": "colour management"}
+UNREAD_VIEWS = ("white_balance_whitepoint", "curve_mapping")
+
+
+def report_scene_losses(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer, report: ReadReport) -> None:
+    """Note what is lost of world, rendering, view layers, collections and the like."""
+    for text in _scene_texts(scene, view_layer):
+        report.add("", text)
+    _report_collections(view_layer.layer_collection, report)
+
+
+def _scene_texts(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> list[str]:
+    texts = []
+    if scene.world is not None:
+        texts.append(f"the world {scene.world.name!r} is not read")
+    if getattr(scene, "compositing_node_group", None) or (scene.node_tree if hasattr(scene, "node_tree") else None):
+        texts.append("compositing nodes are not read")
+    if len(scene.view_layers) > 1:
+        others = ", ".join(repr(layer.name) for layer in scene.view_layers if layer != view_layer)
+        texts.append(f"only the view layer {view_layer.name!r} is read, not {others}")
+    sequence = scene.sequence_editor
+    if sequence is not None and len(sequence.strips_all if hasattr(sequence, "strips_all") else sequence.sequences_all):
+        texts.append("the video sequence is not read")
+    if len(scene.timeline_markers):
+        texts.append("timeline markers are not read")
+    if scene.rigidbody_world is not None:
+        texts.append("the rigid body world is not read")
+    if len(scene.keying_sets):
+        texts.append("keying sets are not read")
+    own = property_names(scene)
+    if own:
+        texts.append(f"custom properties of the scene are not read: {', '.join(own)}")
+    changed = changed_settings(scene, HELD, inner=False)
+    if changed:
+        texts.append(f"scene settings that are not read: {', '.join(changed)}")
+    if scene.unit_settings.scale_length != 1.0:
+        texts.append("the unit scale is not applied: one Blender unit is read as one metre")
+    for name, word in GROUPS.items():
+        changed = changed_settings(getattr(scene, name), HELD.union(UNREAD_VIEWS), inner=False)
+        if changed:
+            texts.append(f"{word} settings that are not read: {', '.join(changed)}")
+    if scene.animation_data is not None and (scene.animation_data.action or scene.animation_data.drivers):
+        texts.append("animation of the scene's settings is not read")
+    if len(bpy.data.texts):
+        texts.append("text blocks are not read")
+    return texts
+
+
+def _report_collections(top: bpy.types.LayerCollection, report: ReadReport) -> None:
+    """Collections keep their names, what is in them, and the offset of their instances."""
+    stack = list(top.children)
+    while stack:
+        layer = stack.pop()
+        stack += layer.children
+        collection = layer.collection
+        found = [
+            *(["excluded"] if layer.exclude else []),
+            *(["hidden"] if layer.hide_viewport else []),
+            *changed_settings(layer, ("exclude", "hide_viewport", "collection"), inner=False),
+            *changed_settings(collection, ("instance_offset", "active_exporter_index"), inner=False),
+        ]
+        if found:
+            report.add(collection.name, f"settings of the collection that are not read: {', '.join(found)}")
+        if property_names(collection):
+            report.add(collection.name, "custom properties of the collection are not read")

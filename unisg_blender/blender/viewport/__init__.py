@@ -1,0 +1,1 @@
+"""What is shown and played in the 3D viewport."""

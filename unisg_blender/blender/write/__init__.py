@@ -1,0 +1,1 @@
+"""From the scenegraph to Blender objects."""

@@ -1,0 +1,1 @@
+"""The geometry that goes with a dataset: assets, and scenes with their true shapes."""

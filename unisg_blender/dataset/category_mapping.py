@@ -1,0 +1,112 @@
+"""Categories for scenes that nobody labelled: from the names of objects and collections, by a mapping file."""
+
+from __future__ import annotations
+
+import json
+import os
+import tomllib
+from collections.abc import Iterable, Mapping, Sequence
+from fnmatch import fnmatchcase
+from pathlib import Path
+from typing import Any
+
+from ..errors import UniSGError
+from ..scene import SceneGraph, Table
+from ..scene.assembly import index_categories
+from ..scene.components import COLLECTIONS, INSTANCES
+
+SECTIONS = ("objects", "collections", "scenes")
+
+Patterns = Mapping[str, Mapping[str, str]]
+"""For each of :data:`SECTIONS` a mapping from pattern to name; the first pattern that fits counts."""
+
+
+def read_mapping(path: str | os.PathLike[str]) -> dict[str, dict[str, str]]:
+    """Read a mapping file, JSON or TOML.
+
+    It has up to three sections, each a table from pattern to name: ``objects``
+    and ``collections`` give categories, ``scenes`` (patterns of the file's path)
+    the kind of scene. Patterns are those of the shell, case does not count.
+
+    Raises
+    ------
+    UniSGError
+        If the file cannot be read or has another form.
+    """
+    path = Path(path)
+    try:
+        text = path.read_text("utf-8")
+        content = tomllib.loads(text) if path.suffix.lower() == ".toml" else json.loads(text)
+    except OSError as error:
+        raise UniSGError(f"cannot read the mapping {path}: {error.strerror}") from None
+    except ValueError as error:
+        raise UniSGError(f"the mapping {path} is not valid JSON or TOML: {error}") from None
+    return checked_mapping(content, str(path))
+
+
+def checked_mapping(content: Any, name: str = "mapping") -> dict[str, dict[str, str]]:
+    """The mapping itself; UniSGError if it does not have the form that :func:`read_mapping` describes."""
+    if not isinstance(content, dict) or not content or not set(content) <= set(SECTIONS):
+        raise UniSGError(f"{name} must have the sections {', '.join(SECTIONS)} and no others")
+    for section, patterns in content.items():
+        if not isinstance(patterns, dict) or not all(isinstance(value, str) and value for value in patterns.values()):
+            raise UniSGError(f"{name}: the section {section!r} must map patterns to names")
+    return content
+
+
+def first_match(patterns: Mapping[str, str], names: Iterable[str]) -> str:
+    """The name that stands behind the first pattern that fits one of the names; "" if none does."""
+    candidates = [name.casefold() for name in names]
+    for pattern, result in patterns.items():
+        if any(fnmatchcase(name, pattern.casefold()) for name in candidates):
+            return result
+    return ""
+
+
+def apply_mapping(graph: SceneGraph, mapping: Patterns, groups: Sequence[str] = ()) -> SceneGraph:
+    """The scene with categories for the entities that have none: by their names first, then by their collections.
+
+    What is instanced is in the collection that is instanced, too. The entity that
+    shows a collection is not named once more as what the collection holds.
+
+    Parameters
+    ----------
+    groups
+        Collections that everything is in, beside those that the scenegraph knows.
+    """
+    members: dict[int, list[str]] = {}
+    table = graph.components.get(COLLECTIONS)
+    if table is not None:
+        for row, path in zip(table.rows.tolist(), table.columns["path"], strict=True):
+            members.setdefault(row, []).extend(path)
+    names = [
+        graph.category_name(row)
+        or first_match(mapping.get("objects", {}), [graph.name[row]])
+        or first_match(mapping.get("collections", {}), [*groups, *members.get(row, ())])
+        for row in range(len(graph))
+    ]
+    instances = graph.components.get(INSTANCES)
+    if instances is not None:
+        graph = graph.with_component(INSTANCES, _mapped_instances(instances, mapping))
+        shown = graph.components[INSTANCES].columns["prototype"]
+        for row, prototype in zip(instances.rows.tolist(), shown, strict=True):
+            if graph.category[row] < 0 and names[row] in prototype.vocabulary:
+                names[row] = ""
+    category, vocabulary = index_categories(names)
+    return graph.replace(category=category, vocabulary=vocabulary)
+
+
+def _mapped_instances(instances: Table, mapping: Patterns) -> Table:
+    """The instances with mapped prototypes, each of which stays one object."""
+    mapped: dict[int, SceneGraph] = {}
+    column = instances.columns["prototype"].copy()
+    for place, (prototype, source) in enumerate(zip(column, instances.columns["source"], strict=True)):
+        if id(prototype) not in mapped:
+            mapped[id(prototype)] = apply_mapping(prototype, mapping, [prototype.title] * (source == "COLLECTION"))
+        column[place] = mapped[id(prototype)]
+    return Table(instances.rows, {**instances.columns, "prototype": column})
+
+
+def scene_label(source: str, mapping: Patterns) -> str:
+    """The kind of scene that a file holds, "" if no pattern fits its path."""
+    return first_match(mapping.get("scenes", {}), [source])

@@ -1,0 +1,1 @@
+"""Folders of scene files become a dataset: in parallel, under limits, resumable."""

@@ -1,0 +1,163 @@
+"""The process that opens files for an export: one request per line on stdin, one answer per line on stdout.
+
+It is a process of its own because Blender may crash, hang or run out of memory
+over a file: that costs this process and that file, nothing else.
+"""
+
+from __future__ import annotations
+
+import errno
+import faulthandler
+import importlib
+import json
+import os
+import queue
+import sys
+import threading
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from typing import Any, TextIO
+
+from ...errors import UniSGError
+from ...runtime.atomic_files import DiskFullError, write_named
+from ...scene import SceneGraph
+from ..assets.asset_collector import AssetCollector
+from ..category_mapping import apply_mapping
+from ..format.columns import Vocabulary
+from ..format.encoding import Sample, encode_scenes
+from ..format.shards import pack_shard
+from .dependencies import checksums, files_beside
+from .realized_instances import realize_objects
+
+MARK = "unisg-answer "
+"""Starts every answer: what else a library prints to stdout is not ours."""
+
+ASSETS = "assets."
+"""Starts the names of the arrays of a part that belong to its assets."""
+
+NOT_KEPT = ("animation", "bones", "camera", "instances", "light", "properties", "recording")
+IDLE = 60.0
+GRACE = 30.0
+LONGEST_NOTE = 2000
+
+Reader = Callable[[Path], tuple[list[SceneGraph], str, list[Path]]]
+"""Opens a file: its scenes, in one line what they could not represent ("" for nothing), other files they come from."""
+
+
+def read_with_blender(path: Path) -> tuple[list[SceneGraph], str, list[Path]]:
+    """All scenes of a file that have objects, through Blender."""
+    from ...blender.blend_files import open_file
+    from ...blender.quiet import captured_output
+    from ...blender.read.scene_reader import read_scenes
+    from ...blender.unsupported.read_report import ReadReport
+
+    report = ReadReport()
+    open_file(path, report)
+    with captured_output():
+        scenes = read_scenes(report=report)
+    return [graph for graph in scenes.values() if len(graph)], report.summary(), files_beside(path)
+
+
+def load_function(name: str) -> Callable[..., Any]:
+    """The function behind "package.module:name".
+
+    Raises
+    ------
+    UniSGError
+        If there is none.
+    """
+    module, _, attribute = name.partition(":")
+    try:
+        return getattr(importlib.import_module(module), attribute)
+    except (ImportError, AttributeError, ValueError) as error:
+        raise UniSGError(f"{name!r} is no function (package.module:name): {error}") from None
+
+
+def serve(memory: int = 0) -> None:
+    """Answer requests until stdin ends or nothing is asked for a minute; ``memory`` limits it to so many bytes."""
+    channel = os.fdopen(os.dup(1), "w", encoding="utf-8")
+    os.dup2(2, 1)  # what Blender prints must not get between the answers
+    if memory:
+        import resource
+
+        resource.setrlimit(resource.RLIMIT_AS, (memory, memory))
+    requests: queue.Queue[str] = queue.Queue()
+    threading.Thread(target=_listen, args=(requests,), daemon=True).start()
+    _answer(channel, {"status": "ready"})
+    while True:
+        try:
+            request = json.loads(requests.get(timeout=IDLE))
+        except queue.Empty:
+            return
+        faulthandler.dump_traceback_later(request["timeout"] + GRACE, exit=True)  # if nobody is left to end us
+        _answer(channel, handle(request))
+        faulthandler.cancel_dump_traceback_later()
+
+
+def _listen(requests: queue.Queue[str]) -> None:
+    for line in sys.stdin:
+        requests.put(line)
+    os._exit(0)  # who asked us is gone: whatever we are doing is of no use
+
+
+def _answer(channel: TextIO, record: dict[str, Any]) -> None:
+    channel.write(MARK + json.dumps(record) + "\n")
+    channel.flush()
+
+
+def handle(request: dict[str, Any]) -> dict[str, Any]:
+    """Do what a request asks; every error becomes an answer."""
+    try:
+        return _export(request)
+    except DiskFullError as error:
+        return {"status": "full", "reason": str(error)}
+    except UniSGError as error:
+        return {"status": "failed", "reason": str(error)}
+    except MemoryError:
+        return {"status": "failed", "reason": "out of memory", "tired": True}
+    except Exception as error:
+        if isinstance(error, OSError) and error.errno == errno.ENOMEM:
+            return {"status": "failed", "reason": "out of memory", "tired": True}
+        return {"status": "failed", "reason": f"{type(error).__name__}: {error}".splitlines()[0], "tired": True}
+
+
+def _export(request: dict[str, Any]) -> dict[str, Any]:
+    """Read a file and write its scenes as a shard of their own."""
+    read: Reader = load_function(request["reader"]) if request["reader"] else read_with_blender
+    encoder = load_function(request["mesh_encoder"]) if request["mesh_encoder"] else None
+    path = Path(request["path"])
+    graphs, note, others = read(path)
+    if request["mapping"]:
+        graphs = [apply_mapping(graph, request["mapping"]) for graph in graphs]
+    notes = [note]
+    if request["instances"] == "realize":
+        realized = [realize_objects(graph) for graph in graphs]
+        graphs, notes = [graph for graph, _ in realized], [note, *(lost for _, lost in realized)]
+    samples = [Sample(graph, request["source"], request["label"]) for graph in graphs]
+    note = "; ".join(filter(None, [*notes, _left_out(graphs)]))
+    note = note if len(note) <= LONGEST_NOTE else note[:LONGEST_NOTE] + " ..."
+    answer: dict[str, Any] = {"status": "ok", "scenes": len(samples), "not_represented": note, "part": None}
+    answer["beside"] = checksums(path, others)
+    answer["entities"] = sum(len(sample.graph) for sample in samples)
+    if samples:
+        vocabulary, collector = Vocabulary(), AssetCollector()
+        columns = encode_scenes(samples, request["form"], vocabulary, encoder)
+        for sample in samples:
+            collector.add(sample.graph, request["source"])
+        arrays, index = collector.pack()
+        columns |= {ASSETS + name: values for name, values in arrays.items()}
+        data = pack_shard(columns, {"vocabulary": vocabulary.names, "assets": index, "answer": answer})
+        answer["part"], _ = write_named(Path(request["parts"]), request["key"], ".safetensors", data)
+    return answer
+
+
+def _left_out(graphs: Iterable[SceneGraph]) -> str:
+    """Components that a scenegraph has and a dataset does not."""
+    found = {name for graph in graphs for name in graph.components if name in NOT_KEPT}
+    return f"not kept in datasets: {', '.join(sorted(found))}" if found else ""
+
+
+def main(memory: int) -> None:
+    """Serve, and end the process."""
+    serve(memory)
+    os._exit(0)  # Blender may hang when Python ends

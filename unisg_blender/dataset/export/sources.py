@@ -1,0 +1,77 @@
+"""Which files an export reads: files, folders and globs, in an order that is always the same."""
+
+from __future__ import annotations
+
+import glob
+import os
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+
+from ...errors import UniSGError
+
+SUFFIXES = (".blend", ".glb", ".gltf", ".fbx", ".obj", ".usd", ".usda", ".usdc", ".usdz")
+"""Kinds of scene file that are looked for in folders."""
+
+
+def find_sources(inputs: Iterable[str | os.PathLike[str]], suffixes: tuple[str, ...] = SUFFIXES) -> list[Path]:
+    """The files behind some inputs, each once (links included, the first path counts), sorted by path.
+
+    Parameters
+    ----------
+    inputs
+        Files (of any kind), folders (searched with what is below them; hidden
+        files are left out) and globs (``**`` goes through folders).
+    suffixes
+        Kinds of file that count in folders.
+
+    Raises
+    ------
+    UniSGError
+        If an input does not exist, or holds no scene file.
+    """
+    paths: list[Path] = []
+    for item in inputs:
+        files = list(_files(Path(item), suffixes))
+        if not files:
+            raise UniSGError(f"there is no scene file in {item}: the known kinds are {', '.join(suffixes)}")
+        paths += files
+    found: dict[str, Path] = {}
+    for path in sorted(paths, key=lambda path: path.as_posix()):
+        found.setdefault(os.path.realpath(path), path)
+    return list(found.values())
+
+
+def largest_first(paths: Iterable[Path]) -> list[Path]:
+    """The files in an order in which several jobs end at about the same time."""
+    return sorted(paths, key=_size, reverse=True)
+
+
+def _size(path: Path) -> int:
+    try:
+        return path.stat().st_size
+    except OSError:
+        return 0
+
+
+def _files(item: Path, suffixes: tuple[str, ...]) -> Iterator[Path]:
+    if item.is_dir():
+        yield from _below(item, suffixes)
+    elif item.exists():
+        yield item
+    else:
+        matches = sorted(glob.glob(str(item), recursive=True))
+        if not matches:
+            raise UniSGError(f"there is no file {item}: check the path")
+        for match in matches:
+            if Path(match).is_dir():
+                yield from _below(Path(match), suffixes)
+            elif Path(match).suffix.lower() in suffixes:
+                yield Path(match)
+
+
+def _below(folder: Path, suffixes: tuple[str, ...]) -> Iterator[Path]:
+    for root, folders, names in os.walk(folder):
+        folders[:] = [name for name in folders if not name.startswith(".")]
+        for name in names:
+            if not name.startswith(".") and Path(name).suffix.lower() in suffixes:
+                yield Path(root, name)

@@ -1,0 +1,1 @@
+"""A dataset on disk: schema, columns, shards, reader and writer."""

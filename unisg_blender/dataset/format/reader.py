@@ -1,0 +1,262 @@
+"""Read a dataset with numpy alone: shards are mapped into memory when they are first asked for."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Iterator, Mapping, Sequence
+from functools import cached_property
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...errors import UniSGError
+from ...poses import FORMS
+from ...runtime.atomic_files import DamagedError, checksum, checksum_of
+from ..assets.asset_file import AssetFile
+from .columns import Columns, cut, join, unpack_strings
+from .encoding import widths
+from .schema import SCHEMA, VERSION
+from .shards import Shard, map_shard
+from .writer import read_manifest
+
+MEMORY = 2**30
+SCENE_PAGES = 512 * 2**10  # what the system maps around one scene of every column
+MOST_MAPPED = 500  # each takes one of the process's file handles
+
+
+class Scene:
+    """One scene of a dataset: ``scene["entity.parent"]`` is a column, see :mod:`.schema`."""
+
+    def __init__(self, columns: Columns, form: str, vocabulary: Mapping[str, Sequence[str]]) -> None:
+        self.columns = columns
+        self.form = form
+        self.vocabulary = vocabulary
+
+    def __len__(self) -> int:
+        return len(self.columns["entity.parent"])
+
+    def __getitem__(self, key: str) -> NDArray[Any]:
+        return self.columns[key]
+
+    def strings(self, key: str) -> tuple[str, ...]:
+        """A string column, such as "entity.name"."""
+        return unpack_strings(self.columns, key)
+
+    @property
+    def parent(self) -> NDArray[np.int32]:
+        """int32 (N,): row of the parent, -1 for a root."""
+        return self.columns["entity.parent"]
+
+    @property
+    def features(self) -> NDArray[np.float32]:
+        """float32 (N, width + 6): child-to-parent poses in the dataset's form, then stretch."""
+        return self.columns["entity.features"]
+
+    @property
+    def bounds(self) -> NDArray[np.float32]:
+        """float32 (N, 2, 3): corners of the meshes in their objects' frames, metres."""
+        return self.columns["entity.bounds"]
+
+    @property
+    def categories(self) -> tuple[str, ...]:
+        """The category of each entity, "" for none."""
+        names = (*self.vocabulary["categories"], "")
+        return tuple(names[place] for place in self.columns["entity.category"])
+
+    @property
+    def label(self) -> str:
+        """Which kind of scene it is, "" if that is not known."""
+        return (*self.vocabulary["scenes"], "")[self.columns["scene.label"][0]]
+
+    @property
+    def title(self) -> str:
+        """Name of the scene."""
+        return self.strings("scene.title")[0]
+
+    @property
+    def source(self) -> str:
+        """File or maker that the scene comes from."""
+        return self.strings("scene.source")[0]
+
+    def local(self) -> NDArray[np.float64]:
+        """float64 (N, 4, 4): child-to-parent matrices, decoded from the features."""
+        return FORMS[self.form].decode(self.features.astype(np.float64), stretch=True)
+
+
+class Dataset:
+    """A dataset on disk; use :func:`open_dataset`. Can be sent to other processes, which map it anew."""
+
+    def __init__(self, path: Path, manifest: dict[str, Any], verify: bool, memory: int) -> None:
+        self.path = path
+        self.manifest = manifest
+        self.verify = verify
+        self.memory = memory
+        self.starts = np.cumsum([0, *(shard["scenes"] for shard in manifest["shards"])], dtype=np.int64)
+        self._verified: set[int] = set()
+        self._shards: dict[int, Shard] = {}
+        self._touched: dict[int, int] = {}
+        self._resident = 0
+
+    def __getstate__(self) -> dict[str, Any]:
+        return self.__dict__ | {"_verified": set(), "_shards": {}, "_touched": {}, "_resident": 0}
+
+    @property
+    def form(self) -> str:
+        """Name of the form in which poses are."""
+        return self.manifest["form"]
+
+    @cached_property
+    def vocabulary(self) -> dict[str, tuple[str, ...]]:
+        """The names that numbers stand for: "categories", "relations", "scenes"."""
+        return {kind: tuple(names) for kind, names in self.manifest["vocabulary"].items()}
+
+    @property
+    def categories(self) -> tuple[str, ...]:
+        """Category names by number."""
+        return self.vocabulary["categories"]
+
+    @cached_property
+    def widths(self) -> dict[str, int]:
+        """The widths that :data:`.schema.COLUMNS` names."""
+        return widths(self.form, self.manifest["mesh_feature_width"])
+
+    def __len__(self) -> int:
+        return int(self.starts[-1])
+
+    def __getitem__(self, index: int) -> Scene:
+        shard, row = self.locate(range(len(self))[index])
+        return Scene(cut(self.shard(shard, 1), row, row + 1), self.form, self.vocabulary)
+
+    def __iter__(self) -> Iterator[Scene]:
+        return (self[index] for index in range(len(self)))
+
+    def locate(self, index: int) -> tuple[int, int]:
+        """Number of the shard that holds a scene, and the scene's row in it."""
+        shard = int(np.searchsorted(self.starts, index, side="right")) - 1
+        return shard, int(index - self.starts[shard])
+
+    def shard(self, number: int, scenes: int = 0) -> Columns:
+        """The columns of a shard, mapped.
+
+        ``scenes`` says how many scenes of it will be looked at, 0 for all: when
+        more than ``memory`` bytes may be resident, everything else leaves memory.
+        """
+        shard = self._shards.get(number) or self._map(number)
+        before, size = self._touched.get(number, 0), len(shard.data)
+        now = min(size, before + scenes * SCENE_PAGES) if scenes else size
+        if now > before:
+            self._touched[number] = now
+            self._resident += now - before
+            if self._resident > self.memory:
+                self._release_others(number)
+        return shard.columns
+
+    def _release_others(self, number: int) -> None:
+        for other in self._touched:
+            if other != number:
+                self._shards[other].release()
+        self._touched = {number: self._touched[number]}
+        self._resident = self._touched[number]
+
+    def _map(self, number: int) -> Shard:
+        if len(self._shards) >= MOST_MAPPED:
+            first = next(iter(self._shards))
+            del self._shards[first]
+            self._resident -= self._touched.pop(first, 0)
+        entry = self.manifest["shards"][number]
+        fresh = self.verify and number not in self._verified
+        shard = map_shard(self.path / entry["file"], entry["sha256"] if fresh else None)
+        self._verified.add(number)
+        self._shards[number] = shard
+        return shard
+
+    def columns(self, start: int, stop: int) -> Columns:
+        """The scenes ``start:stop`` in one set of columns."""
+        parts = []
+        for number in range(self.locate(start)[0], self.locate(stop - 1)[0] + 1):
+            first = int(self.starts[number])
+            low, high = max(start, first), min(stop, int(self.starts[number + 1]))
+            parts.append(cut(self.shard(number), low - first, high - first))
+        return join(parts)
+
+    def files(self) -> list[dict[str, Any]]:
+        """One record per file that was exported: source, checksum, counts, what was lost, or why it failed."""
+        entry = self.manifest["files"]
+        if entry is None:
+            return []
+        try:
+            data = (self.path / entry["file"]).read_bytes()
+        except OSError as error:
+            raise DamagedError(f"{self.path / entry['file']} cannot be read: {error.strerror}") from None
+        if checksum(data) != entry["sha256"]:
+            raise DamagedError(f"{self.path / entry['file']} is damaged: its checksum is not the one in the manifest")
+        return [json.loads(line) for line in data.decode().split("\n") if line]
+
+    def assets(self) -> AssetFile | None:
+        """What the dataset has of its scenes' geometry (see :mod:`..assets.asset`); None if it has none."""
+        old = self.path / "assets.safetensors"
+        if "assets" not in self.manifest and old.is_file():  # datasets of the first days
+            return AssetFile(old)
+        entry = self.manifest.get("assets")
+        if entry is None:
+            return None
+        path = self.path / entry["file"]
+        if self.verify and checksum_of(path) != entry["sha256"]:
+            raise DamagedError(f"{path} is damaged: its checksum is not the one in the manifest; export it again")
+        return AssetFile(path)
+
+    def check(self) -> None:
+        """Verify the checksum of every file; DamagedError if one is not what was written."""
+        for entry in self.manifest["shards"]:
+            map_shard(self.path / entry["file"], entry["sha256"])
+        self.files()
+        self.assets()
+
+    def split(self, fractions: Sequence[float], seed: int) -> list[NDArray[np.int64]]:
+        """Scene numbers for training, validation ...; see :func:`split_rows`."""
+        return split_rows(len(self), fractions, seed)
+
+
+def split_rows(count: int, fractions: Sequence[float], seed: int) -> list[NDArray[np.int64]]:
+    """Numbers below ``count`` in disjoint lists, at random by ``seed``, each ascending.
+
+    ``fractions`` are shares of the whole; what they leave over belongs to nobody.
+    """
+    if not fractions or min(fractions) < 0 or sum(fractions) > 1 + 1e-9:
+        raise UniSGError(f"the shares of a split must be positive and sum to at most 1, not {fractions}")
+    order = np.random.default_rng(seed).permutation(count)
+    ends = np.rint(np.cumsum([0, *fractions]) * count).astype(int)
+    return [np.sort(order[a:b]) for a, b in pairwise(ends)]
+
+
+def open_dataset(path: str | os.PathLike[str], verify: bool = True, memory: int = MEMORY) -> Dataset:
+    """Open a dataset; needs numpy only.
+
+    Parameters
+    ----------
+    path
+        Its folder.
+    verify
+        Compare the checksum of each shard when it is first used.
+    memory
+        Bytes of shards that may be resident at a time, about.
+
+    Raises
+    ------
+    UniSGError
+        If there is no dataset, or a newer version wrote it.
+    """
+    folder = Path(path)
+    manifest = read_manifest(folder)
+    if manifest is None or manifest.get("schema") != SCHEMA:
+        raise UniSGError(f"{folder} holds no dataset: make one with 'unisg export IN --out {folder}'")
+    if not isinstance(manifest.get("version"), int) or manifest["version"] > VERSION:
+        raise UniSGError(f"{folder} was written by a newer version of this software: update it")
+    known = manifest.get("form")
+    if known not in FORMS:
+        raise UniSGError(f"{folder} is in the form {known!r}, which this software does not know: update it")
+    return Dataset(folder, manifest, verify, memory)

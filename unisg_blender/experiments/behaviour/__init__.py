@@ -1,0 +1,1 @@
+"""How well new objects get their behaviour."""

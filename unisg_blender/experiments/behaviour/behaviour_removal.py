@@ -1,0 +1,72 @@
+"""Takes the behaviour of one thing out of a scene, as if nobody had written it yet."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from ...behaviour import operations
+from ...generate.behaviour.roled_actions import read_acts
+from ...scene import ActionData, LessonNode, SceneGraph, Table, table
+from ...scene.identity import derived_uid
+
+
+def without_behaviour(graph: SceneGraph, row: int) -> tuple[SceneGraph, str]:
+    """The scene without the actions in which the thing at ``row`` plays, and the thing's new uid.
+
+    Their leaves go, and parts of the lesson that hold nothing more; groups lose them as
+    members; a group that the thing carried is carried by what carries its first
+    member left; relations and parents stay.
+    """
+    old, uid = graph.uid[row], derived_uid(graph.uid[row], "again")
+    acts = read_acts(graph)
+    gone = {act.action.uid for act in acts if row in act.slots}
+    owners = {act.action.uid: act.owner for act in acts}
+    found = graph.components.get("actions")
+    rows, data = [], []
+    for owner, action in [] if found is None else zip(found.rows.tolist(), found.columns["data"], strict=True):
+        if action.uid in gone:
+            continue
+        if action.type == "Parallel":
+            action = replace(action, members=tuple(member for member in action.members if member not in gone))
+            if not action.members:
+                gone.add(action.uid)
+                continue
+            owner = owners.get(action.members[0], owner) if owner == row else owner
+        rows.append(owner)
+        data.append(_renamed(action, old, uid))
+    bare = graph.with_component("actions", table(rows, data=data))
+    lsa = graph.components.get("lsa")
+    if lsa is not None:
+        trees = [_cut(tree, gone) for tree in operations(graph)]
+        kept = [place for place, tree in enumerate(trees) if tree.children]
+        bare = bare.with_component("lsa", table(lsa.rows[kept], data=[trees[place] for place in kept]))
+    relations = bare.components.get("relations")
+    if relations is not None:
+        targets = np.array([uid if target == old else target for target in relations.columns["target"]], object)
+        bare = bare.with_component("relations", Table(relations.rows, {**relations.columns, "target": targets}))
+    return bare.replace(uid=(*bare.uid[:row], uid, *bare.uid[row + 1 :])), uid
+
+
+def _renamed(action: ActionData, old: str, uid: str) -> ActionData:
+    return replace(action, frame=uid) if action.frame == old else action
+
+
+def _cut(operation: LessonNode, gone: set[str]) -> LessonNode:
+    """The tree without the leaves of some actions, parts left empty, and requirements of what is gone."""
+
+    def cut(node: LessonNode) -> LessonNode:
+        """The node without leaves of lost actions and what is empty then."""
+        below = [cut(child) for child in node.children if child.action not in gone or child.kind != "action"]
+        return replace(node, children=tuple(child for child in below if child.kind == "action" or child.children))
+
+    tree = cut(operation)
+    left = {node.uid for node in tree.walk()}
+
+    def kept(node: LessonNode) -> LessonNode:
+        """The node with only those prerequisites that are left."""
+        needs = tuple(uid for uid in node.requires if uid in left)
+        return replace(node, requires=needs, children=tuple(kept(child) for child in node.children))
+
+    return kept(tree)

@@ -1,0 +1,1 @@
+"""What stands on what in rooms that others designed."""

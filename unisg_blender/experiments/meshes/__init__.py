@@ -1,0 +1,1 @@
+"""The mesh component measured on held-out shapes."""

@@ -1,0 +1,1 @@
+"""Exactness and speed of the pose forms, and of keyframe reduction."""

@@ -1,0 +1,173 @@
+"""Simple ways to place things, to compare a model with."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...generate.observe.proposals import Proposals, Scene
+from ...generate.observe.scene_tokens import ground_of, room_middle
+from ...generate.place.placeable import Piece
+from ...scene import SceneGraph
+from ...spatial.floor_plan import FLOOR, room_outline
+
+SPREAD_FLOOR = 0.005
+_NOWHERE = (np.zeros(4), np.ones(4))
+
+
+class GaussianProposer:
+    """One Gaussian per category and kind of support over the offset in the support's frame and the heading.
+
+    The support is drawn by how often the category stands on things of its kind;
+    the heading is normal around its circular mean. ``spread=0`` predicts the mean.
+
+    Parameters
+    ----------
+    scenes
+        Training scenes, categories numbered as in the model's vocabulary.
+    spread
+        Factor on the standard deviations.
+    """
+
+    def __init__(self, scenes: Sequence[Scene], spread: float = 1.0) -> None:
+        found: dict[tuple[int, int], list[NDArray[np.float64]]] = defaultdict(list)
+        for scene in scenes:
+            kinds = np.append(scene.category, -2)[scene.support]
+            for thing, offset in enumerate(offsets(scene)):
+                if scene.category[thing] >= 0:
+                    found[int(scene.category[thing]), int(kinds[thing])].append(offset)
+        self.fits = {key: _fit(np.array(values)) for key, values in found.items()}
+        self.counts = {key: len(values) for key, values in found.items()}
+        self.spread = spread
+
+    def propose(
+        self, scene: Scene, category: int, piece: Piece, count: int, rng: np.random.Generator,
+        allowed: NDArray[np.bool_], coming: Mapping[int, int],
+    ) -> Proposals:  # fmt: skip
+        """See :class:`~unisg_blender.generate.observe.proposals.Proposer`."""
+        if not allowed.any():
+            return Proposals(np.full(count, -1, np.int64), rng.normal(0, 1, (count, 4)))
+        things = np.flatnonzero(allowed)
+        kinds = scene.category[things]
+        same = np.array([(kinds == kind).sum() for kind in kinds])
+        chance = np.array([self.counts.get((category, int(kind)), 0.1) for kind in kinds]) / same
+        supports = things[rng.choice(len(things), count, p=chance / chance.sum())]
+        places = np.zeros((count, 4))
+        for row, thing in enumerate(supports):
+            mean, deviation = self.fits.get((category, int(scene.category[thing])), _NOWHERE)
+            offset = mean + self.spread * deviation * rng.standard_normal(4)
+            cos, sin = np.cos(scene.yaw[thing]), np.sin(scene.yaw[thing])
+            x, y = offset[:2]
+            places[row] = (cos * x - sin * y, sin * x + cos * y, offset[2], offset[3])
+            places[row] += (*scene.center[thing, :2], scene.center[thing, 2] - scene.half[thing, 2], scene.yaw[thing])
+        return Proposals(supports.astype(np.int64), places)
+
+    def log_density(self, scene: Scene, category: int, piece: Piece, support: int, place: NDArray[np.float64]) -> float:
+        """Of a position and heading on a known support, nats (metres, radians)."""
+        kind = int(scene.category[support]) if support >= 0 else -2
+        mean, deviation = self.fits.get((category, kind), _NOWHERE)
+        origin = np.zeros(4)
+        if support >= 0:
+            origin[:] = *scene.center[support], scene.yaw[support]
+        cos, sin = np.cos(origin[3]), np.sin(origin[3])
+        x, y = place[:2] - origin[:2]
+        offset = np.array([cos * x + sin * y, cos * y - sin * x])
+        return _log_normal(offset, place[3] - origin[3], mean, deviation)
+
+
+class WorldGaussianProposer:
+    """One Gaussian per category over position and heading in the room, whose middle is the origin.
+
+    What carries the thing is found afterwards, see :func:`carrier_of`.
+    """
+
+    def __init__(self, scenes: Sequence[Scene]) -> None:
+        found: dict[int, list[NDArray[np.float64]]] = defaultdict(list)
+        for scene in scenes:
+            origin = np.array([*room_middle(scene), ground_of(scene)])
+            bottom = scene.center - scene.half * (0, 0, 1)
+            for thing in np.flatnonzero(scene.category >= 0):
+                found[int(scene.category[thing])].append(np.append(bottom[thing] - origin, scene.yaw[thing]))
+        self.fits = {key: _fit(np.array(values)) for key, values in found.items()}
+
+    def propose(
+        self, scene: Scene, category: int, piece: Piece, count: int, rng: np.random.Generator,
+        allowed: NDArray[np.bool_], coming: Mapping[int, int],
+    ) -> Proposals:  # fmt: skip
+        """See :class:`~unisg_blender.generate.observe.proposals.Proposer`."""
+        mean, deviation = self.fits.get(category, _NOWHERE)
+        places = mean + deviation * rng.standard_normal((count, 4))
+        places[:, :3] += (*room_middle(scene), ground_of(scene))
+        return Proposals(np.array([carrier_of(scene, place, allowed) for place in places], np.int64), places)
+
+    def log_density(self, scene: Scene, category: int, piece: Piece, support: int, place: NDArray[np.float64]) -> float:
+        """Of a position and heading, whatever the support, nats (metres, radians)."""
+        mean, deviation = self.fits.get(category, _NOWHERE)
+        return _log_normal(place[:2] - room_middle(scene), place[3], mean, deviation)
+
+
+def carrier_of(scene: Scene, place: NDArray[np.float64], allowed: NDArray[np.bool_]) -> int:
+    """Which of the allowed things a bottom at a place (4,) is nearest to: apart from its top, and beside it, metres.
+
+    -1 where none is allowed.
+    """
+    things = np.flatnonzero(allowed)
+    if not len(things):
+        return -1
+    offset = place[:2] - scene.center[things, :2]
+    cos, sin = np.cos(scene.yaw[things]), np.sin(scene.yaw[things])
+    local = np.column_stack([cos * offset[:, 0] + sin * offset[:, 1], cos * offset[:, 1] - sin * offset[:, 0]])
+    aside = np.linalg.norm(np.maximum(np.abs(local) - scene.half[things, :2], 0), axis=1)
+    low, high = scene.center[things, 2] - scene.half[things, 2], scene.center[things, 2] + scene.half[things, 2]
+    apart = np.maximum(place[2] - high, 0) + np.maximum(low - place[2], 0) + 0.1 * np.abs(place[2] - high)
+    return int(things[np.argmin(aside + apart)])
+
+
+def offsets(scene: Scene) -> NDArray[np.float64]:
+    """x, y, height of the bottom above the support's bottom, and heading (K, 4), in the frames of the supports."""
+    held = scene.support >= 0
+    support = np.maximum(scene.support, 0)
+    offset = scene.center - np.where(held[:, None], scene.center[support], 0)
+    yaw = np.where(held, scene.yaw[support], 0.0)
+    below = np.where(held, scene.center[support, 2] - scene.half[support, 2], 0.0)
+    cos, sin = np.cos(yaw), np.sin(yaw)
+    x = cos * offset[:, 0] + sin * offset[:, 1]
+    y = cos * offset[:, 1] - sin * offset[:, 0]
+    return np.stack([x, y, scene.center[:, 2] - scene.half[:, 2] - below, scene.yaw - yaw], axis=1)
+
+
+def _fit(values: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Mean and standard deviation (4,); of the last column, angles, the circular ones."""
+    resultant = np.exp(1j * values[:, 3]).mean()
+    mean = np.append(values[:, :3].mean(axis=0), np.angle(resultant))
+    turn = np.sqrt(-2 * np.log(np.clip(np.abs(resultant), 1e-6, 1)))
+    return mean, np.append(np.maximum(values[:, :3].std(axis=0), SPREAD_FLOOR), max(turn, 0.01))
+
+
+def _log_normal(
+    offset: NDArray[np.float64], turn: float, mean: NDArray[np.float64], deviation: NDArray[np.float64]
+) -> float:
+    """Log density of x, y and a heading (wrapped around the circle) under a Gaussian over x, y, z, heading."""
+    z = (offset - mean[:2]) / deviation[:2]
+    place = -0.5 * z @ z - np.log(deviation[:2]).sum() - np.log(2 * np.pi)
+    images = turn - mean[3] + 2 * np.pi * np.arange(-3, 4)
+    around = -0.5 * (images / deviation[3]) ** 2 - np.log(deviation[3]) - 0.5 * np.log(2 * np.pi)
+    return float(place + np.logaddexp.reduce(around))
+
+
+def signature(graph: SceneGraph, vocabulary: Sequence[str]) -> NDArray[np.float64]:
+    """Counts of the categories, and four times half the size of the room, to find similar rooms by."""
+    names = [graph.category_name(row) for row in range(len(graph))]
+    counts = np.array([names.count(name) for name in vocabulary], np.float64)
+    size = np.zeros(2)
+    if FLOOR in graph.vocabulary:
+        size = np.ptp(room_outline(graph), axis=0) / 2
+    return np.append(counts, 4 * size)
+
+
+def nearest_room(wanted: NDArray[np.float64], signatures: NDArray[np.float64]) -> NDArray[np.int64]:
+    """Numbers of the rooms with signatures (S, W), the nearest to the wanted one first."""
+    return np.abs(signatures - wanted).sum(axis=1).argsort(kind="stable")

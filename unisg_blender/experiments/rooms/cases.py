@@ -1,0 +1,129 @@
+"""What a generator is asked in the benchmark: rooms to furnish, and half-emptied rooms to complete."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...dataset.assets.asset import Asset, thing_of
+from ...geometry.planar import heading
+from ...metrics.support_gaps import find_supports
+from ...scene import SceneGraph, take, world_matrices
+from ...spatial.structure import STRUCTURE, owners
+
+
+@dataclass(frozen=True, eq=False)
+class Case:
+    """A room to furnish: the real one, its shell, and the things to put in, by category."""
+
+    real: SceneGraph
+    shell: SceneGraph
+    assets: dict[str, list[Asset]]
+    wanted: dict[str, int]
+
+
+@dataclass(frozen=True, eq=False)
+class Hole:
+    """A room of which half was taken out, and one thing of it that is to come back.
+
+    Attributes
+    ----------
+    real, rest
+        The room as it was, and what is left of it.
+    asset
+        The thing's shape.
+    support
+        uid of what it stood on, which is still there.
+    neighbour
+        uid of the nearest thing on the same support that is still there, "" for none.
+    places
+        (K, 4): x, y, bottom and turn of the things of its category that were taken out, its own first.
+    supports
+        uids of what those stood on.
+    """
+
+    real: SceneGraph
+    rest: SceneGraph
+    asset: Asset
+    support: str
+    neighbour: str
+    places: NDArray[np.float64]
+    supports: tuple[str, ...]
+
+    @property
+    def category(self) -> str:
+        """Category of the thing."""
+        return self.asset.category
+
+
+def case_of(graph: SceneGraph, known: Sequence[str]) -> Case | None:
+    """The test case of a room, None if there is nothing to move; what the model does not know stays where it is."""
+    movable = _movable(graph, known)
+    if not movable.any():
+        return None
+    assets: dict[str, list[Asset]] = {}
+    owner, world = owners(graph), world_matrices(graph)
+    for row in np.flatnonzero(movable):
+        assets.setdefault(graph.category_name(row), []).append(thing_of(graph, int(row), owner, world))
+    shell = without(graph, movable)
+    return Case(graph, shell, assets, {name: len(group) for name, group in assets.items()})
+
+
+def hole_of(graph: SceneGraph, known: Sequence[str], seed: int) -> Hole | None:
+    """A room without a random half of its things and what stands on them, and one of these; None if none is left.
+
+    The thing asked for is drawn among the categories first, so that rare ones count as much as common ones.
+    """
+    rng = np.random.default_rng((seed, 77))
+    movable = _movable(graph, known)
+    gone = movable & (rng.random(len(graph)) < 0.5)
+    for row in range(len(graph)):
+        above = graph.parent[row]
+        gone[row] |= above >= 0 and gone[above]
+    found = find_supports(graph)
+    on = np.full(len(graph), -1, np.int64)
+    on[found.row[::-1]] = found.on[::-1]
+    taken = np.flatnonzero(gone & movable & (on >= 0) & ~gone[on])
+    if not len(taken):
+        return None
+    kinds = graph.category[taken]
+    kind = rng.choice(np.unique(kinds))
+    alike = rng.permutation(taken[kinds == kind])
+    row = int(alike[0])
+    beside = np.flatnonzero((on == on[row]) & ~gone & movable)
+    world = world_matrices(graph)[:, :3, 3]
+    near = beside[np.linalg.norm(world[beside] - world[row], axis=1).argsort()]
+    places = np.array([place_of(graph, int(other)) for other in alike])
+    return Hole(
+        graph, without(graph, gone), thing_of(graph, row), graph.uid[on[row]],
+        graph.uid[near[0]] if len(near) else "", places, tuple(graph.uid[on[other]] for other in alike),
+    )  # fmt: skip
+
+
+def _movable(graph: SceneGraph, known: Sequence[str]) -> NDArray[np.bool_]:
+    names = np.array([graph.category_name(row) for row in range(len(graph))])
+    return np.isin(names, known) & ~np.isin(names, STRUCTURE) & (graph.mesh >= 0)
+
+
+def without(graph: SceneGraph, gone: NDArray[np.bool_]) -> SceneGraph:
+    """The scene without some rows and all that hangs under them; of its components only the relations stay."""
+    gone = gone.copy()
+    for row in range(len(graph)):
+        above = graph.parent[row]
+        gone[row] |= above >= 0 and gone[above]
+    shell = take(graph, np.flatnonzero(~gone))
+    return shell.replace(components={name: value for name, value in shell.components.items() if name == "relations"})
+
+
+def place_of(graph: SceneGraph, row: int) -> NDArray[np.float64]:
+    """Place (4,) of an entity: x, y and bottom of its upright box's middle, metres, and its turn, radians."""
+    from ...generate.place.placeable import Piece
+
+    world = world_matrices(graph)
+    x, y, z = Piece(thing_of(graph, row, world=world)).foot
+    yaw = float(heading(world[row, :3, :3]))
+    cos, sin = np.cos(yaw), np.sin(yaw)
+    return np.array([*(world[row, :3, 3] + (cos * x - sin * y, sin * x + cos * y, z)), yaw])

@@ -1,0 +1,156 @@
+"""The lines of the generator's table, and the data that each of them is measured on, loaded once per process."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache
+from itertools import islice
+from pathlib import Path
+from typing import Any
+
+from ...dataset.assets.shaped_scenes import scenes_with_shapes
+from ...dataset.format.reader import open_dataset
+from ...generate import Generator
+from ...generate.observe.contract import Contract
+from ...generate.observe.proposals import Scene
+from ...generate.observe.support_priors import Habits, learn_habits
+from ...generate.trained_model import Model
+from ...scene import SceneGraph, world_matrices
+from ...spatial.objects import things_of
+from ...spatial.structure import STRUCTURE
+from .atiss_proposer import load_generator
+from .baselines import GaussianProposer, WorldGaussianProposer
+from .cases import Case, Hole, case_of, hole_of
+from .furnishing import ByCopying, ByModel, Real, Way
+
+LEARNED = 300
+"""Training rooms that the Gaussians and the copies learn from, at most."""
+
+JITTER = 0.1
+KINDS = ("real", "training", "model", "mean", "gaussian", "world", "copy", "jitter")
+"""real: the test rooms; training: as many training rooms; the others furnish the test rooms."""
+
+
+@dataclass(frozen=True)
+class RowSpec:
+    """One line: its name, one of :data:`KINDS`, whether what it makes is settled, and the file of its model, if any."""
+
+    name: str
+    kind: str
+    model: str = ""
+    settle: bool = True
+
+    @property
+    def completes(self) -> bool:
+        """Whether it is asked to complete rooms."""
+        return self.settle and self.kind not in ("real", "training")
+
+
+@dataclass(frozen=True)
+class Data:
+    """Test rooms and training rooms ("" for none) and how many of the former."""
+
+    tests: str
+    training: str
+    scenes: int
+
+
+def table_rows(model: Path, others: Sequence[Path], training: bool) -> list[RowSpec]:
+    """All lines of the table: real rooms, the model, other models, and with training rooms the simple baselines."""
+    rows = [RowSpec("real rooms", "real")]
+    if training:
+        rows.append(RowSpec("other real rooms (training)", "training"))
+    for name, path in (("model", model), *((other.stem, other) for other in others)):
+        rows += [RowSpec(f"{name}, raw", "model", str(path), False), RowSpec(f"{name}, settled", "model", str(path))]
+    if training:
+        for name, kind in (("category Gaussian, world", "world"), ("category Gaussian, on its support", "gaussian")):
+            rows += [RowSpec(f"{name}, raw", kind, settle=False), RowSpec(f"{name}, settled", kind)]
+        rows.append(RowSpec("category mean, raw", "mean", settle=False))
+        rows.append(RowSpec("nearest training room copied", "copy"))
+        rows.append(RowSpec("... with 10 cm jitter", "jitter"))
+    return rows
+
+
+@cache
+def generator_of(path: str) -> Generator:
+    """The model of a file, opened once."""
+    return load_generator(path)
+
+
+@cache
+def test_rooms(data: Data) -> tuple[SceneGraph, ...]:
+    """The test rooms."""
+    return _rooms(data.tests, data.scenes)
+
+
+@cache
+def training_rooms(data: Data, most: int = LEARNED) -> tuple[SceneGraph, ...]:
+    """The first training rooms; none without a training set."""
+    return _rooms(data.training, most) if data.training else ()
+
+
+@cache
+def vocabulary_of(data: Data) -> tuple[str, ...]:
+    """The categories that features are numbered by: all of the training rooms, or else of the test rooms."""
+    dataset = open_dataset(data.training or data.tests)
+    counts = dataset.manifest["category_counts"]
+    return tuple(sorted(name for name, count in zip(dataset.categories, counts, strict=True) if count))
+
+
+def _rooms(path: str, most: int) -> tuple[SceneGraph, ...]:
+    return tuple(islice(scenes_with_shapes(open_dataset(path)), most))
+
+
+@cache
+def _baseline(kind: str, data: Data) -> Generator:
+    """A generator without a network: what is usual for the categories, and the Gaussians, from the training rooms."""
+    vocabulary = vocabulary_of(data)
+    things = [things_of(graph, vocabulary) for graph in training_rooms(data)]
+    contract = Contract("anchors", vocabulary, _habits(data))
+    scenes = [
+        Scene.of(found, world_matrices(graph)[found.row])
+        for found, graph in zip(things, training_rooms(data), strict=True)
+    ]
+    proposer = GaussianProposer(scenes, 0.0 if kind == "mean" else 1.0) if kind != "world" else None
+    return Generator(Model(Path("baseline.onnx"), _NoNetwork(), contract), proposer or WorldGaussianProposer(scenes))
+
+
+class _NoNetwork:
+    """A network of nothing, for what needs none."""
+
+    def get_inputs(self) -> list[Any]:
+        """None."""
+        return []
+
+
+@cache
+def _habits(data: Data) -> Habits:
+    vocabulary = vocabulary_of(data)
+    return learn_habits((things_of(graph, vocabulary) for graph in training_rooms(data)), vocabulary)
+
+
+@cache
+def way_of(spec: RowSpec, data: Data) -> Way:
+    """How a row furnishes rooms."""
+    if spec.kind in ("real", "training"):
+        return Real()
+    if spec.kind in ("copy", "jitter"):
+        known = [name for name in vocabulary_of(data) if name not in STRUCTURE]
+        return ByCopying(training_rooms(data), known, JITTER if spec.kind == "jitter" else 0.0)
+    return ByModel(generator_of(spec.model) if spec.kind == "model" else _baseline(spec.kind, data), spec.settle)
+
+
+def _known(spec: RowSpec, data: Data) -> tuple[str, ...]:
+    return generator_of(spec.model).categories if spec.model else vocabulary_of(data)
+
+
+def case_number(spec: RowSpec, data: Data, number: int) -> Case | None:
+    """The room that a row is asked to furnish; None past the end, or if there is nothing in it."""
+    rooms = training_rooms(data, data.scenes) if spec.kind == "training" else test_rooms(data)
+    return case_of(rooms[number], _known(spec, data)) if number < len(rooms) else None
+
+
+def hole_number(spec: RowSpec, data: Data, number: int, seed: int) -> Hole | None:
+    """The half-emptied room that a row is asked to complete; it differs from seed to seed, not from row to row."""
+    return hole_of(test_rooms(data)[number], _known(spec, data), 1000 * seed + number)

@@ -1,0 +1,1 @@
+"""Scene files of any kind, behind one read and one write."""

@@ -1,0 +1,176 @@
+"""What training scenes teach about behaviour: the kinds of actions, who plays in them, and the shape of lessons."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict, dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from ...errors import UniSGError
+from .roled_actions import Key
+
+VERSION = 1
+TASK = "behaviour"
+SUFFIX = ".behaviour.onnx"
+
+
+def behaviour_path(model: Path) -> Path:
+    """Where the behaviour of a generator is: ``room.onnx`` has ``room.behaviour.onnx``."""
+    return model.with_suffix(SUFFIX)
+
+
+@dataclass(frozen=True)
+class Reference:
+    """How the reference pose of a kind comes about, in the frame of its frame entity.
+
+    Each coordinate is ``value`` metres plus what ``rule`` names: 0 ("frame"), the target's present
+    coordinate ("own"), the lowest or highest coordinate of the frame's box ("low", "high"), or it is
+    ``value`` times half the box's width from its middle ("share"). The rotation is the target's
+    present one ("own"), or the nine numbers of ``rotation``, row by row.
+    """
+
+    rule: tuple[str, str, str]
+    value: tuple[float, float, float]
+    turn: str
+    rotation: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Right:
+    """Which answer of a Question is right, by a rule that held in all training scenes.
+
+    ``rule`` "count": the number of things ``of`` a category (or "category|relation"); "always": the answer
+    ``of``; "side": the first of ``answers`` where the target's coordinate ``of`` ("x", "y", "z") in the frame
+    of what holds it is positive, else the second.
+    """
+
+    rule: str
+    of: str
+    answers: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A kind of action: all actions of training scenes of one type and name in one stage and group.
+
+    Attributes
+    ----------
+    slots
+        For target, tool and frame: how often each category played that part; empty where there is none.
+    roles
+        "slot|category": share of the things of the category that play the part.
+    chance
+        Share of the scenes with all its usual parts in which it occurs.
+    most
+        Most actions of the kind in one scene.
+    thresholds
+        Medians of the thresholds that at least half of its actions have.
+    rank
+        Mean place among the actions of its stage, from 0 to 1.
+    answers
+        Those of the first Question seen.
+    """
+
+    type: str
+    name: str
+    stage: str
+    group: str
+    slots: tuple[dict[str, int], dict[str, int], dict[str, int]]
+    roles: dict[str, float]
+    chance: float
+    most: int
+    rank: float
+    thresholds: dict[str, float]
+    optional: bool = False
+    trigger: bool = False
+    reference: Reference | None = None
+    answers: tuple[str, ...] = ()
+    right: Right | None = None
+
+    @property
+    def key(self) -> Key:
+        """Type, name, stage and group."""
+        return self.type, self.name, self.stage, self.group
+
+
+@dataclass(frozen=True)
+class StageKind:
+    """A stage of the training lessons: its ``lessons`` from the top, its mean place among all stages (0 to 1), the
+    names of what it usually requires, and whether its actions are usually in order."""
+
+    name: str
+    lessons: tuple[str, ...]
+    rank: float
+    requires: tuple[str, ...]
+    ordered: bool
+
+
+@dataclass(frozen=True)
+class Kinds:
+    """All that the metadata of a model of behaviour says.
+
+    ``categories`` are those of the training scenes, sorted; ``groups`` says of each Parallel group's name
+    whether "all" or "any" is usual; ``operation`` is the commonest name of an operation.
+    """
+
+    categories: tuple[str, ...]
+    kinds: tuple[Kind, ...]
+    stages: tuple[StageKind, ...]
+    groups: dict[str, str]
+    operation: str
+    provenance: dict[str, Any] = field(default_factory=dict)
+
+    @cached_property
+    def number_of(self) -> dict[Key, int]:
+        """Position of each kind by its key."""
+        return {kind.key: number for number, kind in enumerate(self.kinds)}
+
+    @cached_property
+    def stage_number(self) -> dict[str, int]:
+        """Position of each stage by its name."""
+        return {stage.name: number for number, stage in enumerate(self.stages)}
+
+    def to_json(self) -> str:
+        """The metadata entry."""
+        return json.dumps({"contract": VERSION, "task": TASK, **asdict(self)}, ensure_ascii=False, sort_keys=True)
+
+    @staticmethod
+    def from_json(text: str, path: Path) -> Kinds:
+        """The kinds of a metadata entry.
+
+        Raises
+        ------
+        UniSGError
+            If it is of another task, a newer version, or damaged.
+        """
+        damaged = UniSGError(f"{path}: the model's metadata is damaged: train it again")
+        try:
+            record = json.loads(text)
+            version, task = record.pop("contract"), record.pop("task")
+        except (ValueError, KeyError, AttributeError, TypeError):
+            raise damaged from None
+        if version != VERSION:
+            raise UniSGError(f"{path} has contract {version}, this software knows {VERSION}: update it or train again")
+        if task != TASK:
+            raise UniSGError(f"{path} is a model for {task!r}, not of behaviour")
+        try:
+            kinds = tuple(_kind(item) for item in record.pop("kinds"))
+            stages = tuple(StageKind(**_tuples(item, "lessons", "requires")) for item in record.pop("stages"))
+            return Kinds(tuple(record.pop("categories")), kinds, stages, **record)
+        except (KeyError, TypeError, AttributeError, ValueError):
+            raise damaged from None
+
+
+def _kind(item: dict[str, Any]) -> Kind:
+    item = _tuples(item, "slots", "answers")
+    if item["reference"] is not None:
+        item["reference"] = Reference(**_tuples(item["reference"], "rule", "value", "rotation"))
+    if item["right"] is not None:
+        item["right"] = Right(**_tuples(item["right"], "answers"))
+    return Kind(**item)
+
+
+def _tuples(item: dict[str, Any], *names: str) -> dict[str, Any]:
+    return item | {name: tuple(item[name]) for name in names}

@@ -1,0 +1,91 @@
+"""From choices to data: ActionData of a kind for a cast, and the scene with new actions and their lesson."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...scene import ActionData, LessonNode, SceneGraph, Thresholds, canonical, table
+from ...scene.graph import TYPE_INDEX, Table
+from .action_kinds import Kind
+from .answer_rules import answers_of
+from .reference_poses import reference_pose, surroundings
+from .roled_actions import with_names
+
+OPERATION = "Operation"
+
+
+@dataclass(frozen=True, eq=False)
+class NewAct:
+    """An action to be added: its kind, the row of the entity that carries it, and its leaf's uid ("" for none)."""
+
+    kind: Kind
+    owner: int
+    action: ActionData
+    leaf: str = ""
+
+
+def make_action(kind: Kind, graph: SceneGraph, slots: tuple[int, int, int], uid: str) -> ActionData | None:
+    """An action of a kind played by entities (rows, -1: nobody); None for a question whose answer no rule tells."""
+    target, tool, frame = slots
+    names = {graph.uid[row]: graph.name[row] for row in slots if row >= 0}
+    answers: tuple[str, ...] = ()
+    correct: tuple[int, ...] = ()
+    if kind.type == "Question":
+        told = answers_of(kind, graph, target)
+        if told is None:
+            return None
+        answers, correct = told[0], (told[1],)
+    reference = None
+    if kind.reference is not None:
+        moved = tool if kind.type == "Tool" else target
+        pose = reference_pose(kind.reference, *surroundings(graph, moved, frame))
+        reference = (*np.round(pose[:3], 9).reshape(-1).tolist(), 0.0, 0.0, 0.0, 1.0)
+    limits = {name: int(value) if name == "hits" else value for name, value in kind.thresholds.items()}
+    return ActionData(
+        uid=uid, type=kind.type, name=with_names(kind.name, graph, slots),
+        targets=(graph.uid[target],) if target >= 0 else (), tools=(graph.uid[tool],) if tool >= 0 else (),
+        reference=reference, frame=graph.uid[frame] if frame >= 0 else "",
+        thresholds=Thresholds(**limits),  # type: ignore[arg-type]
+        trigger=kind.trigger, answers=answers, correct=correct, names=names,
+    )  # fmt: skip
+
+
+def with_actions(graph: SceneGraph, acts: Sequence[NewAct]) -> SceneGraph:
+    """The scene with further actions, each entity's own ones first."""
+    if not acts:
+        return graph
+    before = graph.components.get("actions")
+    rows = [] if before is None else before.rows.tolist()
+    data = [] if before is None else list(before.columns["data"])
+    added = table([*rows, *(act.owner for act in acts)], data=[*data, *(act.action for act in acts)])
+    return graph.with_component("actions", added)
+
+
+def with_operation(graph: SceneGraph, operation: LessonNode, uid: str) -> SceneGraph:
+    """The scene with an operation in place of the one with its uid, else on a new Empty with the given ``uid``."""
+    lsa = graph.components.get("lsa")
+    if lsa is not None:
+        trees = [operation if tree.uid == operation.uid else tree for tree in lsa.columns["data"]]
+        if any(tree is operation for tree in trees):
+            return graph.with_component("lsa", table(lsa.rows, data=trees))
+    row, name = len(graph), _free(OPERATION, graph)
+    rows = [row] if lsa is None else [*lsa.rows.tolist(), row]
+    trees = [operation] if lsa is None else [*lsa.columns["data"], operation]
+    grown = graph.replace(
+        name=(*graph.name, name), uid=(*graph.uid, uid), type=np.append(graph.type, np.int8(TYPE_INDEX["EMPTY"])),
+        parent=np.append(graph.parent, np.int32(-1)), category=np.append(graph.category, np.int32(-1)),
+        local=np.concatenate([graph.local, np.eye(4)[None]]), mesh=np.append(graph.mesh, np.int32(-1)),
+    )  # fmt: skip
+    made: Table = table(rows, data=trees)
+    return canonical(grown.with_component("lsa", made))
+
+
+def _free(name: str, graph: SceneGraph) -> str:
+    taken, number, free = set(graph.name), 0, name
+    while free in taken:
+        number += 1
+        free = f"{name}.{number:03d}"
+    return free

@@ -1,0 +1,130 @@
+"""The actions of a scene as a model of behaviour sees them: who plays in them, and where a lesson performs them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...behaviour import all_actions, operations
+from ...scene import ActionData, LessonNode, SceneGraph
+
+SLOTS = ("target", "tool", "frame")
+"""The parts that an entity can play in an action."""
+
+Key = tuple[str, str, str, str]
+"""Type, name, stage and group: actions of all scenes that agree in these are of one kind."""
+
+
+@dataclass(frozen=True, eq=False)
+class Act:
+    """An action with its place.
+
+    Attributes
+    ----------
+    action
+        The action; of several targets or tools the first counts.
+    owner
+        Row of the entity that carries it.
+    slots
+        Rows of target, tool and frame, -1 for none.
+    stage, leaf
+        The stage that performs it (its group's, for a member) and the leaf (None for a member), None for no lesson.
+    group
+        Name of the Parallel group that it is a member of, "" for none.
+    order
+        Place of the leaf in its stage, -1 for none.
+    """
+
+    action: ActionData
+    owner: int
+    slots: tuple[int, int, int]
+    stage: LessonNode | None
+    leaf: LessonNode | None
+    group: str
+    order: int
+    name: str
+
+    @property
+    def key(self) -> Key:
+        """What kind of action this is."""
+        return self.action.type, self.name, "" if self.stage is None else self.stage.name, self.group
+
+
+def read_acts(graph: SceneGraph) -> list[Act]:
+    """The actions of a scene except the Parallel groups, in the order of its ``actions`` table."""
+    found = graph.components.get("actions")
+    actions = all_actions(graph)
+    places = _places(graph, {action.uid: action for action in reversed(actions)})
+    acts = []
+    for owner, action in zip([] if found is None else found.rows.tolist(), actions, strict=True):
+        if action.type != "Parallel":
+            stage, leaf, order, group = places.get(action.uid, (None, None, -1, ""))
+            slots = slots_of(graph, action)
+            acts.append(Act(action, owner, slots, stage, leaf, group, order, _without_names(graph, action, slots)))
+    return acts
+
+
+def slots_of(graph: SceneGraph, action: ActionData) -> tuple[int, int, int]:
+    """Rows of the first target, the first tool and the frame, -1 for none."""
+    first = (*action.targets[:1], *[""] * (not action.targets)), (*action.tools[:1], *[""] * (not action.tools))
+    target, tool, frame = (graph.row_of_uid.get(uid, -1) for uid in (*first[0], *first[1], action.frame))
+    return target, tool, frame
+
+
+def _places(
+    graph: SceneGraph, by_uid: Mapping[str, ActionData]
+) -> dict[str, tuple[LessonNode, LessonNode | None, int, str]]:
+    """Stage, leaf, order and group of each action, the first place where it has several."""
+    places: dict[str, tuple[LessonNode, LessonNode | None, int, str]] = {}
+    for stage, order, leaf in (place for operation in operations(graph) for place in leaves(operation)):
+        places.setdefault(leaf.action, (stage, leaf, order, ""))
+        group = by_uid.get(leaf.action)
+        for uid in group.members if group is not None and group.type == "Parallel" else ():
+            places.setdefault(uid, (stage, None, order, group.name if group else ""))
+    return places
+
+
+def leaves(operation: LessonNode) -> Iterator[tuple[LessonNode, int, LessonNode]]:
+    """Stage, place in the stage, and leaf, for all leaves of an operation."""
+    for stage in operation.walk():
+        if stage.kind == "stage":
+            for order, leaf in enumerate(stage.children):
+                yield stage, order, leaf
+
+
+def _without_names(graph: SceneGraph, action: ActionData, slots: tuple[int, int, int]) -> str:
+    """The action's name with "{target}" ... for the names of the entities that play in it."""
+    name = action.name
+    for slot, row in sorted(zip(SLOTS, slots, strict=True), key=lambda pair: -len(graph.name[pair[1]])):
+        if row >= 0:
+            name = name.replace(graph.name[row], f"{{{slot}}}")
+    return name
+
+
+def with_names(name: str, graph: SceneGraph, slots: tuple[int, int, int]) -> str:
+    """The name of a kind with the entities' names put in."""
+    for slot, row in zip(SLOTS, slots, strict=True):
+        name = name.replace(f"{{{slot}}}", graph.name[row] if row >= 0 else "")
+    return name
+
+
+def support_rows(graph: SceneGraph) -> NDArray[np.int64]:
+    """int64 (N,): the nearest ancestor with a category, -1 for none."""
+    found = np.full(len(graph) + 1, -1, np.int64)
+    for row, above in enumerate(graph.parent.tolist()):  # parents come first
+        if above >= 0:
+            found[row] = above if graph.category[above] >= 0 else found[above]
+    return found[:-1]
+
+
+def relation_kinds(graph: SceneGraph) -> dict[int, str]:
+    """The relation of rows to what holds them ("on_top_of" ...), the first one where there are several."""
+    held = graph.components.get("relations")
+    kinds: dict[int, str] = {}
+    if held is not None:
+        for row, kind in zip(held.rows.tolist(), held.columns["kind"], strict=True):
+            kinds.setdefault(row, str(kind))
+    return kinds

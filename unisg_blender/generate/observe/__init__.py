@@ -1,0 +1,1 @@
+"""What a model sees of a scene, and what training scenes say about categories."""

@@ -1,0 +1,94 @@
+"""What a generative model's file says about itself, and how it is checked before anything is run."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, field
+from difflib import get_close_matches
+from pathlib import Path
+from typing import Any
+
+from ...errors import UniSGError
+from .support_priors import Habits
+
+VERSION = 5
+SINCE = {"anchors": 5}
+"""The first version of a kind that this software runs, where that is not 1."""
+
+TASK = "generate"
+KINDS = ("cgvae", "anchors")
+
+
+@dataclass(frozen=True)
+class Contract:
+    """The metadata of a generative model.
+
+    Attributes
+    ----------
+    kind
+        One of :data:`KINDS`: which inputs and outputs the network has.
+    vocabulary
+        The categories it knows, in the order of its numbers.
+    form
+        Form of the poses it decodes; "" where it gives positions and headings.
+    mean, scale
+        Of all feature channels (form, then stretch): feature = mean + scale * standardised.
+    kept
+        Channels that the network has; the others are constant.
+    latent
+        Width of the noise input; 0 for none.
+    habits
+        What the training scenes say about the categories.
+    provenance
+        Dataset, counts, software, command and seed that the model comes from.
+    """
+
+    kind: str
+    vocabulary: tuple[str, ...]
+    habits: Habits
+    form: str = ""
+    mean: tuple[float, ...] = ()
+    scale: tuple[float, ...] = ()
+    kept: tuple[int, ...] = ()
+    latent: int = 0
+    provenance: dict[str, Any] = field(default_factory=dict)
+
+    def to_json(self) -> str:
+        """The metadata entry."""
+        return json.dumps({"contract": VERSION, "task": TASK, **asdict(self)}, ensure_ascii=False, sort_keys=True)
+
+    @staticmethod
+    def from_json(text: str, path: Path) -> Contract:
+        """The contract of a metadata entry.
+
+        Raises
+        ------
+        UniSGError
+            If it is of another task, a newer version, or damaged.
+        """
+        try:
+            record = json.loads(text)
+            version, task = record.pop("contract"), record.pop("task")
+        except (ValueError, KeyError, AttributeError, TypeError):
+            raise UniSGError(f"{path}: the model's metadata is damaged: train it again") from None
+        if not isinstance(version, int) or version > VERSION:
+            raise UniSGError(f"{path} has contract {version}, this software knows {VERSION}: update it or train again")
+        if task != TASK or record.get("kind") not in KINDS:
+            raise UniSGError(f"{path} is a model for {task!r}: to generate, give one from 'unisg train cgvae'")
+        if version < SINCE.get(record["kind"], 1):
+            raise UniSGError(f"{path} was trained for an older version of this software: train it again")
+        try:
+            habits = Habits.from_record(record.pop("habits"))
+            lists: dict[str, Any] = {name: tuple(record.pop(name)) for name in ("vocabulary", "mean", "scale", "kept")}
+            return Contract(habits=habits, **lists, **record)
+        except (KeyError, TypeError, AttributeError):
+            raise UniSGError(f"{path}: the model's metadata is damaged: train it again") from None
+
+    def check_categories(self, names: Sequence[str]) -> None:
+        """UniSGError naming the known categories if one of ``names`` is unknown."""
+        for name in names:
+            if name not in self.vocabulary:
+                close = get_close_matches(name, self.vocabulary, 1)
+                hint = f" (did you mean {close[0]!r}?)" if close else ""
+                raise UniSGError(f"the model does not know {name!r}{hint}; it knows: {', '.join(self.vocabulary)}")

@@ -1,0 +1,113 @@
+"""In which order things are placed: what holds others first, large before small, and rows from one end to the other.
+
+What holds others is placed first, level by level. Within a level the supports of
+all things are chosen, and then support by support is filled: the floor with what
+leads others and then large things first, others along their length, things of one category together, as one
+lays a row of instruments.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterable, Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...spatial.structure import STRUCTURE
+from .proposals import Scene
+from .support_priors import Habits
+
+DEEPEST = 8
+"""Supports under one another that are told apart; where things of two kinds may stand on each other there is no end."""
+
+ORDERS = 24
+"""Positions of a category on a kind of support that are remembered."""
+
+
+def levels(habits: Habits) -> dict[str, int]:
+    """How many supports may be under each category, at most :data:`DEEPEST`: all that may hold it come before it."""
+    below = {
+        name: [habit.support for habit in found if habit.support in habits.supports and habit.support != name]
+        for name, found in habits.supports.items()
+        if found
+    }
+    level = dict.fromkeys(below, 0)
+    for _ in range(DEEPEST):
+        level = {name: max((level.get(other, 0) + 1 for other in below[name]), default=0) for name in below}
+    return level
+
+
+def in_order(counts: Mapping[str, int], habits: Habits) -> list[str]:
+    """One entry per object asked for, in the order of placing."""
+    level = levels(habits)
+    first = {name: place for place, name in enumerate(habits.leaders)}
+
+    def key(name: str) -> tuple[int, int, float, str]:
+        """What categories are sorted by: level, leaders, footprint, name."""
+        width, depth, _ = habits.sizes.get(name, (0.0, 0.0, 0.0))
+        return level.get(name, 0), first.get(name, len(first)), -width * depth, name
+
+    return [name for name in sorted(counts, key=key) for _ in range(int(counts[name]))]
+
+
+def holders(habits: Habits) -> set[str]:
+    """The categories that are there first: those on which others usually stand, and the building."""
+    return {found[0].support for found in habits.supports.values() if found} | {*STRUCTURE}
+
+
+def groups(vocabulary: Sequence[str], habits: Habits) -> NDArray[np.int64]:
+    """By category number: the level at which things are placed (C + 1,); -1 for unknown ones, which are there."""
+    level = levels(habits)
+    return np.array([level.get(name, 0) for name in vocabulary] + [-1], np.int64)
+
+
+def ranks(vocabulary: Sequence[str], habits: Habits) -> NDArray[np.int64]:
+    """By category number: the order in which supports are chosen, and in which a floor is filled (C + 1,)."""
+    order = in_order({name: 1 for name in vocabulary}, habits)
+    return np.array([1 + order.index(name) for name in vocabulary] + [0], np.int64)
+
+
+def along(scene: Scene) -> NDArray[np.float64]:
+    """How far along its support each thing stands, board after board, in 0..1 (K,); 0 without a support."""
+    found = np.zeros(len(scene.category))
+    for thing in np.flatnonzero(scene.support >= 0):
+        support = int(scene.support[thing])
+        offset, yaw, half = scene.center[thing] - scene.center[support], scene.yaw[support], scene.half[support]
+        side = int(half[1] > half[0])
+        axis = (np.cos(yaw), np.sin(yaw)) if side == 0 else (-np.sin(yaw), np.cos(yaw))
+        share = (np.dot(axis, offset[:2]) / max(half[side], 1e-6) + 1) / 2
+        boards = max(len(scene.boards(support)), 1)
+        found[thing] = (max(scene.board[thing], 0) + np.clip(share, 0, 1)) / boards
+    return found
+
+
+def middles(scene: Scene, share: NDArray[np.float64]) -> dict[tuple[int, int], float]:
+    """The mean of :func:`along` of the things of one category on one support, by (support, category)."""
+    found: dict[tuple[int, int], list[float]] = defaultdict(list)
+    for thing in np.flatnonzero(scene.support >= 0):
+        found[int(scene.support[thing]), int(scene.category[thing])].append(float(share[thing]))
+    return {key: float(np.mean(values)) for key, values in found.items()}
+
+
+def learn_orders(scenes: Iterable[Scene], vocabulary: Sequence[str]) -> dict[str, list[float]]:
+    """Where along a kind of support each category is found, by "Tray>Clamp": some of the training scenes' values."""
+    names, found = (*vocabulary, ""), defaultdict(list)
+    for scene in scenes:
+        for (support, category), share in middles(scene, along(scene)).items():
+            if category >= 0 and scene.support[support] >= 0:
+                found[f"{names[scene.category[support]]}>{names[category]}"].append(round(share, 3))
+    return {key: values[:: max(1, len(values) // ORDERS)][:ORDERS] for key, values in sorted(found.items())}
+
+
+def row_order(names: Sequence[str], kind: str, floor: bool, habits: Habits, rng: np.random.Generator) -> list[int]:
+    """In which order things of some categories are put on a support of a kind: positions in ``names``."""
+    if floor:
+        place = {name: number for number, name in enumerate(in_order(dict.fromkeys(names, 1), habits))}
+        return sorted(range(len(names)), key=lambda number: place[names[number]])
+    first = holders(habits)
+    share = {}
+    for name in sorted(set(names)):
+        seen = habits.orders.get(f"{kind}>{name}", ())
+        share[name] = (name not in first, seen[rng.integers(len(seen))] if seen else rng.random())
+    return sorted(range(len(names)), key=lambda number: (*share[names[number]], names[number]))

@@ -1,0 +1,151 @@
+"""What passes between a model and the generator: the scene as arrays, and proposed places."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...scene import Boxes
+from ...spatial.objects import Things
+from ...spatial.support_surfaces import board_at, boards_of
+from ..place.placeable import Piece
+
+
+@dataclass(eq=False)
+class Scene:
+    """The things of a scene that is growing, K of them.
+
+    Attributes
+    ----------
+    category, support
+        int64 (K,): number in the model's vocabulary (-1 for others), and the thing that holds it (-1: none).
+    world
+        (K, 4, 4): matrices of the things' entities in the world.
+    center, half, yaw
+        (K, 3), (K, 3), (K,): the upright boxes, as in :class:`~...spatial.objects.Things`.
+    board
+        int64 (K,): which of its support's boards each stands on, -1 for none of them.
+    parts
+        Gives the world boxes of a thing's parts by its number.
+    room
+        What :func:`~.scene_tokens.room_of` found out about the scene, None when that is to be done again.
+    """
+
+    category: NDArray[np.int64]
+    support: NDArray[np.int64]
+    world: NDArray[np.float64]
+    center: NDArray[np.float64]
+    half: NDArray[np.float64]
+    yaw: NDArray[np.float64]
+    board: NDArray[np.int64]
+    parts: Callable[[int], Boxes]
+    room: object = None
+    _boards: dict[int, NDArray[np.float64]] = field(default_factory=dict)
+    _pieces: dict[int, Piece] = field(default_factory=dict)
+
+    @staticmethod
+    def of(things: Things, world: NDArray[np.float64]) -> Scene:
+        """The scene of some things whose entities have ``world`` (K, 4, 4) matrices."""
+        none = np.full(len(things), -1, np.int64)
+        scene = Scene(
+            things.category, things.support, world, things.center, things.half, things.yaw, none, things.parts_of
+        )
+        held = np.flatnonzero(things.support >= 0)
+        none[held] = [scene.board_of(things.bottom[thing], things.support[thing]) for thing in held]
+        return scene
+
+    @property
+    def local(self) -> NDArray[np.float64]:
+        """Matrices (K, 4, 4) relative to the things' supports."""
+        return relative(self.world, self.support)
+
+    def boards(self, thing: int) -> NDArray[np.float64]:
+        """The boards of a thing, see :func:`~...spatial.support_surfaces.boards_of`."""
+        if thing in self._pieces:
+            return self._pieces[thing].boards
+        if thing not in self._boards:
+            bottom = float(self.center[thing, 2] - self.half[thing, 2])
+            self._boards[thing] = boards_of(self.parts(thing), bottom)
+        return self._boards[thing]
+
+    def board_of(self, bottom: float, support: int) -> int:
+        """Which board of a support carries something whose bottom is at a height, metres; -1 for none."""
+        return board_at(self.boards(support), bottom - (self.center[support, 2] - self.half[support, 2]))
+
+    def add(
+        self, category: int, support: int, world: NDArray[np.float64], piece: Piece, place: NDArray[np.float64]
+    ) -> int:
+        """A further thing at a place (4,); returns its number."""
+        number, self.room = len(self.category), None
+        center = place[:3] + np.array([0, 0, piece.half[2]])
+        board = self.board_of(float(place[2]), support) if support >= 0 else -1
+        self.category = np.append(self.category, category)
+        self.support = np.append(self.support, support)
+        self.board = np.append(self.board, board)
+        self.world = np.concatenate([self.world, world[None]])
+        self.center = np.concatenate([self.center, center[None]])
+        self.half = np.concatenate([self.half, piece.half[None]])
+        self.yaw = np.append(self.yaw, place[3])
+        self._pieces[number] = piece
+        return number
+
+
+def relative(world: NDArray[np.float64], support: NDArray[np.int64]) -> NDArray[np.float64]:
+    """Matrices (K, 4, 4) relative to those of the supports (int (K,), -1 for the world)."""
+    local, held = world.copy(), np.flatnonzero(support >= 0)
+    local[held] = within(world[support[held]], world[held])
+    return local
+
+
+def within(above: NDArray[np.float64], world: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Affine matrices (..., 4, 4) relative to those above them (..., 4, 4).
+
+    By cofactors: a linear algebra library wakes all its threads for every 4 x 4 matrix.
+    Above something scaled to nothing only where it is counts.
+    """
+    a, b, c, d, e, f, g, h, i = np.moveaxis(above[..., :3, :3], (-2, -1), (0, 1)).reshape(9, *above.shape[:-2])
+    cofactors = [e * i - f * h, c * h - b * i, b * f - c * e, f * g - d * i, a * i - c * g, c * d - a * f,
+                 d * h - e * g, b * g - a * h, a * e - b * d]  # fmt: skip
+    volume = np.asarray(a * cofactors[0] + b * cofactors[3] + c * cofactors[6])[..., None, None]
+    flat = volume == 0
+    inverse = np.stack(cofactors, axis=-1).reshape(*above.shape[:-2], 3, 3) / np.where(flat, 1.0, volume)
+    local = world.copy()
+    local[..., :3, 3] -= above[..., :3, 3]
+    local[..., :3, :] = np.where(flat, local[..., :3, :], inverse @ local[..., :3, :])
+    return local
+
+
+@dataclass(frozen=True, eq=False)
+class Proposals:
+    """T proposed places (T, 4) (x, y, bottom z, yaw) with the supports int64 (T,) that they are meant for.
+
+    ``score`` (T,) is the logarithm of their density where the model has one.
+    """
+
+    support: NDArray[np.int64]
+    places: NDArray[np.float64]
+    score: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
+
+
+class Proposer(Protocol):
+    """A model that proposes where a new thing could be."""
+
+    def propose(
+        self,
+        scene: Scene,
+        category: int,
+        piece: Piece,
+        count: int,
+        rng: np.random.Generator,
+        allowed: NDArray[np.bool_],
+        coming: Mapping[int, int],
+    ) -> Proposals:
+        """``count`` proposals for a piece of a category.
+
+        ``allowed`` bool (K,) says which things may hold it, ``coming`` how many things of
+        which categories are still to be placed after it.
+        """

@@ -1,0 +1,84 @@
+"""Leaders: the things from which one can tell where others are, such as an operating table or a sofa; they come first.
+
+A category leads another as far as the other's places spread less in its frame than
+in the room: the logarithm of the ratio of the spreads, nats, times how often the two
+are found together. Leaders are chosen greedily by what they add.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...spatial.objects import Things
+
+FEWEST = 12
+"""Pairs that a spread is measured from, at least."""
+
+GAIN = 1.0
+"""Nats a scene that a further leader adds at least."""
+
+Offsets = dict[tuple[int, int], list[NDArray[np.float64]]]
+
+
+def find_leaders(scenes: Iterable[Things], vocabulary: Sequence[str]) -> list[str]:
+    """The leading categories of what stands on the floor, the most telling one first."""
+    offsets: Offsets = defaultdict(list)
+    count = 0
+    for things in scenes:
+        _collect(things, offsets)
+        count += 1
+    spread = {key: _spread(values) for key, values in offsets.items() if len(values) >= FEWEST}
+    gains: dict[int, dict[int, float]] = defaultdict(dict)
+    for (leader, other), width in spread.items():
+        if leader >= 0 and (-1, other) in spread and spread[-1, other] > width:
+            told = np.log(spread[-1, other] / width) * len(offsets[leader, other]) / count
+            gains[leader][other] = float(told)
+    return [vocabulary[number] for number in _greedy(gains)]
+
+
+def _collect(things: Things, offsets: Offsets) -> None:
+    """Add where the floor's things are in the room (-1, category), and seen from those that are alone of their kind."""
+    held = np.flatnonzero(things.support >= 0)
+    on_floor = held[things.support[things.support[held]] < 0]
+    rows = on_floor[(things.category[on_floor] >= 0) & (things.half[on_floor].max(axis=1) > 0)]
+    if not len(rows):
+        return
+    kind, place, yaw = things.category[rows], things.center[rows, :2], things.yaw[rows]
+    middle = things.center[things.support[rows[0]], :2]
+    for number, offset in zip(kind.tolist(), place - middle, strict=True):
+        offsets[-1, number].append(offset)
+    known, times = np.unique(kind, return_counts=True)
+    for leader in known[times == 1].tolist():
+        row = int(np.flatnonzero(kind == leader)[0])
+        (x, y), cos, sin = (place - place[row]).T, np.cos(yaw[row]), np.sin(yaw[row])
+        seen = np.column_stack([cos * x + sin * y, cos * y - sin * x])
+        for other in np.flatnonzero(np.arange(len(rows)) != row):
+            offsets[leader, int(kind[other])].append(seen[other])
+
+
+def _spread(values: list[NDArray[np.float64]]) -> float:
+    """Geometric mean of the standard deviations along the two principal axes, metres, a centimetre at least."""
+    covariance = np.cov(np.array(values).T) + 1e-4 * np.eye(2)
+    return float(np.linalg.det(covariance) ** 0.25)
+
+
+def _greedy(gains: dict[int, dict[int, float]]) -> list[int]:
+    """Categories in the order in which each adds most to those before."""
+    chosen: list[int] = []
+    told: dict[int, float] = defaultdict(float)
+    while True:
+        added = {
+            leader: sum(max(gain - told[other], 0.0) for other, gain in of.items())
+            for leader, of in gains.items()
+            if leader not in chosen
+        }
+        best = max(added, key=lambda leader: (added[leader], -leader), default=-1)
+        if best < 0 or added[best] < GAIN:
+            return chosen
+        chosen.append(best)
+        for other, gain in gains[best].items():
+            told[other] = max(told[other], gain)

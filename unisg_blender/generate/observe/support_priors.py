@@ -1,0 +1,195 @@
+"""What training scenes say about categories: where they stand, how they rest, what may overlap what."""
+
+from __future__ import annotations
+
+from collections import Counter, defaultdict
+from collections.abc import Iterable, Sequence
+from dataclasses import asdict, dataclass, field
+from typing import Any
+
+import numpy as np
+
+from ...geometry.box_overlap import nearby_pairs, penetration
+from ...geometry.boxes import covers, part_tops, turned_reach
+from ...spatial.objects import CONTACT, Things
+from .reference_objects import find_leaders
+
+RESTS, HANGS, BESIDE, INSIDE = "rests", "hangs", "beside", "inside"
+"""How a thing is held: on a surface, from the underside, at the side, or anywhere within its support."""
+
+RARE = 0.01
+"""Supports that hold less than this share of a category's things are left out."""
+
+OVERLAP_SCENES = 150
+"""Scenes in which overlaps are measured: a tenth of a second each."""
+
+SPANS = 0.9
+"""A category reaches from holder to holder if at least this share of its things touches two of the same kind."""
+
+FAR_END = (-0.05, 0.15)
+"""Metres: gaps to the second holder with which a thing still counts as reaching it."""
+
+_SHALLOW = 0.002
+Seen = tuple[str, float, str]
+
+
+@dataclass(frozen=True)
+class Habit:
+    """How things of a category stand on one kind of support.
+
+    ``support`` "" means that they have none; ``count`` how often that was seen;
+    ``contact`` how they are held; ``gap`` the median of the clearance in metres
+    where they are held at the side; ``relation`` how the scenes call it, "" if they do not say.
+    """
+
+    support: str
+    count: int
+    contact: str
+    gap: float = 0.0
+    relation: str = ""
+
+
+@dataclass(frozen=True)
+class Habits:
+    """The habits of all categories, JSON-ready through :meth:`to_record`.
+
+    Attributes
+    ----------
+    supports
+        By category: its habits, the commonest first.
+    sizes
+        By category: median width, depth and height in metres.
+    overlaps
+        By "A|B" (sorted): metres that boxes of these categories may reach into each other; by "A>B" the same for
+        an A that is held by that B.
+    rooms
+        Counts of the categories (in vocabulary order) in some of the scenes.
+    orders
+        By "Support>Category": where along such a support the category was found, see :mod:`.placement_order`.
+    leaders
+        Categories that come first on the floor, see :mod:`.reference_objects`.
+    spans
+        Categories that reach from one holder to another, see :mod:`..place.spanning_objects`.
+    """
+
+    supports: dict[str, list[Habit]]
+    sizes: dict[str, list[float]]
+    overlaps: dict[str, float]
+    rooms: list[list[int]]
+    orders: dict[str, list[float]] = field(default_factory=dict)
+    leaders: list[str] = field(default_factory=list)
+    spans: list[str] = field(default_factory=list)
+
+    def to_record(self) -> dict[str, Any]:
+        """Plain data for JSON."""
+        return asdict(self)
+
+    @staticmethod
+    def from_record(record: dict[str, Any]) -> Habits:
+        """The habits of a record; KeyError or TypeError if it is none."""
+        supports = {name: [Habit(**habit) for habit in habits] for name, habits in record["supports"].items()}
+        return Habits(
+            supports, record["sizes"], record["overlaps"], record["rooms"], record.get("orders", {}),
+            record.get("leaders", []), record.get("spans", []),
+        )  # fmt: skip
+
+    def habit(self, category: str, support: str) -> Habit | None:
+        """How a category stands on a kind of support; None if that was never seen."""
+        return next((habit for habit in self.supports.get(category, ()) if habit.support == support), None)
+
+
+def learn_habits(scenes: Iterable[Things], vocabulary: Sequence[str], rooms: int = 256) -> Habits:
+    """Habits out of the things of training scenes, whose categories are numbered as in ``vocabulary``."""
+    names = (*vocabulary, "")
+    contacts: dict[tuple[str, str], list[Seen]] = defaultdict(list)
+    sizes: dict[str, list[Any]] = defaultdict(list)
+    depths: dict[str, list[float]] = defaultdict(list)
+    counts = []
+    across: Counter[str] = Counter()
+    scenes = list(scenes)
+    for number, things in enumerate(scenes):
+        counts.append(np.bincount(things.category[things.category >= 0], minlength=len(vocabulary)).tolist())
+        for thing in np.flatnonzero(things.category >= 0):
+            category, support = names[things.category[thing]], int(things.support[thing])
+            below = names[things.category[support]] if support >= 0 else ""
+            contacts[category, below].append((*contact(things, int(thing), support), things.relation[thing]))
+            sizes[category].append(2 * things.half[thing])
+            across[category] += contacts[category, below][-1][0] == BESIDE and _spans(things, int(thing), support)
+        for pair, depth in _overlaps(things, names) if number < OVERLAP_SCENES else ():
+            depths[pair].append(depth)
+    return Habits(
+        supports=_supports(contacts),
+        sizes={name: np.median(sizes[name], axis=0).round(4).tolist() for name in vocabulary if name in sizes},
+        overlaps={pair: round(limit, 4) for pair, values in depths.items() if (limit := _tolerance(values)) > _SHALLOW},
+        rooms=counts[:: max(1, len(counts) // rooms)][:rooms],
+        leaders=find_leaders(scenes, vocabulary),
+        spans=[name for name in vocabulary if across[name] >= SPANS * max(1, len(sizes[name]))],
+    )
+
+
+def contact(things: Things, thing: int, support: int) -> tuple[str, float]:
+    """How a thing is held by its support, and the clearance at its side in metres."""
+    if support < 0:
+        return (RESTS if abs(things.bottom[thing]) <= CONTACT else INSIDE), 0.0
+    parts = things.parts_of(support)
+    level = np.abs(part_tops(parts) - things.bottom[thing]) <= CONTACT
+    if (level & covers(parts, things.center[thing, :2], 0.05)).any():
+        return RESTS, 0.0
+    if abs(things.bottom[support] - things.top[thing]) <= CONTACT:
+        return HANGS, 0.0
+    gap = side_gap(things, thing, support)
+    return (BESIDE, gap) if -CONTACT <= gap <= 0.15 else (INSIDE, 0.0)
+
+
+def side_gap(things: Things, thing: int, support: int) -> float:
+    """Horizontal clearance in metres between a thing and its support's box, negative where they overlap."""
+    reach = turned_reach(things.half[thing], things.yaw[thing] - things.yaw[support])
+    offset = things.center[thing, :2] - things.center[support, :2]
+    c, s = np.cos(things.yaw[support]), np.sin(things.yaw[support])
+    local = np.abs([c * offset[0] + s * offset[1], c * offset[1] - s * offset[0]])
+    return float((local - reach - things.half[support, :2]).max())
+
+
+def _spans(things: Things, thing: int, support: int) -> bool:
+    """Whether a thing that is held at the side touches a second holder of the same kind too."""
+    alike = np.flatnonzero(things.category == things.category[support])
+    return any(FAR_END[0] <= side_gap(things, thing, int(other)) <= FAR_END[1] for other in alike if other != support)
+
+
+def _supports(contacts: dict[tuple[str, str], list[Seen]]) -> dict[str, list[Habit]]:
+    found: dict[str, list[Habit]] = defaultdict(list)
+    for (category, support), seen in contacts.items():
+        kind = Counter(kind for kind, _, _ in seen).most_common(1)[0][0]
+        gap = float(np.median([gap for other, gap, _ in seen if other == kind]))
+        relation = Counter(relation for _, _, relation in seen).most_common(1)[0][0]
+        found[category].append(Habit(support, len(seen), kind, round(gap, 4), relation))
+    for habits in found.values():
+        habits.sort(key=lambda habit: (-habit.count, habit.support))
+        total = sum(habit.count for habit in habits)
+        habits[:] = [habit for habit in habits if habit.count >= RARE * total] or habits[:1]
+    return dict(sorted(found.items()))
+
+
+def _overlaps(things: Things, names: Sequence[str]) -> list[tuple[str, float]]:
+    """Depth to which any two things whose boxes come near each other overlap, by key of the pair."""
+    pairs = nearby_pairs(things.parts)
+    pairs = pairs[things.owner[pairs[:, 0]] != things.owner[pairs[:, 1]]]
+    depth = penetration(things.parts.take(pairs[:, 0]), things.parts.take(pairs[:, 1]))
+    deepest: dict[tuple[int, int], float] = {}
+    for first, second, value in zip(*things.owner[pairs.T], depth, strict=True):
+        key = (min(first, second), max(first, second))
+        deepest[key] = max(deepest.get(key, 0.0), float(value))
+    found: list[tuple[str, float]] = []
+    for (a, b), deep in deepest.items():
+        first, second = names[things.category[a]], names[things.category[b]]
+        if things.support[a] == b:
+            found.append((f"{first}>{second}", deep))
+        elif things.support[b] == a:
+            found.append((f"{second}>{first}", deep))
+        else:
+            found.append(("|".join(sorted((first, second))), deep))
+    return found
+
+
+def _tolerance(depths: list[float]) -> float:
+    return float(np.quantile(depths, 0.9)) if len(depths) >= 5 else 0.0

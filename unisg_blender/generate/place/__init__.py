@@ -1,0 +1,1 @@
+"""Proposals become places: plan, settle, check, and put into the scene."""

@@ -1,0 +1,121 @@
+"""The space of a scene that is being filled: what takes it up, and where there is room."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...geometry.box_overlap import penetration
+from ...geometry.boxes import world_bounds
+from ...geometry.planar import footprints
+from ...geometry.polygon import outside_distance
+from ...scene import Boxes
+from ..observe.support_priors import Habits
+from .placeable import Piece
+
+TOUCH = 0.001
+"""Metres that boxes may reach into each other anyway."""
+
+
+class Space:
+    """World boxes of all parts with whose they are, and the outline of the room.
+
+    Parameters
+    ----------
+    parts, owner
+        World boxes of the parts and int64 (P,) the thing that each belongs to.
+    category
+        int64 (K,): the things' categories as positions in ``vocabulary``, -1 for others.
+    outline
+        Outline of the room (M, 2) in world metres, None if there is none.
+    """
+
+    def __init__(
+        self, parts: Boxes, owner: NDArray[np.int64], category: NDArray[np.int64], outline: NDArray[np.float64] | None,
+        habits: Habits, vocabulary: Sequence[str],
+    ) -> None:  # fmt: skip
+        self.boxes = parts
+        self.owner = owner
+        self.category = category
+        self.outline = outline
+        self.limits, self.held_limits = _limits(habits, vocabulary)
+        self.low, self.high = world_bounds(parts)
+
+    def add(self, parts: Boxes, category: int) -> int:
+        """Take up space with a new thing; returns its number."""
+        number = len(self.category)
+        self.category = np.append(self.category, category)
+        self.take_up(parts, number)
+        return number
+
+    def take_up(self, parts: Boxes, number: int) -> None:
+        """Take up space with parts of a thing."""
+        low, high = world_bounds(parts)
+        self.boxes = Boxes(
+            np.concatenate([self.boxes.center, parts.center]),
+            np.concatenate([self.boxes.axes, parts.axes]),
+            np.concatenate([self.boxes.half, parts.half]),
+            np.concatenate([self.boxes.solid, parts.solid]),
+        )
+        self.owner = np.append(self.owner, np.full(len(parts.center), number))
+        self.low, self.high = np.concatenate([self.low, low]), np.concatenate([self.high, high])
+
+    def surfaces(self, thing: int) -> Boxes:
+        """The parts of a thing."""
+        return self.boxes.take(np.flatnonzero(self.owner == thing))
+
+    def depth(self, piece: Piece, places: NDArray[np.float64], category: int, support: int = -1) -> NDArray[np.float64]:
+        """Metres (T,) by which a piece at places (T, 4) reaches too deep into anything; 0 where it fits.
+
+        ``support`` is the thing that holds it: some reach into what they lie in.
+        """
+        found = np.zeros(len(places))
+        boxes = piece.boxes_at(places)
+        count = len(boxes.center) // max(len(places), 1)
+        if not count or not len(self.low):
+            return found
+        low, high = world_bounds(boxes)
+        near = np.flatnonzero(((self.low < high.max(axis=0)) & (self.high > low.min(axis=0))).all(axis=1))
+        mine, other = np.nonzero(_meeting(low, high, self.low[near], self.high[near]))
+        if len(mine):
+            other = near[other]
+            owner = self.owner[other]
+            kind = self.category[owner]
+            limit = np.where(owner == support, self.held_limits[category, kind], self.limits[category, kind])
+            excess = penetration(boxes.take(mine), self.boxes.take(other)) - limit - TOUCH
+            np.maximum.at(found, mine // count, np.maximum(excess, 0))
+        return found
+
+    def outside(self, piece: Piece, places: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Metres (T,) by which the footprint at places (T, 4) leaves the room; 0 without an outline."""
+        if self.outline is None:
+            return np.zeros(len(places))
+        return outside_distance(self.outline, footprints(piece.half, places)).max(axis=1)
+
+
+def _meeting(
+    low: NDArray[np.float64], high: NDArray[np.float64], other_low: NDArray[np.float64], other_high: NDArray[np.float64]
+) -> NDArray[np.bool_]:
+    """Which of N upright boxes overlap which of M others, bool (N, M); axis by axis: numpy is slow at rows of three."""
+    hit = np.ones((len(low), len(other_low)), bool)
+    for axis in range(3):
+        hit &= (low[:, None, axis] < other_high[:, axis]) & (high[:, None, axis] > other_low[:, axis])
+    return hit
+
+
+def _limits(habits: Habits, vocabulary: Sequence[str]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Allowed overlaps by two categories (C + 1, C + 1), of things apart, and of a thing with what holds it.
+
+    The last row and column are for other categories.
+    """
+    place = {name: number for number, name in enumerate((*vocabulary, ""))}
+    apart, held = np.zeros((len(place), len(place))), np.zeros((len(place), len(place)))
+    for pair, depth in habits.overlaps.items():
+        first, second = (place.get(name, -1) for name in pair.replace(">", "|").split("|"))
+        if ">" in pair:
+            held[first, second] = depth
+        else:
+            apart[first, second] = apart[second, first] = depth
+    return apart, held

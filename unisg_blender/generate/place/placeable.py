@@ -1,0 +1,96 @@
+"""An asset ready to be placed: its upright box and the boxes of its parts, at the origin."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...dataset.assets.asset import Asset
+from ...geometry.boxes import upright_box
+from ...geometry.planar import turn
+from ...scene import Boxes, Mesh, SceneGraph, mesh_from_faces
+from ...spatial.part_boxes import part_boxes
+from ...spatial.support_surfaces import boards_of
+
+
+@dataclass(frozen=True, eq=False)
+class Piece:
+    """An asset with its measures.
+
+    A place is (x, y, z, yaw): the middle of the bottom of the upright box, metres,
+    and the turn about the vertical, radians.
+    """
+
+    asset: Asset
+
+    @cached_property
+    def _own(self) -> Boxes:
+        return part_boxes(self.asset.graph).boxes
+
+    @cached_property
+    def parts(self) -> Boxes:
+        """Boxes of the parts, relative to the middle of the bottom."""
+        boxes = self._own
+        return Boxes(boxes.center - self.foot, boxes.axes, boxes.half, boxes.solid)
+
+    @cached_property
+    def _box(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        return upright_box(self._own, 0.0) if len(self._own.center) else (np.zeros(3), np.zeros(3))
+
+    @cached_property
+    def half(self) -> NDArray[np.float64]:
+        """Half extents (3,) in metres."""
+        low, high = self._box
+        return (high - low) / 2
+
+    @cached_property
+    def foot(self) -> NDArray[np.float64]:
+        """Middle of the bottom (3,) as seen from the asset's origin."""
+        low, high = self._box
+        return np.array([*((low + high) / 2)[:2], low[2]])
+
+    @cached_property
+    def boards(self) -> NDArray[np.float64]:
+        """What it can carry others on, see :func:`~...spatial.support_surfaces.boards_of`."""
+        return boards_of(self.parts, 0.0)
+
+    def world(self, place: NDArray[np.float64]) -> NDArray[np.float64]:
+        """World matrix of the asset's entity at a place (4,)."""
+        matrix = turn(float(place[3]))
+        matrix[:3, 3] = place[:3] - matrix[:3, :3] @ self.foot
+        return matrix @ self.asset.graph.local[0]
+
+    def boxes_at(self, places: NDArray[np.float64]) -> Boxes:
+        """World boxes of the parts at places (T, 4): T times P boxes, place by place."""
+        cos, sin = np.cos(places[:, 3]), np.sin(places[:, 3])
+        turns = np.zeros((len(places), 1, 3, 3))
+        turns[:, 0, 0, 0], turns[:, 0, 0, 1], turns[:, 0, 1, 0], turns[:, 0, 1, 1] = cos, -sin, sin, cos
+        turns[:, 0, 2, 2] = 1
+        center = (turns @ self.parts.center[None, :, :, None])[..., 0] + places[:, None, :3]
+        axes = turns @ self.parts.axes[None]
+        half = np.broadcast_to(self.parts.half, center.shape)
+        count = len(places) * len(self.parts.center)
+        return Boxes(center.reshape(-1, 3), axes.reshape(-1, 3, 3), half.reshape(-1, 3), np.ones(count, bool))
+
+
+def box_piece(category: str, size: NDArray[np.float64]) -> Piece:
+    """A plain box of a category's usual size, for where there is no mesh to show."""
+    half = np.asarray(size, np.float64) / 2
+    corners = np.stack(np.meshgrid(*[[-1, 1]] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
+    faces = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
+    mesh: Mesh = mesh_from_faces(category, corners * half + (0, 0, half[2]), faces)
+    graph = SceneGraph(
+        name=(category,),
+        uid=("box",),
+        type=np.zeros(1, np.int8),
+        parent=np.full(1, -1, np.int32),
+        category=np.zeros(1, np.int32),
+        vocabulary=(category,),
+        local=np.eye(4)[None],
+        mesh=np.zeros(1, np.int32),
+        meshes=(mesh,),
+    )
+    return Piece(Asset(category, graph))

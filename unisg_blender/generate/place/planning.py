@@ -1,0 +1,128 @@
+"""Planning: level by level, what stands where is decided first, and then in which order each support is filled."""
+
+from __future__ import annotations
+
+import time
+from collections import Counter, defaultdict
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...spatial.structure import STRUCTURE
+from ..observe.contract import Contract
+from ..observe.placement_order import groups, ranks, row_order
+from ..observe.proposals import Scene
+from ..observe.support_candidates import Load
+from ..observe.support_priors import Habits
+from ..propose.anchor_proposer import AnchorProposer, Choice, Row
+from .placeable import Piece
+from .spanning_objects import fit_for
+
+
+@dataclass(frozen=True, eq=False)
+class Planned:
+    """Object ``number`` and, where a support was chosen for it, the ``spot`` (thing, board) and what else comes there.
+
+    ``milliseconds`` is its share of the time that planning took.
+    """
+
+    number: int
+    spot: tuple[int, int] | None = None
+    row: Row = field(default_factory=lambda: Row({}, 0.0))
+    choice: Choice | None = None
+    milliseconds: float = 0.0
+
+
+def usual_kinds(vocabulary: Sequence[str], habits: Habits) -> NDArray[np.bool_]:
+    """Which categories (columns) hold a category (row), (C, C + 1); the last column: it may stand on the ground."""
+    place = {name: number for number, name in enumerate((*vocabulary, ""))}
+    usual = np.zeros((len(vocabulary), len(vocabulary) + 1), bool)
+    for row, name in enumerate(vocabulary):
+        usual[row, [place[habit.support] for habit in habits.supports.get(name, ()) if habit.support in place]] = True
+    return usual
+
+
+class Planner:
+    """Chooses supports with the model, among what the scene has when a level begins.
+
+    ``usual`` is what :func:`usual_kinds` gives for the contract.
+    """
+
+    def __init__(
+        self, proposer: AnchorProposer, scene: Scene, contract: Contract, pieces: Sequence[Piece],
+        usual: NDArray[np.bool_], rng: np.random.Generator,
+    ) -> None:  # fmt: skip
+        self.proposer, self.scene, self.pieces, self.usual, self.rng = proposer, scene, pieces, usual, rng
+        self.vocabulary, self.habits = contract.vocabulary, contract.habits
+        movable = np.array([name not in STRUCTURE for name in (*self.vocabulary, "")])
+        there = movable[scene.category]
+        self.furnished = set(scene.support[there].tolist())
+        fewest = min((int(np.dot(room, movable[:-1])) for room in self.habits.rooms), default=0)
+        if len(pieces) + there.sum() < fewest:  # no whole room: more may come
+            self.furnished |= set(np.flatnonzero(scene.support < 0).tolist())
+
+    def order(self, wanted: Sequence[str], coming: Mapping[str, int]) -> Iterator[Planned]:
+        """All objects in the order of placing; whoever takes one places it before asking for the next."""
+        numbers = {name: number for number, name in enumerate(self.vocabulary)}
+        category = np.array([numbers[name] for name in wanted])
+        level, rank = groups(self.vocabulary, self.habits)[category], ranks(self.vocabulary, self.habits)[category]
+        left = Counter(category.tolist())
+        for step in np.unique(level):
+            start = time.perf_counter()
+            mine = np.flatnonzero(level == step)
+            mine = mine[np.argsort(rank[mine], kind="stable")]
+            planned = self._level(mine, category, left)
+            spent = 1e3 * (time.perf_counter() - start) / len(mine)
+            for item in planned:
+                yield Planned(item.number, item.spot, item.row, item.choice, spent)
+
+    def _level(self, mine: NDArray[np.int64], category: NDArray[np.int64], left: Counter[int]) -> list[Planned]:
+        """The objects of one level: a spot for each, then support after support."""
+        load = Load.of(self.scene, np.ones(len(self.scene.category), bool))
+        spots: dict[int, tuple[int, int]] = {}
+        choices: dict[int, Choice] = {}
+        for number in mine.tolist():
+            kind, piece = int(category[number]), self.pieces[number]
+            left[kind] -= 1
+            allowed = self.usual[kind][self.scene.category] & (self.scene.category >= 0)
+            allowed = fit_for(self.vocabulary[kind], piece.half, self.scene, allowed, self.habits)
+            if not allowed.any():
+                continue
+            empty = not self.furnished.intersection(np.flatnonzero(allowed).tolist())
+            choice = self.proposer.choose(self.scene, load, kind, piece.half, allowed, left, empty)
+            total = np.cumsum(np.exp(choice.score))
+            drawn = int(np.searchsorted(total, self.rng.random() * total[-1]).clip(max=len(total) - 1))
+            spots[number] = int(choice.spots.thing[drawn]), int(choice.spots.board[drawn])
+            choices[number] = choice
+            load = load.with_thing(*spots[number], kind, float(4 * piece.half[0] * piece.half[1]))
+        return self._filled(mine, category, spots, choices)
+
+    def _filled(
+        self, mine: NDArray[np.int64], category: NDArray[np.int64], spots: Mapping[int, tuple[int, int]],
+        choices: Mapping[int, Choice],
+    ) -> list[Planned]:  # fmt: skip
+        """Support after support, each in the order of its row; what has no spot comes last."""
+        on: dict[int, list[int]] = defaultdict(list)
+        for number, (thing, _) in spots.items():
+            on[thing].append(number)
+        for numbers in on.values():  # the lower boards first
+            numbers.sort(key=lambda number: spots[number][1])
+        result = []
+        for thing, numbers in on.items():
+            names = [self.vocabulary[category[number]] for number in numbers]
+            kind = self.scene.category[thing]
+            order = row_order(
+                names, self.vocabulary[kind] if kind >= 0 else "", self.scene.support[thing] < 0, self.habits, self.rng
+            )
+            numbers = [numbers[position] for position in order]
+            counts = Counter(category[numbers].tolist())
+            area = sum(float(4 * self.pieces[number].half[:2].prod()) for number in numbers)
+            for number in numbers:
+                counts[int(category[number])] -= 1
+                area -= float(4 * self.pieces[number].half[:2].prod())
+                left = {kind: count for kind, count in counts.items() if count}
+                row = Row(left, max(area, 0.0), thing not in self.furnished)
+                result.append(Planned(number, spots[number], row, choices[number]))
+        return result + [Planned(int(number)) for number in mine if int(number) not in spots]

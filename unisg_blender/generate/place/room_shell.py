@@ -1,0 +1,113 @@
+"""The shell of a new room: floor, walls, doors and windows of one of the rooms kept beside the model."""
+
+from __future__ import annotations
+
+import time
+from collections import Counter
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from ...dataset.assets.asset import Asset
+from ...errors import UniSGError
+from ...scene import SceneGraph, subtree, take, world_matrices
+from ...spatial.objects import things_of
+from ...spatial.structure import STRUCTURE
+from ..observe.proposals import Scene
+from ..results import Placement
+from ..shape_library import Library
+from .planning import usual_kinds
+from .scene_extension import Addition, Names, UidMaker, extend
+from .spanning_objects import reaches
+
+
+def add_shell(
+    scene: SceneGraph, counts: Mapping[str, int], library: Library, rng: np.random.Generator, names: Names,
+    make_uid: UidMaker,
+) -> tuple[SceneGraph, list[Placement]]:  # fmt: skip
+    """The scene with a room shell whose counts come nearest to those asked for, and what became of each part.
+
+    Raises
+    ------
+    UniSGError
+        If the model has no shells beside it.
+    """
+    start = time.perf_counter()
+    wanted = {name: int(counts[name]) for name in STRUCTURE if name in counts}
+    shells = library.shells()
+    if not shells:
+        raise UniSGError("the model has no room shells beside it: add to a scene that has a floor, or export again")
+    missing = np.array([_difference(shell.graph, wanted) for shell in shells])
+    best = np.flatnonzero(missing == missing.min())
+    drawn = rng.permutation(best)
+    spanning = [name for name in library.model.contract.habits.spans if name in counts]
+    rooms = [shells[int(number)].graph for number in drawn]
+    graph = next((room for room in rooms if _is_reached_across(room, spanning, library)), rooms[0])
+    rows = _chosen(graph, wanted)
+    world = world_matrices(graph)
+    additions, made = [], {}
+    for row in rows:
+        kind = graph.category_name(row)
+        made[row] = make_uid(kind)
+        above = made.get(int(graph.parent[row]), "")
+        part = take(graph, np.array([row]))
+        relation = _relation(library, graph, row) if above else ""
+        additions.append(Addition(Asset(kind, part), made[row], names.new(kind), above, world[row], kind, relation))
+    spent = 1e3 * (time.perf_counter() - start) / max(len(rows), 1)
+    placements = [
+        Placement(item.category, item.name, item.uid, _name_of(additions, item.parent), item.world, milliseconds=spent)
+        for item in additions
+    ]
+    left = Counter(wanted) - Counter(item.category for item in additions)
+    placements += [Placement(kind, note="the rooms beside the model have no more") for kind in left.elements()]
+    return extend(scene, additions, names, make_uid), placements
+
+
+def _is_reached_across(graph: SceneGraph, spanning: Sequence[str], library: Library) -> bool:
+    """Is there for each category that is to span a room a shape that reaches across this one?"""
+    if not spanning:
+        return True
+    contract = library.model.contract
+    things = things_of(graph, contract.vocabulary)
+    scene = Scene.of(things, world_matrices(graph)[things.row])
+    usual = usual_kinds(contract.vocabulary, contract.habits)
+
+    def spanned_by(name: str) -> bool:
+        """Does any shape of a category?"""
+        holders = usual[contract.vocabulary.index(name)][scene.category] & (scene.category >= 0)
+        return any(reaches(scene, holders, piece.half) for piece in library.pieces(name, graph))
+
+    return all(map(spanned_by, spanning))
+
+
+def _counts(graph: SceneGraph) -> Counter[str]:
+    return Counter(graph.category_name(row) for row in range(len(graph)))
+
+
+def _difference(graph: SceneGraph, wanted: Mapping[str, int]) -> int:
+    have = _counts(graph)
+    return sum(abs(have[name] - count) for name, count in wanted.items())
+
+
+def _chosen(graph: SceneGraph, wanted: Mapping[str, int]) -> list[int]:
+    """Rows of the shell that were asked for, at most as many of each kind, without what hangs under others left out."""
+    left, dropped, rows = Counter(wanted), set(), []
+    for row in range(len(graph)):
+        kind = graph.category_name(row)
+        if row in dropped or left[kind] <= 0:
+            dropped.update(subtree(graph, row).tolist())
+            continue
+        left[kind] -= 1
+        rows.append(row)
+    return rows
+
+
+def _name_of(additions: list[Addition], uid: str) -> str:
+    return next((item.name for item in additions if item.uid == uid), "")
+
+
+def _relation(library: Library, graph: SceneGraph, row: int) -> str:
+    """What a part of the room usually is to what holds it."""
+    habits = library.model.contract.habits
+    habit = habits.habit(graph.category_name(row), graph.category_name(int(graph.parent[row])))
+    return habit.relation if habit else ""

@@ -1,0 +1,244 @@
+"""Settling: proposed places become places where a thing rests on its support, is in the room and touches nothing."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...geometry.boxes import turned_reach
+from ...geometry.planar import footprints
+from ...geometry.polygon import inside, next_corners, outside_distance
+from ...scene import Boxes
+from ...spatial.level_surfaces import LEVEL, Surfaces, rectangles, with_joined
+from ..observe.support_priors import BESIDE, HANGS, RESTS, Habit
+from .free_space import Space
+from .placeable import Piece
+
+OUTSIDE = 0.001
+"""Metres by which a footprint may leave the room."""
+
+LOOSE = 0.01
+"""Metres of clearance up to which a thing that hangs counts as held."""
+
+NEAR_ROOM = 0.5
+"""A support that is farther out of the room than this, in metres, may hold things out there."""
+
+SEARCH = 9
+"""Places along each side of a surface that the last search tries, with three turns each."""
+
+
+@dataclass(frozen=True, eq=False)
+class Support:
+    """What a thing is to be held by: ``thing`` is its number (-1: the ground at height 0), ``habit`` how.
+
+    ``floor`` says that it is the floor of the room, ``structural`` that what it is to
+    hold is part of the building and may reach out of the room.
+    """
+
+    thing: int
+    habit: Habit
+    surfaces: Boxes
+    floor: bool
+    structural: bool = False
+
+    @cached_property
+    def tops(self) -> Surfaces:
+        """The upper sides of its parts."""
+        return with_joined(rectangles(self.surfaces))
+
+    @property
+    def contact(self) -> str:
+        """How the thing is held."""
+        return self.habit.contact
+
+    def indoors(self, space: Space) -> bool:
+        """Is the support in the room or at its walls, so that what it holds should be in the room?"""
+        if space.outline is None or self.structural:
+            return False
+        if self.floor or not len(self.surfaces.center):
+            return True
+        return bool(outside_distance(space.outline, self.surfaces.center[:, :2]).min() < NEAR_ROOM)
+
+
+def rest(piece: Piece, places: NDArray[np.float64], support: Support, space: Space) -> NDArray[np.float64]:
+    """The places (T, 4), each moved as little as need be so that the piece is held the way its habit says."""
+    places = places.copy()
+    if support.contact == RESTS:
+        if support.thing < 0:
+            places[:, 2] = 0.0
+        elif len(support.surfaces.center):
+            places = _onto_surface(piece, places, support.tops, clamp=not support.floor)
+        if support.floor:
+            places = into_room(piece, places, space)
+    elif support.contact == HANGS and len(support.surfaces.center):
+        corners = support.surfaces
+        low = corners.center[:, 2] - (np.abs(corners.axes[:, 2, :]) * corners.half).sum(axis=1)
+        places[:, 2] = low.min() - 2 * piece.half[2]
+    elif support.contact == BESIDE and len(support.surfaces.center):
+        places = _to_side(piece, places, support, space)
+    if support.contact != RESTS and len(support.surfaces.center) and len(piece.parts.center):
+        places = _touching(piece, places, support.surfaces)
+    return places
+
+
+def nearest_support(
+    piece: Piece, places: NDArray[np.float64], supports: Sequence[Support], space: Space
+) -> NDArray[np.int64]:
+    """Which of the supports reaches each place (T, 4) by the shortest move, int64 (T,)."""
+    moves = [np.linalg.norm((rest(piece, places, support, space) - places)[:, :3], axis=1) for support in supports]
+    return np.argmin(moves, axis=0)
+
+
+def _touching(piece: Piece, places: NDArray[np.float64], parts: Boxes) -> NDArray[np.float64]:
+    """The places moved the shortest way until some part of the piece touches some of the support's parts."""
+    boxes = piece.boxes_at(places)
+    count = len(piece.parts.center)
+    axes = parts.axes
+    offset = np.einsum("sij,psi->psj", axes, boxes.center[:, None] - parts.center)
+    reach = np.einsum("psij,pj->psi", np.abs(np.einsum("ski,pkj->psij", axes, boxes.axes)), boxes.half)
+    gap = np.maximum(np.abs(offset) - parts.half - reach, 0)
+    distance = np.linalg.norm(gap, axis=2).reshape(len(places), -1)
+    nearest = distance.argmin(axis=1)
+    part, other = nearest // len(parts.center), nearest % len(parts.center)
+    row = np.arange(len(places)) * count + part
+    step = np.einsum("tij,tj->ti", axes[other], -np.sign(offset[row, other]) * gap[row, other])
+    result = places.copy()
+    result[:, :3] += step * (distance[np.arange(len(places)), nearest] > LOOSE)[:, None]
+    return result
+
+
+def _onto_surface(piece: Piece, places: NDArray[np.float64], tops: Surfaces, clamp: bool) -> NDArray[np.float64]:
+    """Each place on the surface nearest to it, its footprint on it as far as it is large enough."""
+    across = np.stack([-tops.along[:, 1], tops.along[:, 0]], axis=1)
+    offset = places[:, None, :2] - tops.center
+    local = np.stack([(offset * tops.along).sum(-1), (offset * across).sum(-1)], axis=2)  # (T, S, 2)
+    beyond = np.maximum(np.abs(local) - tops.half, 0).sum(axis=2)
+    small = 0.05 * (tops.half.prod(axis=1) < 0.2 * piece.half[:2].prod())  # prefer what can carry the piece
+    nearest = (np.abs(tops.top - places[:, 2, None]) + 2 * beyond + small).argmin(axis=1)
+    result = places.copy()
+    result[:, 2] = tops.top[nearest]
+    if len(tops.top) > 1:
+        result[:, 2] = _highest_under(piece, places, local, tops, nearest)
+    if not clamp:
+        return result
+    turn = places[:, 3] - np.arctan2(tops.along[nearest, 1], tops.along[nearest, 0])
+    reach = turned_reach(piece.half, turn)
+    room = np.maximum(tops.half[nearest] - reach, 0)
+    mine = np.clip(local[np.arange(len(places)), nearest], -room, room)
+    result[:, :2] = tops.center[nearest] + mine[:, :1] * tops.along[nearest] + mine[:, 1:] * across[nearest]
+    return result
+
+
+def _highest_under(
+    piece: Piece, places: NDArray[np.float64], local: NDArray[np.float64], tops: Surfaces, nearest: NDArray[np.int64]
+) -> NDArray[np.float64]:
+    """Height (T,) of the highest surface of the nearest one's level under each footprint: a rug is thicker inside.
+
+    ``local`` (T, S, 2) are the places as the surfaces see them.
+    """
+    turn = places[:, 3, None] - np.arctan2(tops.along[:, 1], tops.along[:, 0])
+    reach = turned_reach(piece.half, turn)
+    under = (np.abs(local) < tops.half + reach).all(axis=2)
+    own = tops.top[nearest, None]
+    level = under & (tops.top >= own) & (tops.top <= own + LEVEL)
+    return np.where(level, tops.top, own).max(axis=1)
+
+
+def into_room(piece: Piece, places: NDArray[np.float64], space: Space) -> NDArray[np.float64]:
+    """The places pulled into the room's outline where their footprints leave it."""
+    if space.outline is None:
+        return places
+    result = places.copy()
+    start, edge = space.outline, next_corners(space.outline) - space.outline
+    for _ in range(4):
+        corners = footprints(piece.half, result)
+        wrong = ~inside(space.outline, corners)
+        if not wrong.any():
+            break
+        offset = corners[:, :, None] - start
+        along = np.clip((offset * edge).sum(-1) / (edge**2).sum(-1), 0, 1)
+        pull = start + along[..., None] * edge - corners[:, :, None]
+        length = np.linalg.norm(pull, axis=-1)
+        nearest = length.argmin(axis=2)[..., None]
+        step = np.take_along_axis(pull, nearest[..., None], axis=2)[:, :, 0]
+        far = np.take_along_axis(length, nearest, axis=2)[..., 0] * wrong
+        worst = far.argmax(axis=1)
+        rows = np.arange(len(result))
+        length_of = np.maximum(far[rows, worst], 1e-12)[:, None]
+        result[:, :2] += step[rows, worst] * (1 + 1e-4 / length_of) * (far[rows, worst] > 0)[:, None]
+    return result
+
+
+def _to_side(piece: Piece, places: NDArray[np.float64], support: Support, space: Space) -> NDArray[np.float64]:
+    """The places moved along the normal of the support's nearest side until the usual gap is left."""
+    parts = support.surfaces
+    largest = int(parts.half.prod(axis=1).argmax())
+    axes, half, middle = parts.axes[largest, :2, :2], parts.half[largest, :2], parts.center[largest, :2]
+    turn = places[:, 3] - np.arctan2(axes[1, 0], axes[0, 0])
+    reach = turned_reach(piece.half, turn)
+    local = (places[:, :2] - middle) @ axes
+    thin = int(half.argmin())
+    sides = np.sign(local[:, thin]) + (local[:, thin] == 0)
+    if space.outline is not None and half[thin] < 0.3:  # a wall: the side that looks into the room
+        inner = middle + np.outer([1, -1], axes[:, thin]) * (half[thin] + 0.05)
+        into = inside(space.outline, inner)
+        if into[0] != into[1]:
+            sides[:] = 1.0 if into[0] else -1.0
+    local[:, thin] = sides * (half[thin] + reach[:, thin] + max(support.habit.gap, 0.0))
+    long = 1 - thin
+    low, high = _extent(parts, middle, axes[:, long])
+    between, room = (low + high) / 2, np.maximum((high - low) / 2 - reach[:, long], 0)
+    local[:, long] = between + np.clip(local[:, long] - between, -room, room)
+    result = places.copy()
+    result[:, :2] = middle + local @ axes.T
+    return result
+
+
+def _extent(parts: Boxes, origin: NDArray[np.float64], along: NDArray[np.float64]) -> tuple[float, float]:
+    """From where to where all parts together reach along a horizontal direction (2,), metres from an origin (2,)."""
+    at = (parts.center[:, :2] - origin) @ along
+    reach = (np.abs(np.einsum("pij,i->pj", parts.axes[:, :2], along)) * parts.half).sum(axis=1)
+    return float((at - reach).min()), float((at + reach).max())
+
+
+def fitting(
+    piece: Piece, places: NDArray[np.float64], category: int, support: Support, space: Space
+) -> NDArray[np.bool_]:
+    """At which places (T,) the piece meets nothing and is in the room, if its support is."""
+    good = space.depth(piece, places, category, support.thing) <= 0
+    if good.any() and support.indoors(space):
+        good[good] = space.outside(piece, places[good]) <= OUTSIDE
+    return good
+
+
+def search(
+    piece: Piece, near: NDArray[np.float64], category: int, support: Support, space: Space
+) -> NDArray[np.float64] | None:
+    """The free place nearest to ``near`` (4,) among a grid over the support's surface; None if there is none."""
+    if support.contact != RESTS:
+        return None
+    straight = near[3] + np.pi / 4
+    if support.thing < 0 or not len(support.surfaces.center):
+        spread = np.linspace(-1.5, 1.5, SEARCH)
+        grid = near[:2] + np.stack(np.meshgrid(spread, spread), axis=-1).reshape(-1, 2)
+    else:
+        tops = support.tops
+        best = int((np.abs(tops.top - near[2]) - 0.1 * tops.half.prod(axis=1)).argmin())
+        across = np.array([-tops.along[best, 1], tops.along[best, 0]])
+        straight = np.arctan2(tops.along[best, 1], tops.along[best, 0])
+        spread = np.linspace(-1, 1, SEARCH)
+        u, v = (side.reshape(-1, 1) for side in np.meshgrid(spread, spread))
+        grid = tops.center[best] + u * tops.half[best, 0] * tops.along[best] + v * tops.half[best, 1] * across
+    order = np.argsort(((grid - near[:2]) ** 2).sum(axis=1))
+    turns = (near[3], straight, straight + np.pi / 2)
+    places = np.stack([np.array([x, y, near[2], yaw]) for x, y in grid[order] for yaw in turns])
+    for start in range(0, len(places), 81):
+        some = rest(piece, places[start : start + 81], support, space)
+        good = np.flatnonzero(fitting(piece, some, category, support, space))
+        if len(good):
+            return some[good[0]]
+    return None

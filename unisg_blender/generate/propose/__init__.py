@@ -1,0 +1,1 @@
+"""Where new objects could be: proposals of trained models, and requests of users."""

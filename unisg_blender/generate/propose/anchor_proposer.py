@@ -1,0 +1,236 @@
+"""Places proposed by the anchor mixture and its critic: support first, then height, then position and heading."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..observe.proposals import Proposals, Scene
+from ..observe.scene_tokens import Arrays, coming_vector, context_arrays, plan_vector, room_of, tokens_for
+from ..observe.support_candidates import Load, Nearness, Spots, support_arrays
+from ..place.placeable import Piece
+from ..trained_model import Model
+from .mixture import OUT, behind_walls, draw_places, log_density, snapped
+
+MOST_SPOTS = 3
+"""On how many different spots at most proposals are made at a time."""
+
+SLACK = 0.6
+"""What is left of such a turn for things on the floor: cupboards stand along a wall to half a degree, books exactly."""
+
+DRAWN, MANY = 64, 96
+"""Places that are drawn, at least, among which the critic chooses; many for what stands on the floor or hangs on walls,
+since whatever is placed later depends on it."""
+
+CODES = 16
+"""Latent codes over which a density is averaged."""
+
+NORM = 64
+"""Draws over which the critic's ratio is averaged to make it a density."""
+
+PLACED = ("weight", "mean", "sigma", "heading", "kappa", "seen")
+CHOSEN = ("support_score", "height_weight", "height_mean", "height_sigma")
+
+
+@dataclass(frozen=True, eq=False)
+class Row:
+    """What else is to come to the same support: counts by category number, and their footprints in m2.
+
+    ``whole`` says that the support was empty and this is all that it will hold, put there in the order of
+    :mod:`..observe.placement_order`.
+    The next in a row then goes beside the last, and how far depends on all that is to come;
+    otherwise it could fill any gap, and more may come another time.
+    """
+
+    counts: Mapping[int, int]
+    area: float
+    whole: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class Choice:
+    """The spots for one target: thing, board and log probability (N,), and the mixtures (N, L) of heights."""
+
+    spots: Spots
+    score: NDArray[np.float64]
+    weight: NDArray[np.float64]
+    mean: NDArray[np.float64]
+    sigma: NDArray[np.float64]
+
+
+class AnchorProposer:
+    """Draws from the model's densities with numpy."""
+
+    def __init__(self, model: Model) -> None:
+        self.model = model
+        self.unknown = len(model.contract.vocabulary)
+
+    def propose(
+        self,
+        scene: Scene,
+        category: int,
+        piece: Piece,
+        count: int,
+        rng: np.random.Generator,
+        allowed: NDArray[np.bool_],
+        coming: Mapping[int, int],
+    ) -> Proposals:
+        """``count`` proposals for a new thing; see :class:`~..observe.proposals.Proposer`."""
+        if not allowed.any():
+            return self.propose_on(scene, category, piece, count, rng, (-1, -1), Row(coming, 0.0))
+        load = Load.of(scene, np.ones(len(scene.category), bool))
+        choice = self.choose(scene, load, category, piece.half, allowed, coming)
+        chance = np.exp(choice.score)
+        drawn = rng.choice(len(chance), size=min(MOST_SPOTS, count), p=chance / chance.sum())
+        supports, places = np.zeros(count, np.int64), np.zeros((count, 4))
+        for number in np.unique(drawn):
+            mine = np.resize(drawn, count) == number
+            spot = int(choice.spots.thing[number]), int(choice.spots.board[number])
+            found = self.propose_on(scene, category, piece, int(mine.sum()), rng, spot, Row({}, 0.0), choice)
+            supports[mine], places[mine] = spot[0], found.places
+        return Proposals(supports, places)
+
+    def choose(
+        self, scene: Scene, load: Load, category: int, half: NDArray[np.float64], allowed: NDArray[np.bool_],
+        coming: Mapping[int, int], whole: bool = False,
+    ) -> Choice:  # fmt: skip
+        """Log probabilities of all spots of the ``allowed`` things, bool (K,), of which there is at least one.
+
+        ``whole``: all of them were empty, and ``coming`` is all that will be put on them.
+        """
+        spots = Spots.of(scene, np.flatnonzero(allowed))
+        near = Nearness.of(scene).by_kind(scene, np.ones(len(allowed), bool), self.unknown)
+        inputs = {
+            **_batch(support_arrays(scene, spots, load, near, category, half, self.unknown)),
+            "target_category": np.array([category], np.int64),
+            "target_half": half[None].astype(np.float32),
+            "coming": coming_vector(coming, self.unknown)[None],
+            "whole": np.array([whole], np.float32),
+        }
+        score, weight, mean, sigma = self._run(inputs, *CHOSEN)
+        return Choice(spots, score - np.logaddexp.reduce(score), weight, mean, sigma)
+
+    def support_chances(
+        self, scene: Scene, category: int, half: NDArray[np.float64], allowed: NDArray[np.bool_]
+    ) -> NDArray[np.float64]:
+        """The chance (K,) of each ``allowed`` thing to hold a target: with what they hold already, nothing to come."""
+        found = np.zeros(len(scene.category))
+        if allowed.any():
+            load = Load.of(scene, np.ones(len(scene.category), bool))
+            choice = self.choose(scene, load, category, half, allowed, {})
+            np.add.at(found, choice.spots.thing, np.exp(choice.score))
+        return found
+
+    def log_density(self, scene: Scene, category: int, piece: Piece, support: int, place: NDArray[np.float64]) -> float:
+        """Log-density of position and heading of a place (4,) given its height on a support, nats (metres, radians).
+
+        Of the mean over :data:`CODES` latent codes, with the critic's ratio over its mean in :data:`NORM` draws.
+        """
+        board = scene.board_of(float(place[2]), support) if support >= 0 else -1
+        inputs = self._inputs(scene, category, piece.half, float(place[2]), (support, board), Row({}, 0.0))
+        if not inputs["box"].shape[1]:
+            return float("nan")
+        rng, found = np.random.default_rng(0), []
+        for _ in range(CODES if self.model.contract.latent else 1):
+            mixture = self._mixture(inputs, rng)
+            drawn = draw_places(inputs["box"][0], mixture, NORM, rng)[0]
+            own, *ratios = self._ratios(inputs, mixture[-1], np.concatenate([place[None, [0, 1, 3]], drawn]))
+            mean = np.logaddexp.reduce(ratios) - np.log(len(ratios))
+            found.append(log_density(inputs, mixture, place) + own - mean)
+        return float(np.logaddexp.reduce(found) - np.log(len(found)))
+
+    def density(
+        self, scene: Scene, category: int, half: NDArray[np.float64], bottom: float, spot: tuple[int, int], row: Row,
+        rng: np.random.Generator,
+    ) -> tuple[Arrays, list[NDArray[np.float64]]]:  # fmt: skip
+        """The network's inputs and the mixture (:data:`PLACED`) over places on a spot at a height, metres."""
+        inputs = self._inputs(scene, category, half, bottom, spot, row)
+        return inputs, self._mixture(inputs, rng) if inputs["box"].shape[1] else []
+
+    def _inputs(
+        self, scene: Scene, category: int, half: NDArray[np.float64], bottom: float, spot: tuple[int, int], row: Row
+    ) -> Arrays:
+        support, board = spot
+        seen = np.ones(len(scene.category), bool)
+        tokens = tokens_for(scene, seen, support, board, bottom, half)
+        plan = plan_vector(scene, seen, category, support, board, half, row.counts, row.area, row.whole)
+        return {
+            **_batch(context_arrays(scene, tokens, category, support, board, self.unknown)),
+            "target_category": np.array([category], np.int64),
+            "target_half": half[None].astype(np.float32),
+            "target_bottom": np.array([bottom - room_of(scene).ground], np.float32),
+            "plan": plan[None],
+            "row": coming_vector(row.counts, self.unknown)[None],
+            "mask": np.ones((1, len(tokens)), np.float32),
+        }
+
+    def _mixture(self, inputs: Arrays, rng: np.random.Generator) -> list[NDArray[np.float64]]:
+        """The mixture for one latent code; places behind walls have next to no weight."""
+        code = rng.standard_normal((1, self.model.contract.latent)).astype(np.float32)
+        weight, mean, *rest = self._run({**inputs, "latent": code}, *PLACED)
+        behind = behind_walls(inputs["box"][0], inputs["flags"][0], mean, float(inputs["target_half"][0, :2].min()))
+        kept = weight + np.where(behind, OUT, 0.0)
+        return [kept - np.logaddexp.reduce(kept), mean, *rest]
+
+    def propose_on(
+        self, scene: Scene, category: int, piece: Piece, count: int, rng: np.random.Generator,
+        spot: tuple[int, int], row: Row, choice: Choice | None = None,
+    ) -> Proposals:  # fmt: skip
+        """``count`` proposals on one spot (thing, board); thing -1 is the ground.
+
+        More are drawn from the mixture; of these, those are kept that are drawn by the critic's ratios (without putting
+        back, by Gumbel noise).
+        """
+        support = spot[0]
+        bottoms = self._bottoms(scene, spot, count, rng, choice)
+        inputs, mixture = self.density(scene, category, piece.half, float(np.median(bottoms)), spot, row, rng)
+        if not mixture:
+            return Proposals(np.full(count, support), _around_origin(bottoms, rng))
+        floor = support >= 0 and scene.support[support] < 0
+        drawn = MANY if floor or (support >= 0 and room_of(scene).inner[support]) else DRAWN
+        places, axis, kappa = draw_places(inputs["box"][0], mixture, max(drawn, count + DRAWN // 2), rng)
+        ratio = self._ratios(inputs, mixture[-1], places)
+        kept = np.argsort(-(ratio + rng.gumbel(size=len(ratio))))[:count]
+        yaw = snapped(places[kept, 2], axis[kept], kappa[kept], SLACK if floor else 0.0)
+        return Proposals(np.full(count, support), np.column_stack([places[kept, :2], bottoms, yaw]))
+
+    def _ratios(self, inputs: Arrays, view: NDArray[np.float64], places: NDArray[np.float64]) -> NDArray[np.float64]:
+        """What the critic says (T,) of places (T, 3): log ratios of densities, true ones to the mixture's."""
+        asked = {"view": view.astype(np.float32)[None], "place": places.astype(np.float32)[None]}
+        return self._run({**inputs, **asked}, "ratio")[0]
+
+    def _bottoms(
+        self, scene: Scene, spot: tuple[int, int], count: int, rng: np.random.Generator, choice: Choice | None
+    ) -> NDArray[np.float64]:
+        """Heights (T,) of the target's bottom on a spot: the board's, or drawn where it hangs or leans."""
+        support, board = spot
+        if support < 0:
+            return np.full(count, room_of(scene).ground)
+        above = float(scene.center[support, 2] - scene.half[support, 2])
+        if board >= 0:
+            return np.full(count, above + scene.boards(support)[board, 0])
+        if choice is None:
+            return np.full(count, above)
+        number = int(choice.spots.at(np.array([support]), np.array([board]))[0])
+        chance = np.exp(choice.weight[number])
+        part = rng.choice(len(chance), size=count, p=chance / chance.sum())
+        return above + rng.normal(choice.mean[number, part], choice.sigma[number, part])
+
+    def _run(self, inputs: Mapping[str, Any], *outputs: str) -> list[NDArray[np.float64]]:
+        return [part[0].astype(np.float64) for part in self.model.run(list(outputs), **inputs)]
+
+
+def _batch(arrays: Arrays) -> dict[str, Any]:
+    return {name: array[None] for name, array in arrays.items()}
+
+
+def _around_origin(bottoms: NDArray[np.float64], rng: np.random.Generator) -> NDArray[np.float64]:
+    """Places in an empty world, for which there is nothing to go by."""
+    places = np.zeros((len(bottoms), 4))
+    places[:, :2] = rng.normal(0, 1, (len(bottoms), 2))
+    places[:, 2], places[:, 3] = bottoms, rng.uniform(-np.pi, np.pi, len(bottoms))
+    return places

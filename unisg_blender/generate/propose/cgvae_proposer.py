@@ -1,0 +1,107 @@
+"""Poses proposed by the paper's conditional graph VAE."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...geometry.planar import heading
+from ...poses import FORMS
+from ..observe.contract import Contract
+from ..observe.proposals import Proposals, Scene
+from ..place.placeable import Piece
+from ..trained_model import Model
+
+SHIFT = 1e-6
+
+
+def node_features(local: NDArray[np.float64], contract: Contract) -> NDArray[np.float32]:
+    """Standardised features (K, width) of poses (K, 4, 4) relative to their supports."""
+    raw = FORMS[contract.form].encode(local, stretch=True)
+    kept = list(contract.kept)
+    mean, scale = np.array(contract.mean), np.array(contract.scale)
+    return ((raw[:, kept] - mean[kept]) / scale[kept]).astype(np.float32)
+
+
+def poses_of(features: NDArray[np.float32], contract: Contract) -> NDArray[np.float64]:
+    """Poses (K, 4, 4) of what the network gave (K, width), made valid."""
+    form = FORMS[contract.form]
+    kept = list(contract.kept)
+    raw = np.tile(np.array(contract.mean), (len(features), 1))
+    raw[:, kept] += features.astype(np.float64) * np.array(contract.scale)[kept]
+    return form.decode(form.project(raw + _nudge(raw), stretch=True), stretch=True)
+
+
+def _nudge(raw: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Something tiny for rows of zeros, which have no nearest pose."""
+    return np.where(np.abs(raw).max(axis=1, keepdims=True) < SHIFT, SHIFT, 0.0)
+
+
+def edges_of(support: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Edges (2, E) between each thing and its support, both ways."""
+    child = np.flatnonzero(support >= 0)
+    down = np.stack([support[child], child])
+    return np.concatenate([down, down[::-1]], axis=1).astype(np.int64)
+
+
+class CgvaeProposer:
+    """Draws latents for new nodes, decodes poses and chooses parents by the adjacency decoder."""
+
+    def __init__(self, model: Model) -> None:
+        self.model = model
+        self.contract = model.contract
+
+    def propose(
+        self,
+        scene: Scene,
+        category: int,
+        piece: Piece,
+        count: int,
+        rng: np.random.Generator,
+        allowed: NDArray[np.bool_],
+        coming: Mapping[int, int],
+    ) -> Proposals:
+        """``count`` proposals for a new thing, see :class:`~..observe.proposals.Proposer`; what is to come plays no part."""
+        known = len(scene.category)
+        width = len(self.contract.kept)
+        features = np.zeros((known + count, width), np.float32)
+        features[:known] = node_features(scene.local, self.contract)
+        noise = rng.standard_normal((known + count, self.contract.latent)).astype(np.float32)
+        decoded, adjacency = self.model.run(
+            ["decoded", "adjacency"],
+            features=features,
+            category=np.append(self._numbers(scene.category), np.full(count, category)).astype(np.int64),
+            edges=edges_of(scene.support),
+            noise=noise,
+            known=np.append(np.ones(known, np.float32), np.zeros(count, np.float32)),
+        )
+        supports = _choose(adjacency[known:, :known], allowed, rng)
+        local = poses_of(decoded[known:], self.contract)
+        above = np.concatenate([scene.world, np.eye(4)[None]])[supports]
+        world = above @ local
+        return Proposals(supports, _places(world, piece))
+
+    def _numbers(self, category: NDArray[np.int64]) -> NDArray[np.int64]:
+        return np.where(category < 0, len(self.contract.vocabulary), category)
+
+
+def _choose(logits: NDArray[np.float32], allowed: NDArray[np.bool_], rng: np.random.Generator) -> NDArray[np.int64]:
+    """A support per row, at random by the probabilities of the edges to the allowed ones; -1 if none is."""
+    if not allowed.any():
+        return np.full(len(logits), -1, np.int64)
+    chance = 1 / (1 + np.exp(-np.clip(logits.astype(np.float64), -40, 40)))
+    chance = np.where(allowed, chance, 0) + 1e-12 * allowed
+    total = np.cumsum(chance, axis=1)
+    return (total < rng.random((len(logits), 1)) * total[:, -1:]).sum(axis=1)
+
+
+def _places(world: NDArray[np.float64], piece: Piece) -> NDArray[np.float64]:
+    """Places (T, 4) of a piece whose entity has world matrices (T, 4, 4); scale and lean are the asset's own."""
+    own = heading(piece.asset.graph.local[0, :3, :3])
+    yaw = heading(world[:, :3, :3]) - own
+    cos, sin = np.cos(yaw), np.sin(yaw)
+    foot = piece.foot
+    shift = np.stack([cos * foot[0] - sin * foot[1], sin * foot[0] + cos * foot[1], np.full(len(yaw), foot[2])], axis=1)
+    return np.concatenate([world[:, :3, 3] + shift, yaw[:, None]], axis=1)

@@ -1,0 +1,83 @@
+"""The mixture over places that the network gives, in numpy: drawing from it, its density, and what walls cut off.
+
+A mixture is a list of arrays, what :data:`.anchor_proposer.PLACED` names: log weights (N,), means (N, 2), spreads
+(N, 2) along
+the axes of the token that each component belongs to, headings (N,), concentrations (N,), and the view.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import i0e, ndtr, ndtri
+
+from ..observe.scene_tokens import Arrays
+
+COMPONENTS = 48
+ALIGNED, SNAP = np.exp(8.0), np.radians(4)
+"""A heading of at least this concentration within so many radians of its token's axes is meant to be along them."""
+
+TAIL = 2.0
+"""Positions are drawn within so many standard deviations: the tails of a normal distribution reach into others."""
+
+BEHIND, OUT = 1.5, -50.0
+"""Places up to so many metres behind a wall are out of the room, and lose so much of their log weight."""
+
+
+def draw_places(
+    box: NDArray[np.float32], mixture: list[NDArray[np.float64]], count: int, rng: np.random.Generator
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """Places (T, 3) (x, y, yaw) from a mixture, the headings of their tokens and their concentrations (T,)."""
+    weight, mean, sigma, heading, kappa, _ = mixture
+    total = np.cumsum(np.exp(weight))
+    part = np.searchsorted(total, rng.random(count) * total[-1]).clip(max=len(total) - 1)
+    cos, sin = box[part // COMPONENTS, 6:].T.astype(np.float64)
+    along, across = (ndtri(rng.uniform(ndtr(-TAIL), ndtr(TAIL), (count, 2))) * sigma[part]).T
+    turn = rng.vonmises(_wrapped(heading[part]), kappa[part])
+    x, y = mean[part, 0] + cos * along - sin * across, mean[part, 1] + sin * along + cos * across
+    axis = np.arctan2(sin.copy(), cos.copy())  # of strided columns it varies by the last bit
+    return np.column_stack([x, y, turn]), axis, kappa[part]
+
+
+def log_density(inputs: Arrays, mixture: list[NDArray[np.float64]], place: NDArray[np.float64]) -> float:
+    """Log-density of a place (4,) in a mixture."""
+    weight, mean, sigma, heading, kappa, _ = mixture
+    cos, sin = np.repeat(inputs["box"][0, :, 6:], COMPONENTS, axis=0).T.astype(np.float64)
+    offset = place[:2] - mean
+    along = (cos * offset[:, 0] + sin * offset[:, 1]) / sigma[:, 0]
+    across = (cos * offset[:, 1] - sin * offset[:, 0]) / sigma[:, 1]
+    at = -0.5 * (along**2 + across**2) - np.log(sigma).sum(axis=1) - np.log(2 * np.pi)
+    turned = kappa * (np.cos(place[3] - heading) - 1) - np.log(2 * np.pi * i0e(kappa))
+    return float(np.logaddexp.reduce(weight + at + turned))
+
+
+def behind_walls(
+    box: NDArray[np.float32], flags: NDArray[np.float32], mean: NDArray[np.float64], half: float
+) -> NDArray[np.bool_]:
+    """Which places (N, 2) of a thing lie behind one of the walls in view or deep in it, unless a wall holds the thing.
+
+    ``half`` is its smaller half extent, metres, half of which may be in the wall.
+    """
+    walls = flags[:, 4] != 0
+    if not walls.any() or (walls & (flags[:, 0] > 0)).any():
+        return np.zeros(len(mean), bool)
+    x, y, _, long, thick, _, cos, sin = box[walls].astype(np.float64).T
+    offset = mean[:, None] - np.stack([x, y], axis=1)
+    along = np.abs(cos * offset[..., 0] + sin * offset[..., 1])
+    into = (cos * offset[..., 1] - sin * offset[..., 0]) * flags[walls, 4]
+    return ((along < long) & (into < thick + half / 2) & (into > -BEHIND)).any(axis=1)
+
+
+def _wrapped(angle: NDArray[np.float64]) -> NDArray[np.float64]:
+    return (angle + np.pi) % (2 * np.pi) - np.pi
+
+
+def snapped(
+    yaw: NDArray[np.float64], axis: NDArray[np.float64], kappa: NDArray[np.float64], slack: float
+) -> NDArray[np.float64]:
+    """Headings (T,), turned towards the nearest quarter from ``axis`` where the model is sure and they are near it.
+
+    A share ``slack`` of what they are off is left.
+    """
+    off = _wrapped(4 * (yaw - axis)) / 4
+    return yaw - (1 - slack) * np.where((kappa >= ALIGNED) & (np.abs(off) < SNAP), off, 0.0)

@@ -1,0 +1,69 @@
+"""Where the shape of a new thing comes from: the scene's own, else the assets beside the model, else a plain box."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from ..dataset.assets.asset import Asset, thing_of
+from ..scene import SceneGraph
+from .place.placeable import Piece, box_piece
+from .trained_model import Model
+
+
+class Library:
+    """Assets of a model, opened as they are needed and kept."""
+
+    def __init__(self, model: Model) -> None:
+        self.model = model
+        self._known: dict[int, Piece] = {}
+        self._own: dict[tuple[int, str], list[Piece]] = {}
+        self._scene: SceneGraph | None = None
+
+    def piece(
+        self, category: str, scene: SceneGraph, rng: np.random.Generator, fits: Callable[[Piece], bool] | None = None
+    ) -> Piece:
+        """Something of a category, drawn at random among what there is; among what ``fits``, if anything does."""
+        if fits is not None and (fitting := [piece for piece in self.pieces(category, scene) if fits(piece)]):
+            return fitting[int(rng.integers(len(fitting)))]
+        own, numbers = self.of_scene(category, scene), self._numbers(category)
+        if own:
+            return own[int(rng.integers(len(own)))]
+        if not numbers:
+            return box_piece(category, np.array(self.model.contract.habits.sizes[category]))
+        return self._kept(numbers[int(rng.integers(len(numbers)))])
+
+    def pieces(self, category: str, scene: SceneGraph) -> list[Piece]:
+        """All that there is of a category, apart from plain boxes."""
+        return self.of_scene(category, scene) or [self._kept(number) for number in self._numbers(category)]
+
+    def _numbers(self, category: str) -> list[int]:
+        return [] if self.model.assets is None else self.model.assets.numbers(category)
+
+    def _kept(self, number: int) -> Piece:
+        if number not in self._known:
+            assert self.model.assets is not None
+            self._known[number] = Piece(self.model.assets.asset(number))
+        return self._known[number]
+
+    def of_scene(self, category: str, scene: SceneGraph) -> list[Piece]:
+        """The different things of a category that a scene has already."""
+        if scene is not self._scene:
+            self._scene, self._own = scene, {}
+        key = (id(scene), category)
+        if key not in self._own:
+            found: dict[tuple[int, ...], Piece] = {}
+            if category in scene.vocabulary:
+                for row in np.flatnonzero(scene.category == scene.vocabulary.index(category)):
+                    piece = Piece(thing_of(scene, int(row)))
+                    meshes = tuple(id(mesh) for mesh in piece.asset.graph.meshes)
+                    if meshes:
+                        found.setdefault(meshes, piece)
+            self._own[key] = list(found.values())
+        return self._own[key]
+
+    def shells(self) -> list[Asset]:
+        """The room shells beside the model."""
+        file = self.model.assets
+        return [] if file is None else [file.asset(number) for number in file.numbers("")]

@@ -1,0 +1,38 @@
+"""Polygons in the plane: area, inside, distance."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+def area(polygon: NDArray[np.float64]) -> float:
+    """Signed area of a polygon (K, 2), positive if counter-clockwise, square metres."""
+    x, y = polygon.T
+    return float(0.5 * (x @ np.roll(y, -1) - y @ np.roll(x, -1)))
+
+
+def next_corners(polygon: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The corner that follows each corner of a polygon, (K, 2)."""
+    return np.concatenate([polygon[1:], polygon[:1]])
+
+
+def outside_distance(polygon: NDArray[np.float64], points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """How far points (..., 2) lie outside a polygon (K, 2), metres; 0 for points inside."""
+    outside = ~inside(polygon, points)
+    distance = np.zeros(outside.shape)
+    if outside.any():  # mostly none are
+        edge = next_corners(polygon) - polygon
+        offset = points[outside][:, None] - polygon
+        along = np.clip((offset * edge).sum(-1) / np.maximum((edge**2).sum(-1), 1e-18), 0, 1)
+        distance[outside] = np.linalg.norm(offset - along[..., None] * edge, axis=-1).min(axis=-1)
+    return distance
+
+
+def inside(polygon: NDArray[np.float64], points: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Which points (..., 2) lie inside a polygon (K, 2) of any shape (a ray to the right crosses it oddly often)."""
+    (x0, y0), (x1, y1) = polygon.T, next_corners(polygon).T
+    x, y = points[..., 0, None], points[..., 1, None]
+    crosses = (y0 > y) != (y1 > y)
+    height = np.where(y1 == y0, 1.0, y1 - y0)
+    return (crosses & (x < x0 + (y - y0) * (x1 - x0) / height)).sum(axis=-1) % 2 == 1

@@ -1,0 +1,1 @@
+"""The anchor mixture with its critic: network, examples, training."""

@@ -1,0 +1,1 @@
+"""AtlasNet: network, training, export."""

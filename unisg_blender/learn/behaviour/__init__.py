@@ -1,0 +1,1 @@
+"""The network of behaviour: network, examples, training."""

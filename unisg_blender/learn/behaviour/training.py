@@ -1,0 +1,150 @@
+"""Trains the network of behaviour on the scenes of a dataset and writes it beside the generator's model."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from functools import partial
+from itertools import islice
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import torch
+from torch import Tensor, nn
+from torch.utils.data import DataLoader
+
+from ...dataset.assets.shaped_scenes import scenes_with_shapes
+from ...dataset.format.reader import Dataset
+from ...generate.behaviour.action_kinds import Kinds, behaviour_path
+from ...generate.behaviour.action_policy import Casting
+from ...generate.behaviour.action_statistics import learn_kinds
+from ...generate.behaviour.network_policy import INPUTS, OUTPUTS, play_arrays
+from ...generate.behaviour.observation import Play, read_play
+from ..onnx_export import export_onnx
+from ..provenance import provenance
+from ..settings import Settings
+from ..trainer import Schedule, fit
+from .examples import Examples, collate
+from .network import BehaviourNet, BehaviourSizes
+
+EPOCHS = 20
+PER_EPOCH = 480
+BATCH = 16
+MOST_SCENES = 600
+"""Scenes learned from, at most."""
+
+HELD_OUT = 0.1
+FEWEST = 10
+"""Scenes with actions, without which none are learned."""
+
+WANTED_WEIGHT, LEAF_WEIGHT = 5.0, 0.5
+
+
+def train(dataset: Dataset, model: Path, settings: Settings) -> dict[str, Any]:
+    """Learn behaviour and write it beside the generator's file ``model``; returns the provenance that it carries.
+
+    With fewer than :data:`FEWEST` scenes that have actions nothing is written, an older file
+    is removed, and the returned ``notes`` say so.
+    """
+    out = behaviour_path(model)
+    acting = (graph for graph in scenes_with_shapes(dataset) if "actions" in graph.components)
+    graphs = list(islice(acting, MOST_SCENES))
+    if len(graphs) < FEWEST:
+        out.unlink(missing_ok=True)
+        few = f"{len(graphs)} scenes have actions, {FEWEST} are needed at least"
+        return {"notes": [f"new objects get no behaviour: {few}"]}
+    kinds = learn_kinds(graphs)
+    plays = [read_play(graph, kinds) for graph in graphs]
+    settings = replace(settings, epochs=min(settings.epochs or EPOCHS, EPOCHS), logs=None)
+    order = np.random.default_rng(settings.seed).permutation(len(plays))
+    held_out = max(1, round(HELD_OUT * len(plays)))
+    seen, watched = ([plays[place] for place in part] for part in (order[held_out:], order[:held_out]))
+    torch.manual_seed(settings.seed)
+    network = make_network(kinds)
+    loaders = [
+        _loader(seen, kinds, min(PER_EPOCH, 8 * len(seen)), settings.seed, fresh=True),
+        _loader(watched, kinds, min(120, 8 * len(watched)), settings.seed + 1, fresh=False),
+    ]
+    losses = fit(network, _terms, loaders[0], loaders[1], Schedule(settings.epochs or EPOCHS, rate=3e-3), settings)
+    source = provenance(dataset, settings, len(seen), len(watched), losses, network)
+    write_behaviour(network, replace(kinds, provenance=source), out)
+    return source
+
+
+def make_network(kinds: Kinds) -> BehaviourNet:
+    """An untrained network for these kinds."""
+    sizes = BehaviourSizes(len(kinds.categories), len(kinds.kinds), len(kinds.stages))
+    return BehaviourNet(sizes, torch.from_numpy(Casting(kinds).allowed))
+
+
+def _loader(plays: list[Play], kinds: Kinds, count: int, seed: int, fresh: bool) -> DataLoader[dict[str, Tensor]]:
+    gather = partial(collate, kinds=len(kinds.kinds))
+    return DataLoader(Examples(plays, kinds, count, seed, fresh), batch_size=BATCH, collate_fn=gather)
+
+
+def _terms(network: nn.Module, batch: Mapping[str, Tensor]) -> dict[str, Tensor]:
+    """Cross entropy of kinds; of casts, any of the missing actions of a kind being right; and of the leaf before."""
+    assert isinstance(network, BehaviourNet)
+    seen = network.encode(*(batch[name] for name in INPUTS))
+    each = nn.functional.binary_cross_entropy_with_logits(seen.wanted, batch["wanted"], reduction="none")
+    wanted = (each * batch["able"]).sum() / batch["able"].sum().clamp(min=1)
+    scene, kind, target, *others, follows = batch["made"].T
+    if not len(scene):
+        return {"loss": WANTED_WEIGHT * wanted, "wanted": wanted}
+    chance = network.targets(seen)[scene, kind, target]
+    for slot, part in enumerate(others, 1):
+        has = torch.nonzero(part >= 0).squeeze(1)
+        if len(has):
+            rows = torch.stack([scene[has], kind[has], target[has]], 1)
+            found = network.partners(seen, batch["place"], batch["holds"], rows, slot)
+            chance = chance.index_add(0, has, found[torch.arange(len(has)), part[has]])
+    cast = -_log_sum_by(scene * seen.wanted.shape[1] + kind, chance).mean()
+    leaf = _leaf_loss(network, seen.acts, batch, scene, kind, follows)
+    loss = WANTED_WEIGHT * wanted + cast + LEAF_WEIGHT * leaf
+    return {"loss": loss, "wanted": wanted, "cast": cast, "leaf": leaf}
+
+
+def _log_sum_by(group: Tensor, values: Tensor) -> Tensor:
+    """Logarithms of the sums of exponentials of the values (M,) by group (M,)."""
+    groups, place = group.unique(return_inverse=True)
+    largest = torch.full((len(groups),), -1e9).scatter_reduce(0, place, values.detach(), "amax")
+    total = torch.zeros(len(groups)).index_add(0, place, (values - largest[place]).exp())
+    return largest + total.log()
+
+
+def _leaf_loss(
+    network: BehaviourNet, acts: Tensor, batch: Mapping[str, Tensor], scene: Tensor, kind: Tensor, follows: Tensor
+) -> Tensor:
+    asked = follows >= 0
+    if not asked.any():
+        return acts.sum() * 0
+    scene, kind = scene[asked], kind[asked]
+    scores = network.followed(acts)[scene, kind]
+    leaves = (batch["act_mask"] * (batch["order"] >= 0))[scene]
+    able = torch.cat([leaves, torch.ones(len(leaves), network.sizes.stages)], 1)
+    return nn.functional.cross_entropy(scores + (able - 1) * 1e4, follows[asked])
+
+
+def write_behaviour(network: BehaviourNet, kinds: Kinds, out: Path) -> None:
+    """Write the network as an ONNX file with what its scenes teach."""
+    inputs = example_inputs(kinds)
+    thing, act = {1: "things"}, {1: "acts"}
+    dynamic: dict[str, dict[int, str]] = {name: dict(thing) for name in INPUTS[:6]}
+    dynamic |= {name: dict(act) for name in ("kind", "stage", "order", "act_mask")}
+    dynamic["holds"] = {1: "things", 2: "things"}
+    dynamic["plays"] = {1: "acts", 3: "things"}
+    export_onnx(network, inputs, OUTPUTS, dynamic, kinds.to_json(), out)
+
+
+def example_inputs(kinds: Kinds, things: int = 7, acts: int = 5) -> dict[str, Tensor]:
+    """Inputs of the right kinds, one scene."""
+    rng = np.random.default_rng(0)
+    slots = np.stack([rng.permutation(things)[:3] for _ in range(acts)])
+    play = Play(
+        rows=np.arange(things), category=np.arange(things) % len(kinds.categories), new=np.arange(things) == 0,
+        support=np.arange(things) - 1, relation=np.zeros(things, np.int64), place=rng.random((things, 3)),
+        below=np.eye(things, dtype=bool), kind=np.arange(acts) % len(kinds.kinds), slots=slots,
+        leaf_stage=np.zeros(acts, np.int64), leaf_order=np.arange(acts),
+    )  # fmt: skip
+    return {name: torch.from_numpy(array[None]) for name, array in play_arrays(play, kinds).items()}

@@ -1,0 +1,1 @@
+"""The paper's conditional graph VAE: network and training."""

@@ -1,0 +1,1 @@
+"""Which kind of scene it is: network and training."""

@@ -1,0 +1,89 @@
+"""Trained networks as ONNX files that carry their contract."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import logging
+import os
+import warnings
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import onnx
+import torch
+from torch import Tensor, nn
+
+from ..runtime.onnx_session import KEY
+
+OPSET = 20
+IR_VERSION = 10
+_RANDOM = {
+    "RandomNormal",
+    "RandomUniform",
+    "RandomNormalLike",
+    "RandomUniformLike",
+    "Multinomial",
+    "Bernoulli",
+    "Dropout",
+}
+
+
+def export_onnx(
+    network: nn.Module,
+    inputs: Mapping[str, Tensor],
+    outputs: Sequence[str],
+    dynamic: Mapping[str, Mapping[int, Any]],
+    metadata: str,
+    path: Path,
+) -> None:
+    """Write a network as an ONNX file: opset and IR that Blender's onnxruntime loads, no random operators.
+
+    Parameters
+    ----------
+    inputs
+        Example tensors by name, in the order of the network's ``forward``.
+    outputs
+        Names of what it returns.
+    dynamic
+        Names of the sizes that may vary, by input and dimension.
+    metadata
+        The contract as JSON.
+    path
+        Where the file goes, whole or not at all.
+    """
+    network.eval()
+    shapes = {name: {axis: torch.export.Dim.DYNAMIC for axis in dynamic.get(name, {})} or None for name in inputs}
+    with warnings.catch_warnings(), contextlib.redirect_stdout(io.StringIO()):
+        warnings.simplefilter("ignore")
+        logging.getLogger("torch.onnx").setLevel(logging.ERROR)
+        program = torch.onnx.export(
+            network, tuple(inputs.values()), dynamo=True, opset_version=OPSET, input_names=list(inputs),
+            output_names=list(outputs), dynamic_shapes=tuple(shapes.values()), verbose=False,
+        )  # fmt: skip
+    assert program is not None
+    model = program.model_proto
+    model.ir_version = min(model.ir_version, IR_VERSION)
+    for node in model.graph.node:
+        node.doc_string = ""
+        del node.metadata_props[:]
+    del model.metadata_props[:]
+    entry = model.metadata_props.add()
+    entry.key, entry.value = KEY, metadata
+    _check(model)
+    temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
+    try:
+        onnx.save(model, str(temporary))
+        os.replace(temporary, path)
+    finally:
+        temporary.unlink(missing_ok=True)
+
+
+def _check(model: onnx.ModelProto) -> None:
+    """The export keeps what the contract promises."""
+    onnx.checker.check_model(model)
+    found = {node.op_type for graph in (model.graph, *model.functions) for node in graph.node} & _RANDOM
+    opset = max(item.version for item in model.opset_import if item.domain in ("", "ai.onnx"))
+    assert not found, f"random operators {found}"
+    assert opset <= OPSET, f"opset {opset}"

@@ -1,0 +1,54 @@
+"""What goes with a trained model: where it comes from, and its assets."""
+
+from __future__ import annotations
+
+import platform
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+import torch
+from torch import nn
+
+from .. import __version__
+from ..dataset.assets.asset_file import save_assets
+from ..dataset.format.reader import Dataset
+from ..generate.trained_model import assets_path
+from .settings import Settings
+from .training_scenes import FEW_SCENES, dataset_checksum
+
+
+def provenance(
+    dataset: Dataset, settings: Settings, train: int, val: int, losses: dict[str, float], network: nn.Module
+) -> dict[str, Any]:
+    """Dataset, counts, software, settings, losses and date of a training."""
+    notes = []
+    if len(dataset) < FEW_SCENES:
+        notes.append(f"{len(dataset)} scenes are few: expect little variety; {FEW_SCENES} or more make a useful model")
+    if dataset.assets() is None:
+        notes.append("the dataset keeps no shapes: new objects copy those of the scene, or are plain boxes")
+    return {
+        "notes": notes,
+        "dataset": {"sha256": dataset_checksum(dataset), "scenes": len(dataset), **dataset.manifest["counts"]},
+        "scenes_trained": train,
+        "scenes_held_out": val,
+        "settings": settings.to_record(),
+        "losses": {name: round(value, 6) for name, value in sorted(losses.items())},
+        "parameters": sum(parameter.numel() for parameter in network.parameters()),
+        "software": f"unisg_blender {__version__}, torch {torch.__version__}, Python {platform.python_version()}",
+        "date": datetime.now(UTC).strftime("%Y-%m-%d"),
+    }
+
+
+def save_model_assets(dataset: Dataset, out: Path) -> int:
+    """Put the dataset's assets beside the model; returns how many there are, 0 where the dataset has none.
+
+    Without them the generator makes new objects out of those in the scene, else plain boxes.
+    """
+    file = dataset.assets()
+    if file is None:
+        assets_path(out).unlink(missing_ok=True)
+        return 0
+    assets = [file.asset(number) for number in range(len(file.index["assets"]))]
+    save_assets(assets_path(out), assets)
+    return len(assets)

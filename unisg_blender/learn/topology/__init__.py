@@ -1,0 +1,1 @@
+"""Which object stands on which: network and training."""

@@ -1,0 +1,149 @@
+"""Train the network that tells which thing stands on which, on datasets whose scenes tell it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor, nn
+from torch.utils.data import TensorDataset
+from tqdm import tqdm
+
+from ...dataset.assets.shaped_scenes import scenes_with_shapes
+from ...dataset.format.reader import Dataset
+from ...errors import UniSGError
+from ...predict.object_pairs import PAIR_CHANNELS, candidate_pairs, pair_features, thing_boxes
+from ...predict.prediction_session import write_metadata
+from ...predict.support_prediction import KIND
+from ...scene import SceneGraph
+from ..onnx_export import export_onnx
+from ..provenance import provenance
+from ..settings import Settings
+from ..trainer import Schedule, fit, loader
+from .network import PairNetwork
+
+EPOCHS, BATCH = 20, 1024
+FEWEST_SCENES, HELD_OUT = 10, 0.1
+
+
+@dataclass(frozen=True, eq=False)
+class LabelledPairs:
+    """Features (P, C) and truth (P,) of the candidates of some scenes; ``missed`` edges are no candidates."""
+
+    features: NDArray[np.float32]
+    truth: NDArray[np.bool_]
+    missed: int
+
+
+def train(datasets: Sequence[Dataset], out: Path, settings: Settings) -> dict[str, Any]:
+    """Train and export; returns the provenance that the model carries, measured on held-out scenes.
+
+    Raises
+    ------
+    UniSGError
+        Too few scenes, no relations, or ``settings.paper`` or ``settings.form``: this job has one architecture.
+    """
+    if settings.paper or settings.form:
+        raise UniSGError("'train topology' has one architecture; the paper's is in 'unisg benchmark paper'")
+    settings = replace(settings, epochs=settings.epochs or EPOCHS)
+    scenes = [pairs_of(graph) for graph in _scenes(datasets, settings.quiet)]
+    if len(scenes) < FEWEST_SCENES or not sum(int(scene.truth.sum()) for scene in scenes):
+        raise UniSGError(f"{len(scenes)} scenes with relations {KIND!r} are too few: give {FEWEST_SCENES} or more")
+    parts = [joined([scenes[row] for row in rows]) for rows in _split(len(scenes), settings.seed)]
+    torch.manual_seed(settings.seed)
+    train_pairs = parts[0]
+    spread = train_pairs.features.std(axis=0)
+    network = PairNetwork(train_pairs.features.mean(axis=0), np.where(spread > 1e-6, spread, 1.0))
+    loaders = [loader(_items(part), BATCH, settings, shuffle=part is train_pairs) for part in parts[:2]]
+    schedule = Schedule(settings.epochs or EPOCHS, devices=settings.devices, nodes=settings.nodes)
+    losses = fit(network, _terms, loaders[0], loaders[1], schedule, settings)
+    held = 2 * _held_out(len(scenes))
+    source = provenance(datasets[0], settings, len(scenes) - held, held, losses, network)
+    source["notes"] = []
+    source["datasets"] = [{"name": dataset.path.name, "scenes": len(dataset)} for dataset in datasets]
+    threshold, source["test"] = _measured(network, parts[1], parts[2])
+    write_topology(network, threshold, source, out)
+    return source
+
+
+def _scenes(datasets: Sequence[Dataset], quiet: bool) -> list[SceneGraph]:
+    total = sum(map(len, datasets))
+    bar = tqdm(total=total, desc="reading scenes", disable=quiet, unit="scene")
+    found = []
+    for dataset in datasets:
+        for graph in scenes_with_shapes(dataset):
+            bar.update()
+            if "relations" in graph.components:
+                found.append(graph)
+    bar.close()
+    return found
+
+
+def pairs_of(graph: SceneGraph) -> LabelledPairs:
+    """The candidates of a scene, and which of them the scene's own relations name."""
+    rows, boxes = thing_boxes(graph)
+    pairs = candidate_pairs(boxes)
+    place = {int(row): number for number, row in enumerate(rows)}
+    table = graph.components["relations"]
+    edges = {
+        (place[row], place[target])
+        for row, kind, uid in zip(table.rows.tolist(), table.columns["kind"], table.columns["target"], strict=True)
+        if kind == KIND and row in place and (target := graph.row_of_uid.get(uid, -1)) in place
+    }
+    truth = np.array([tuple(pair) in edges for pair in pairs.tolist()], bool)
+    return LabelledPairs(pair_features(boxes, pairs), truth, len(edges) - int(truth.sum()))
+
+
+def joined(scenes: Sequence[LabelledPairs]) -> LabelledPairs:
+    """The pairs of all scenes."""
+    features = np.concatenate([scene.features for scene in scenes])
+    return LabelledPairs(
+        features, np.concatenate([scene.truth for scene in scenes]), sum(scene.missed for scene in scenes)
+    )
+
+
+def _held_out(count: int) -> int:
+    return max(1, round(HELD_OUT * count))
+
+
+def _split(count: int, seed: int) -> list[NDArray[np.int64]]:
+    """Scenes to train on, to choose the threshold by, and to test on."""
+    order, held = np.random.default_rng(seed).permutation(count), _held_out(count)
+    return [order[2 * held :], order[:held], order[held : 2 * held]]
+
+
+def _items(pairs: LabelledPairs) -> TensorDataset:
+    return TensorDataset(torch.from_numpy(pairs.features), torch.from_numpy(pairs.truth).float())
+
+
+def _terms(network: nn.Module, batch: Sequence[Tensor]) -> dict[str, Tensor]:
+    features, truth = batch
+    return {"loss": nn.functional.binary_cross_entropy_with_logits(network(features), truth)}
+
+
+def _measured(network: PairNetwork, validation: LabelledPairs, test: LabelledPairs) -> tuple[float, dict[str, Any]]:
+    """The chance with the best F1 in the validation scenes, and what it gives in the test scenes."""
+    from ...metrics.edges import average_precision, best_threshold, f1_score
+
+    with torch.no_grad():
+        score = [network(torch.from_numpy(part.features)).sigmoid().numpy() for part in (validation, test)]
+    threshold = best_threshold(score[0], validation.truth)
+    return threshold, {
+        "pairs": len(test.truth),
+        "edges": int(test.truth.sum()) + test.missed,
+        "missed_by_candidates": test.missed,
+        "average_precision": round(average_precision(score[1], test.truth), 5),
+        "f1": round(f1_score(score[1] >= threshold, test.truth, test.missed), 5),
+    }
+
+
+def write_topology(network: PairNetwork, threshold: float, source: dict[str, Any], out: Path) -> None:
+    """Write the network as an ONNX file with its contract."""
+    metadata = write_metadata("topology", channels=list(PAIR_CHANNELS), threshold=threshold, provenance=source)
+    inputs = {"features": torch.zeros(3, len(PAIR_CHANNELS))}
+    export_onnx(network, inputs, ["logits"], {"features": {0: "pairs"}}, metadata, out)

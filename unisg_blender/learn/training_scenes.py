@@ -1,0 +1,82 @@
+"""The scenes of a dataset as a generator sees them, ready to learn from."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from tqdm import tqdm
+
+from ..dataset.assets.shaped_scenes import scenes_with_shapes
+from ..dataset.format.reader import Dataset
+from ..errors import UniSGError
+from ..generate.observe.proposals import relative
+from ..scene import world_matrices
+from ..spatial.objects import Things, things_of
+
+FEWEST_SCENES = 4
+FEW_SCENES = 50
+HELD_OUT = 0.1
+
+
+@dataclass(frozen=True, eq=False)
+class TrainingScene:
+    """Things of a scene and their poses (K, 4, 4) in the world and relative to their supports."""
+
+    things: Things
+    world: NDArray[np.float64]
+    local: NDArray[np.float64]
+
+
+def vocabulary_of(dataset: Dataset) -> tuple[str, ...]:
+    """The categories that occur in a dataset, sorted.
+
+    Raises
+    ------
+    UniSGError
+        If there are too few scenes or categories to learn from.
+    """
+    if len(dataset) < FEWEST_SCENES:
+        raise UniSGError(
+            f"{dataset.path} has {len(dataset)} scenes: a generator needs {FEWEST_SCENES} to train at all, "
+            f"about {FEW_SCENES} to be useful"
+        )
+    counts = dataset.manifest["category_counts"]
+    names = tuple(sorted(name for name, count in zip(dataset.categories, counts, strict=True) if count))
+    if len(names) < 2:
+        found = f"only {names[0]!r}" if names else "no category"
+        raise UniSGError(f"{dataset.path} has {found}: give objects at least two categories (unisg_category)")
+    return names
+
+
+def load_scenes(dataset: Dataset, vocabulary: Sequence[str], quiet: bool = False) -> list[TrainingScene]:
+    """All scenes of a dataset; those without a thing of a known category are left out."""
+    scenes = []
+    bar = tqdm(scenes_with_shapes(dataset), total=len(dataset), desc="reading scenes", disable=quiet, unit="scene")
+    for graph in bar:
+        things = things_of(graph, vocabulary)
+        if (things.category >= 0).sum() >= 2:
+            world = world_matrices(graph)[things.row]
+            scenes.append(TrainingScene(things, world, relative(world, things.support)))
+    if len(scenes) < FEWEST_SCENES:
+        raise UniSGError(
+            f"only {len(scenes)} scenes of {dataset.path} have two categorised objects: too few to train on"
+        )
+    return scenes
+
+
+def dataset_checksum(dataset: Dataset) -> str:
+    """A digest of the dataset's content: of the checksums of its shards."""
+    sums = json.dumps([shard["sha256"] for shard in dataset.manifest["shards"]])
+    return hashlib.sha256(sums.encode()).hexdigest()
+
+
+def split(scenes: Sequence[TrainingScene], seed: int) -> tuple[list[TrainingScene], list[TrainingScene]]:
+    """Scenes to train on and scenes to watch the loss on, at least one each."""
+    order = np.random.default_rng(seed).permutation(len(scenes))
+    count = max(1, round(HELD_OUT * len(scenes)))
+    return [scenes[i] for i in np.sort(order[count:])], [scenes[i] for i in np.sort(order[:count])]

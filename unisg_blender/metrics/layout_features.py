@@ -1,0 +1,234 @@
+"""What the real-versus-generated classifiers look at: a fixed list of features per object, per pair and per scene.
+
+The list is part of the benchmark: changing it makes numbers incomparable, so it
+has a version of its own. Lengths are metres, angles radians; each feature is
+plain (categories, counts), a length or an angle, which decides about its noise.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..geometry.planar import heading
+from ..scene import SceneGraph, oriented_boxes, world_matrices
+from ..spatial.floor_plan import FLOOR, room_outline
+from .scene_validity import counted_objects
+from .support_gaps import find_supports
+
+VERSION = 1
+SAMPLED = 5
+"""Objects, and pairs, that are drawn from each scene."""
+
+PLAIN, LENGTH, ANGLE = 0, 1, 2
+
+OBJECT = {
+    "category": PLAIN, "width": PLAIN, "depth": PLAIN, "height": PLAIN, "support category": PLAIN,
+    "things on the support": PLAIN, "x on support": LENGTH, "y on support": LENGTH, "bottom over support": LENGTH,
+    "turn on support": ANGLE, "distance to wall": LENGTH, "turn to wall": ANGLE, "distance to neighbour": LENGTH,
+    "gap to neighbour": LENGTH, "x of neighbour": LENGTH, "y of neighbour": LENGTH, "turn of neighbour": ANGLE,
+    "distance to its like": LENGTH, "x of its like": LENGTH, "y of its like": LENGTH, "turn of its like": ANGLE,
+    "x from the middle thing": LENGTH, "y from the middle thing": LENGTH, "turn to the middle thing": ANGLE,
+}  # fmt: skip
+"""Features of one object and their kinds; the neighbour is the nearest thing on the same support."""
+
+PAIR = {
+    "category": PLAIN, "other category": PLAIN, "support category": PLAIN, "width": PLAIN, "depth": PLAIN,
+    "other width": PLAIN, "other depth": PLAIN, "distance": LENGTH, "gap": LENGTH, "x of other": LENGTH,
+    "y of other": LENGTH, "turn of other": ANGLE, "x seen from other": LENGTH, "y seen from other": LENGTH,
+}  # fmt: skip
+"""Features of an object and one of its two nearest things on the same support."""
+
+BY_CATEGORY = (
+    "distance to wall", "turn to wall", "distance to neighbour", "gap to neighbour", "x from the middle thing",
+    "y from the middle thing", "distance to its like",
+)  # fmt: skip
+"""Features of a scene: means of these over the objects of each category, then over all objects of each level."""
+
+LEVELS = 3
+FAR = 9.0
+"""What stands for a distance to something that is not there, metres."""
+
+
+@dataclass(frozen=True, eq=False)
+class Features:
+    """Features of one scene: objects (SAMPLED or fewer, len(OBJECT)), pairs (..., len(PAIR)) and the scene (W,)."""
+
+    objects: NDArray[np.float64]
+    pairs: NDArray[np.float64]
+    scene: NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class _Objects:
+    """K objects: category, its number, support (-1: none) as a row of the graph, upright box and turn."""
+
+    category: NDArray[np.int64]
+    support: NDArray[np.int64]
+    support_category: NDArray[np.int64]
+    level: NDArray[np.int64]
+    center: NDArray[np.float64]
+    half: NDArray[np.float64]
+    yaw: NDArray[np.float64]
+    frame: NDArray[np.float64]
+    """x, y, bottom and yaw of the support."""
+
+
+def scene_features(graph: SceneGraph, vocabulary: tuple[str, ...], rng: np.random.Generator) -> Features:
+    """The features of a scene whose categories are numbered as in ``vocabulary``; ``rng`` draws objects and pairs."""
+    things = _objects(graph, vocabulary)
+    count = len(things.category)
+    if not count:
+        return Features(np.zeros((0, len(OBJECT))), np.zeros((0, len(PAIR))), np.zeros(scene_width(vocabulary)))
+    walls = _to_wall(graph, things)
+    apart = _apart(things)
+    objects = _object_features(things, walls, apart)
+    first, second = _pairs_of(things, apart[0])
+    some = rng.permutation(count)[:SAMPLED]
+    few = rng.permutation(len(first))[:SAMPLED]
+    pairs = _pair_features(things, first[few], second[few], apart)
+    return Features(objects[some], pairs, _scene_vector(things, objects, len(vocabulary)))
+
+
+def scene_width(vocabulary: tuple[str, ...]) -> int:
+    """Number of features of a scene."""
+    return len(BY_CATEGORY) * (len(vocabulary) + LEVELS)
+
+
+def scene_kinds(vocabulary: tuple[str, ...]) -> NDArray[np.int64]:
+    """Kinds of a scene's features, int64 (W,)."""
+    return np.tile([OBJECT[name] for name in BY_CATEGORY], len(vocabulary) + LEVELS)
+
+
+def _objects(graph: SceneGraph, vocabulary: tuple[str, ...]) -> _Objects:
+    number = {name: place for place, name in enumerate(vocabulary)}
+    codes = np.array([number.get(name, -1) for name in graph.vocabulary] + [-1], np.int64)[graph.category]
+    rows = np.flatnonzero(counted_objects(graph) & (codes >= 0))
+    found = find_supports(graph)
+    support = np.full(len(graph), -1, np.int64)
+    support[found.row[::-1]] = found.on[::-1]  # the first of several
+    level = np.zeros(len(graph), np.int64)
+    for row in range(len(graph)):
+        on, depth = support[row], 0
+        while on >= 0 and depth < 16:
+            on, depth = support[on], depth + 1
+        level[row] = depth
+    boxes, yaw = oriented_boxes(graph), heading(world_matrices(graph)[:, :3, :3])
+    frame = np.column_stack([boxes.center[:, :2], boxes.center[:, 2] - boxes.half[:, 2], yaw])
+    on = support[rows]
+    return _Objects(
+        codes[rows], on, np.where(on >= 0, codes[on], -1), level[rows], boxes.center[rows], boxes.half[rows], yaw[rows],
+        np.where((on >= 0)[:, None], frame[on], 0.0),
+    )  # fmt: skip
+
+
+def _to_wall(graph: SceneGraph, things: _Objects) -> NDArray[np.float64]:
+    """Distance of each centre to the nearest edge of the room, and the turn against that edge, (K, 2)."""
+    if FLOOR not in graph.vocabulary:
+        return np.tile([FAR, 0.0], (len(things.category), 1))
+    outline = room_outline(graph)
+    edge = np.roll(outline, -1, axis=0) - outline
+    offset = things.center[:, None, :2] - outline
+    along = np.clip((offset * edge).sum(-1) / (edge**2).sum(-1), 0, 1)
+    distance = np.linalg.norm(offset - along[..., None] * edge, axis=-1)
+    nearest = distance.argmin(axis=1)
+    direction = np.arctan2(edge[nearest, 1], edge[nearest, 0])
+    return np.column_stack([distance[np.arange(len(nearest)), nearest], wrapped(things.yaw - direction)])
+
+
+def _apart(things: _Objects) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """Of all pairs: horizontal distance, gap of footprints, and offset of j in the frame of i (K, K, 2)."""
+    offset = things.center[None, :, :2] - things.center[:, None, :2]
+    cos, sin = np.cos(things.yaw)[:, None], np.sin(things.yaw)[:, None]
+    seen = np.stack([cos * offset[..., 0] + sin * offset[..., 1], cos * offset[..., 1] - sin * offset[..., 0]], -1)
+    turn = things.yaw[None] - things.yaw[:, None]
+    c, s = np.abs(np.cos(turn)), np.abs(np.sin(turn))
+    half = things.half[None, :, :2]
+    reach = np.stack([c * half[..., 0] + s * half[..., 1], s * half[..., 0] + c * half[..., 1]], axis=-1)
+    gap = (np.abs(seen) - things.half[:, None, :2] - reach).max(axis=-1)
+    return np.linalg.norm(offset, axis=-1), np.maximum(gap, gap.T), seen
+
+
+def _object_features(things: _Objects, walls: NDArray[np.float64], apart: tuple[NDArray[np.float64], ...]) -> NDArray:
+    distance, gap, seen = apart
+    count, each = len(things.category), np.arange(len(things.category))
+    same_support = (things.support[:, None] == things.support) & ~np.eye(count, dtype=bool)
+    alike = (things.category[:, None] == things.category) & ~np.eye(count, dtype=bool)
+    columns = {
+        "category": things.category, "width": things.half[:, 0], "depth": things.half[:, 1],
+        "height": things.half[:, 2], "support category": things.support_category,
+        "things on the support": same_support.sum(axis=1) + 1,
+        **dict(zip(("x on support", "y on support"), _in_frame(things.center[:, :2], things.frame).T, strict=True)),
+        "bottom over support": things.center[:, 2] - things.half[:, 2] - things.frame[:, 2],
+        "turn on support": wrapped(things.yaw - things.frame[:, 3]),
+        "distance to wall": walls[:, 0], "turn to wall": walls[:, 1],
+    }  # fmt: skip
+    for name, mask in (("neighbour", same_support), ("its like", alike)):
+        there = mask.any(axis=1)
+        other = np.where(mask, distance, np.inf).argmin(axis=1)
+        columns[f"distance to {name}"] = np.where(there, distance[each, other], FAR)
+        columns[f"gap to {name}"] = np.where(there, gap[each, other], FAR)
+        columns[f"x of {name}"] = np.where(there, seen[each, other, 0], FAR)
+        columns[f"y of {name}"] = np.where(there, seen[each, other, 1], FAR)
+        columns[f"turn of {name}"] = np.where(there, wrapped(things.yaw[other] - things.yaw), 0.0)
+    middle = _middle_thing(things)
+    columns["x from the middle thing"], columns["y from the middle thing"] = seen[middle].T
+    columns["turn to the middle thing"] = wrapped(things.yaw - things.yaw[middle])
+    return np.column_stack([columns[name] for name in OBJECT])
+
+
+def _middle_thing(things: _Objects) -> int:
+    """The largest footprint within a metre of what lies most central of what stands on the floor."""
+    low = np.flatnonzero(things.level == things.level.min())
+    middle = (things.center[low, :2].min(axis=0) + things.center[low, :2].max(axis=0)) / 2
+    far = np.linalg.norm(things.center[low, :2] - middle, axis=1)
+    near = low[far <= far.min() + 1.0]
+    return int(near[(things.half[near, 0] * things.half[near, 1]).argmax()])
+
+
+def _in_frame(points: NDArray[np.float64], frame: NDArray[np.float64]) -> NDArray[np.float64]:
+    offset, cos, sin = points - frame[:, :2], np.cos(frame[:, 3]), np.sin(frame[:, 3])
+    return np.column_stack([cos * offset[:, 0] + sin * offset[:, 1], cos * offset[:, 1] - sin * offset[:, 0]])
+
+
+def _pairs_of(things: _Objects, distance: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Each thing with its two nearest on the same support."""
+    same = (things.support[:, None] == things.support) & ~np.eye(len(distance), dtype=bool)
+    order = np.where(same, distance, np.inf).argsort(axis=1, kind="stable")[:, :2]
+    first = np.repeat(np.arange(len(order)), order.shape[1])
+    second = order.reshape(-1)
+    real = same[first, second]
+    return first[real], second[real]
+
+
+def _pair_features(
+    things: _Objects, first: NDArray[np.int64], second: NDArray[np.int64], apart: tuple[NDArray[np.float64], ...]
+) -> NDArray[np.float64]:
+    distance, gap, seen = apart
+    columns = [
+        things.category[first], things.category[second], things.support_category[first], *things.half[first, :2].T,
+        *things.half[second, :2].T, distance[first, second], gap[first, second], *seen[first, second].T,
+        wrapped(things.yaw[second] - things.yaw[first]), *seen[second, first].T,
+    ]  # fmt: skip
+    return np.column_stack(columns)
+
+
+def _scene_vector(things: _Objects, objects: NDArray[np.float64], categories: int) -> NDArray[np.float64]:
+    places = [list(OBJECT).index(name) for name in BY_CATEGORY]
+    values = objects[:, places]
+    turn = BY_CATEGORY.index("turn to wall")
+    values[:, turn] = np.abs(values[:, turn])  # headings of -180 and 180 degrees are one
+    level = np.minimum(things.level - things.level.min(), LEVELS - 1)
+    groups = np.concatenate([things.category, categories + level])
+    total, count = np.zeros((categories + LEVELS, len(places))), np.bincount(groups, minlength=categories + LEVELS)
+    np.add.at(total, groups, np.concatenate([values, values]))
+    mean = total / np.maximum(count, 1)[:, None]
+    mean[count == 0] = -FAR
+    return mean.reshape(-1)
+
+
+def wrapped(angle: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Angles in [-pi, pi)."""
+    return (angle + np.pi) % (2 * np.pi) - np.pi

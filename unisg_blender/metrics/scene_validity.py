@@ -1,0 +1,246 @@
+"""Is a scene possible: collisions, floating and sunk things, things outside the room; per object, scene and set.
+
+Formulas and limits follow the table of the project's generator benchmark: a
+collision is deeper than 2 cm, or 1 cm where one of the two is smaller than 10
+cm; floating or sunk is more than 2 cm off the support. Beside the collisions
+stands a stricter count, in which flat things collide from half their thickness
+on. Structure (:data:`STRUCTURE`) is what others stand on or bump into; it is not
+counted itself.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..geometry.box_overlap import nearby_pairs, penetration
+from ..geometry.boxes import Boxes
+from ..geometry.polygon import outside_distance
+from ..scene.graph import SceneGraph
+from ..spatial.entity_boxes import oriented_boxes
+from ..spatial.floor_plan import FLOOR, room_outline
+from ..spatial.part_boxes import PartBoxes, part_boxes
+from .support_gaps import find_supports, support_gaps
+
+STRUCTURE = frozenset({"Floor", "Wall", "Ceiling", "Door", "Window"})
+"""Categories that make up the room."""
+
+DEEP, DEEP_SMALL, SMALL = 0.02, 0.01, 0.10
+"""Collision limits in metres: for most things, where one is small, and how small that is (longest edge)."""
+
+OFF_SUPPORT = 0.02
+OUTSIDE = 0.02
+CategoryPair = tuple[str, str]
+
+
+@dataclass(frozen=True, eq=False)
+class Collisions:
+    """Pairs (K, 2) of rows that overlap, first < second, how deep each does, metres (K,), and which do beyond the
+    plain limits, bool (K,): the others are flat things.
+    """
+
+    pairs: NDArray[np.int64]
+    depth: NDArray[np.float64]
+    deep: NDArray[np.bool_]
+
+
+@dataclass(frozen=True, eq=False)
+class SceneReport:
+    """What was measured in one scene; bool (N,) columns are False where ``counted`` is.
+
+    ``colliding`` is by the plain limits, ``overlapping`` by the stricter ones.
+    """
+
+    counted: NDArray[np.bool_]
+    colliding: NDArray[np.bool_]
+    overlapping: NDArray[np.bool_]
+    off_support: NDArray[np.bool_]
+    outside: NDArray[np.bool_]
+    level: NDArray[np.int64]
+    collisions: Collisions
+
+    @property
+    def faults(self) -> NDArray[np.bool_]:
+        """Objects with any fault, by the stricter limits."""
+        return self.overlapping | self.off_support | self.outside
+
+
+def counted_objects(graph: SceneGraph) -> NDArray[np.bool_]:
+    """Which rows are objects: they have geometry and are no structure, bool (N,)."""
+    structure = np.array([name in STRUCTURE for name in graph.vocabulary] + [False])
+    filled = np.array([len(mesh.points) > 0 for mesh in graph.meshes] + [False])
+    return filled[graph.mesh] & ~structure[graph.category]
+
+
+def find_collisions(
+    graph: SceneGraph, *, parts: bool = True, allowed: Iterable[CategoryPair] = (), boxes: PartBoxes | None = None
+) -> Collisions:
+    """All pairs of things that overlap deeper than the limits, in metres.
+
+    The depth of a pair is the largest penetration (separating axes, exact) over the
+    boxes of their connected parts, or of the whole things with ``parts=False``. The
+    plain limit is 2 cm, and 1 cm if either's longest edge is under 10 cm; pairs
+    beyond it are ``deep``. The stricter limit, which all pairs exceed, is also never
+    more than half the thinnest edge of the two boxes that meet, since two scalpels
+    6 mm high in one place reach only 6 mm into each other.
+
+    Left out are pairs where one stands on, stands in or hangs from the other (parent
+    and child, and the relations on_top_of, inside and hangs_from), pairs of two
+    pieces of structure, and pairs of categories in ``allowed``.
+    """
+    if boxes is None:
+        boxes = part_boxes(graph) if parts else _whole_boxes(graph)
+    near = nearby_pairs(boxes.boxes)
+    owners = boxes.owner[near]
+    kept = owners[:, 0] != owners[:, 1]
+    counted = counted_objects(graph)
+    kept &= counted[owners].any(axis=1)
+    kept &= ~_is_among(owners, _support_pairs(graph), len(graph))
+    near, owners = near[kept], owners[kept]
+    depth = penetration(boxes.boxes.take(near[:, 0]), boxes.boxes.take(near[:, 1]))
+    longest = 2 * oriented_boxes(graph).half.max(axis=1)
+    limit = np.where(longest[owners].min(axis=1) < SMALL, DEEP_SMALL, DEEP)
+    thinnest = 2 * boxes.boxes.half.min(axis=1)
+    strict = np.maximum(np.minimum(limit, thinnest[near].min(axis=1) / 2), 1e-6)
+    hit = depth > strict
+    found, index = np.unique(np.sort(owners[hit], axis=1), axis=0, return_inverse=True)
+    deepest, deep = np.zeros(len(found)), np.zeros(len(found), bool)
+    np.maximum.at(deepest, index.reshape(-1), depth[hit])
+    np.logical_or.at(deep, index.reshape(-1), (depth > limit)[hit])
+    banned = {tuple(sorted(pair)) for pair in allowed}
+    names = [tuple(sorted((graph.category_name(a), graph.category_name(b)))) for a, b in found]
+    keep = np.array([pair not in banned for pair in names], bool)
+    return Collisions(found[keep], deepest[keep], deep[keep])
+
+
+def overlapping_categories(graphs: Iterable[SceneGraph], *, parts: bool = False) -> set[CategoryPair]:
+    """Category pairs that overlap in real scenes (chairs under tables) by more than the plain limits.
+
+    They are to be ``allowed`` in generated ones.
+    """
+    found = set()
+    for graph in graphs:
+        collisions = find_collisions(graph, parts=parts)
+        for first, second in collisions.pairs[collisions.deep]:
+            low, high = sorted((graph.category_name(first), graph.category_name(second)))
+            found.add((low, high))
+    return found
+
+
+def _whole_boxes(graph: SceneGraph) -> PartBoxes:
+    boxes = oriented_boxes(graph)
+    rows = np.flatnonzero(boxes.solid)
+    return PartBoxes(boxes.take(rows), rows)
+
+
+def _support_pairs(graph: SceneGraph) -> NDArray[np.int64]:
+    """(K, 2) pairs of what stands on, in or hangs from what."""
+    found = find_supports(graph)
+    pairs = [np.stack([np.arange(len(graph)), graph.parent], axis=1), np.stack([found.row, found.on], axis=1)]
+    joined = np.concatenate(pairs).astype(np.int64)
+    return joined[joined[:, 1] >= 0]
+
+
+def _is_among(pairs: NDArray[np.int64], known: NDArray[np.int64], count: int) -> NDArray[np.bool_]:
+    """Which pairs occur among the known ones, in either order."""
+    key = np.sort(pairs, axis=1) @ (count, 1) if len(pairs) else np.zeros(0, np.int64)
+    return np.isin(key, np.sort(known, axis=1) @ (count, 1) if len(known) else ())
+
+
+def outside_room(
+    graph: SceneGraph, boxes: PartBoxes | None = None, outline: NDArray[np.float64] | None = None
+) -> NDArray[np.float64]:
+    """How far each thing reaches out of the room's outline seen from above, float64 (N,) metres, 0 inside.
+
+    The largest distance of a corner of its part boxes to the outline, or the depth
+    to which a corner of the room that points inwards reaches into one of them. NaN
+    for rows without geometry, and everywhere in a scene without a floor.
+    """
+    result = np.full(len(graph), np.nan)
+    if outline is None and FLOOR not in graph.vocabulary:
+        return result
+    outline = room_outline(graph) if outline is None else outline
+    boxes = part_boxes(graph) if boxes is None else boxes
+    signs = np.stack(np.meshgrid(*[[-1, 1]] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
+    corners = boxes.boxes.center[:, None] + np.einsum(
+        "pij,cj,pj->pci", boxes.boxes.axes, signs.astype(float), boxes.boxes.half
+    )
+    reach = outside_distance(outline, corners[:, :, :2]).max(axis=1)
+    reach = np.maximum(reach, _poked(boxes.boxes, outline))
+    result[boxes.owner] = 0.0
+    np.maximum.at(result, boxes.owner, reach)
+    return result
+
+
+def _poked(boxes: Boxes, outline: NDArray[np.float64]) -> NDArray[np.float64]:
+    """How deep corners of the room that point inwards reach into boxes, float64 (P,)."""
+    before, after = outline - np.roll(outline, 1, axis=0), np.roll(outline, -1, axis=0) - outline
+    reflex = outline[before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0] < -1e-9]
+    if not len(reflex):
+        return np.zeros(len(boxes.center))
+    points = np.concatenate([reflex, np.zeros((len(reflex), 1))], axis=1) - boxes.center[:, None] * (1, 1, 0)
+    upright = np.abs(boxes.axes[:, 2, 2]) > 0.999  # of tilted boxes only the corners count
+    seen = np.abs(np.einsum("pij,pci->pcj", boxes.axes, points))[..., :2]
+    deep = (boxes.half[:, None, :2] - seen).min(axis=-1).max(axis=1)
+    return np.where(upright, np.maximum(deep, 0.0), 0.0)
+
+
+def support_levels(graph: SceneGraph) -> NDArray[np.int64]:
+    """On how many things an entity stands, one on another, int64 (N,): floor 0, table 1, tray 2, tool 3.
+
+    The longest way down over what carries it, see :func:`~.support_gaps.find_supports`.
+    """
+    found = find_supports(graph)
+    level = np.zeros(len(graph), np.int64)
+    for _ in range(len(graph)):  # things that carry each other in a circle end this
+        higher = level.copy()
+        np.maximum.at(higher, found.row, level[found.on] + 1)
+        if (higher == level).all():
+            break
+        level = higher
+    return level
+
+
+def measure_scene(graph: SceneGraph, *, parts: bool = True, allowed: Iterable[CategoryPair] = ()) -> SceneReport:
+    """All faults of one scene.
+
+    Parameters
+    ----------
+    graph
+        The scene.
+    parts, allowed
+        As for :func:`find_collisions`.
+    """
+    counted = counted_objects(graph)
+    boxes = part_boxes(graph)
+    collisions = find_collisions(graph, parts=parts, allowed=allowed, boxes=boxes if parts else None)
+    colliding, overlapping = np.zeros(len(graph), bool), np.zeros(len(graph), bool)
+    overlapping[collisions.pairs.reshape(-1)] = True
+    colliding[collisions.pairs[collisions.deep].reshape(-1)] = True
+    gap = support_gaps(graph, counted, boxes)
+    outside = np.nan_to_num(outside_room(graph, boxes)) > OUTSIDE
+    return SceneReport(
+        counted, colliding & counted, overlapping & counted, np.abs(np.nan_to_num(gap, posinf=np.inf)) > OFF_SUPPORT,
+        outside & counted, support_levels(graph), collisions,
+    )  # fmt: skip
+
+
+def summarise(reports: Iterable[SceneReport]) -> dict[str, float]:
+    """Many scenes in one row: shares of objects (0..1) with each fault, and of scenes without any.
+
+    ``objects`` and ``scenes`` are counts; shares are over all objects of all scenes;
+    ``level`` is the mean, over scenes, of the highest support level.
+    """
+    reports = list(reports)
+    objects = sum(int(report.counted.sum()) for report in reports)
+    share = {
+        name: sum(int(getattr(report, name).sum()) for report in reports) / max(objects, 1)
+        for name in ("colliding", "overlapping", "off_support", "outside", "faults")
+    }
+    clean = np.mean([not report.faults.any() for report in reports]) if reports else np.nan
+    level = np.mean([report.level.max(initial=0) for report in reports]) if reports else np.nan
+    counts = {"scenes": float(len(reports)), "objects": float(objects)}
+    return counts | share | {"scenes_without_fault": float(clean), "level": float(level)}

@@ -1,0 +1,147 @@
+"""The small model behind category proposals: known shapes and sizes, a word list, and habits of standing together."""
+
+from __future__ import annotations
+
+import json
+import os
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import UniSGError
+from ..meshes.atlasnet_sessions import PRETRAINED
+from .name_evidence import name_scores
+
+LABELS_FILE = "labels.safetensors"
+ARRAYS = ("vectors", "sizes", "classes", "together")
+SIZE_WEIGHT = 0.5
+"""How much a factor of e in size counts, in units of the mean distance of shapes from their mean."""
+VERSION = "1"
+
+
+@dataclass(frozen=True, eq=False)
+class LabelModel:
+    """What is known of K categories.
+
+    Attributes
+    ----------
+    vocabulary
+        Their names.
+    vectors, sizes
+        float16 (M, 1024) and float32 (M, 3): mesh features and :func:`size_channels`
+        of the known meshes, sorted by class.
+    classes
+        int32 (M,): their categories' places in the vocabulary, each of which occurs.
+    spread
+        Mean distance of the features from their mean: the unit of distances.
+    temperature
+        Distance that counts as one nat.
+    lexicon
+        For each category its words with their weights.
+    together
+        (K, K): log of how much oftener than by chance a category of the row
+        stands beside one of the column; 0 where nothing is known.
+    name_weight, beside_weight
+        How much a full match of the name and the neighbours count, in nats.
+    provenance
+        Where the model comes from.
+    """
+
+    vocabulary: tuple[str, ...]
+    vectors: NDArray[np.float16]
+    sizes: NDArray[np.float32]
+    classes: NDArray[np.int32]
+    spread: float
+    temperature: float
+    lexicon: tuple[dict[str, float], ...]
+    together: NDArray[np.float32]
+    name_weight: float
+    beside_weight: float
+    provenance: dict
+
+    def shape_scores(self, vectors: NDArray[np.floating], sizes: NDArray[np.floating]) -> NDArray[np.float64]:
+        """Log-likelihoods (N, K), up to a constant, of mesh features (N, 1024) and sizes (N, 3) in metres."""
+        apart = distances(vectors, size_channels(sizes), self.vectors, self.sizes, self.spread)
+        return -nearest_of_class(apart, self.classes) / self.temperature
+
+    def name_scores(self, names: tuple[str, ...]) -> NDArray[np.float64]:
+        """Evidence (K,) of an object's names, in nats: that of the first name that has a known word."""
+        for name in names:
+            scores = name_scores(name, self.lexicon)
+            if scores.any():
+                return self.name_weight * scores
+        return np.zeros(len(self.vocabulary))
+
+    def save(self, path: str | Path) -> None:
+        """Write the model as one safetensors file, whole or not at all."""
+        from safetensors.numpy import save_file
+
+        path = Path(path)
+        arrays = {name: getattr(self, name) for name in ARRAYS}
+        record = {
+            "vocabulary": self.vocabulary, "lexicon": self.lexicon, "name_weight": self.name_weight,
+            "beside_weight": self.beside_weight, "spread": self.spread, "temperature": self.temperature,
+            "provenance": self.provenance,
+        }  # fmt: skip
+        temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
+        metadata = {"unisg_labels": VERSION, "record": json.dumps(record)}
+        save_file({name: np.ascontiguousarray(array) for name, array in arrays.items()}, temporary, metadata)
+        os.replace(temporary, path)
+
+    @staticmethod
+    def load(path: str | Path | None = None) -> LabelModel:
+        """Read a model; the shipped one when no path is given.
+
+        Raises
+        ------
+        UniSGError
+            If the file is missing, damaged or of another version.
+        """
+        from safetensors import SafetensorError, safe_open
+
+        path = Path(path) if path is not None else PRETRAINED / LABELS_FILE
+        if not path.is_file():
+            raise UniSGError(f"{path}: no such model of categories; 'unisg train meshes' makes one")
+        try:
+            with safe_open(path, "np") as file:
+                metadata = file.metadata() or {}
+                arrays = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
+        except SafetensorError as error:
+            raise UniSGError(f"{path}: the model of categories is damaged: {error}") from error
+        if metadata.get("unisg_labels") != VERSION:
+            raise UniSGError(f"{path}: is no model of categories of version {VERSION}: train it again")
+        record = json.loads(metadata["record"])
+        record["vocabulary"], record["lexicon"] = tuple(record["vocabulary"]), tuple(record["lexicon"])
+        return LabelModel(**arrays, **record)
+
+
+def distances(
+    vectors: NDArray[np.floating],
+    sizes: NDArray[np.floating],
+    known_vectors: NDArray[np.floating],
+    known_sizes: NDArray[np.floating],
+    spread: float,
+) -> NDArray[np.float64]:
+    """(N, M): distances in shape and size; features (N, 1024) and (M, 1024), size channels (N, 3) and (M, 3)."""
+    first, second = vectors.astype(np.float64), known_vectors.astype(np.float64)
+    square = np.square(first).sum(axis=1)[:, None] + np.square(second).sum(axis=1) - 2 * first @ second.T
+    apart = np.linalg.norm(sizes[:, None] - known_sizes, axis=2)
+    return np.sqrt(np.maximum(square, 0) / spread**2 + np.square(SIZE_WEIGHT * apart))
+
+
+def nearest_of_class(apart: NDArray[np.float64], classes: NDArray[np.integer]) -> NDArray[np.float64]:
+    """(N, K): the least of the distances (N, M) to each class; ``classes`` (M,) sorted, without gaps."""
+    return np.minimum.reduceat(apart, np.searchsorted(classes, np.arange(classes[-1] + 1)), axis=1)
+
+
+def size_channels(sizes: NDArray[np.floating]) -> NDArray[np.float64]:
+    """Sizes (N, 3) along x, y, z in metres as (N, 3): logarithms of longer side, shorter side and height.
+
+    The longer of the two level sides comes first, so that a quarter turn changes
+    nothing; sides count as a tenth of a millimetre at least.
+    """
+    sizes = np.maximum(np.asarray(sizes, np.float64), 1e-4)
+    level = np.sort(sizes[:, :2], axis=1)[:, ::-1]
+    return np.log(np.column_stack([level, sizes[:, 2]]))

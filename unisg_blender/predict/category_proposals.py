@@ -1,0 +1,186 @@
+"""Proposed categories for the entities of a scene, from shape, size, name and neighbours."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from ..meshes.normalise import normalise
+from ..meshes.shape_feature import POINTS, AtlasNetEncoder, cloud, default_encoder
+from ..scene.assembly import index_categories
+from ..scene.graph import SceneGraph
+from ..scene.hierarchy import world_matrices
+from ..spatial.entity_boxes import local_bounds, oriented_boxes
+from .category_model import LabelModel
+
+BESIDE = 0.5
+"""Boxes whose spheres come nearer than this, in metres, stand beside each other."""
+MOST_NEIGHBOURS = 12
+
+
+@dataclass(frozen=True)
+class Proposal:
+    """What an entity may be: ``row`` and ``uid`` of the entity; categories with confidences in 0..1, best first."""
+
+    row: int
+    uid: str
+    name: str
+    categories: tuple[tuple[str, float], ...]
+
+    @property
+    def best(self) -> str:
+        """The most likely category."""
+        return self.categories[0][0]
+
+    @property
+    def confidence(self) -> float:
+        """Confidence of the most likely category."""
+        return self.categories[0][1]
+
+
+def propose_categories(
+    graph: SceneGraph,
+    model: LabelModel | None = None,
+    encoder: AtlasNetEncoder | None = None,
+    *,
+    rows: Sequence[int] | None = None,
+    best: int = 3,
+    use: Sequence[str] = ("shape", "name", "neighbours"),
+) -> list[Proposal]:
+    """Propose categories for entities that have a mesh and no category.
+
+    Parameters
+    ----------
+    graph
+        Any scene in metres.
+    model, encoder
+        The shipped ones when omitted.
+    rows
+        Entities to look at, categorised or not; those without a mesh are skipped.
+    best
+        How many categories to name for each entity.
+    use
+        Kinds of evidence: "shape" (mesh and size), "name" and "neighbours".
+
+    Returns
+    -------
+    One proposal per entity, in row order.
+    """
+    model, encoder = model or LabelModel.load(), encoder or default_encoder()
+    wanted = np.flatnonzero(graph.category < 0) if rows is None else np.array(sorted(rows), np.int64)
+    solid = np.array([_has_points(graph, row) for row in wanted], bool)
+    wanted = wanted[solid]
+    if not len(wanted):
+        return []
+    scores = np.zeros((len(wanted), len(model.vocabulary)))
+    if "shape" in use:
+        scores += model.shape_scores(*_shapes(graph, wanted, encoder))
+    if "name" in use:
+        scores += np.stack([model.name_scores(_names(graph, row)) for row in wanted])
+    if "neighbours" in use:
+        scores += model.beside_weight * _neighbour_scores(graph, wanted, _softmax(scores), model)
+    return [
+        _proposal(graph, int(row), chances, model.vocabulary, best)
+        for row, chances in zip(wanted, _softmax(scores), strict=True)
+    ]
+
+
+def accept(graph: SceneGraph, proposals: Sequence[Proposal], threshold: float = 0.0) -> SceneGraph:
+    """The scene with the best category of each proposal whose confidence reaches a threshold."""
+    names = [graph.category_name(row) for row in range(len(graph))]
+    for proposal in proposals:
+        if proposal.confidence >= threshold:
+            names[proposal.row] = proposal.best
+    category, vocabulary = index_categories(names)
+    return graph.replace(category=category, vocabulary=vocabulary)
+
+
+def beside(graph: SceneGraph) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Pairs of rows with meshes that stand beside each other, in both directions: at most twelve of a row.
+
+    Things larger than three metres (floors, walls) are nobody's neighbours.
+    """
+    boxes = oriented_boxes(graph)
+    size = 2 * boxes.half.max(axis=1)
+    rows = np.flatnonzero(boxes.solid & (size < 3) & np.isfinite(boxes.center).all(axis=1))
+    if len(rows) < 2:
+        return np.zeros(0, np.int64), np.zeros(0, np.int64)
+    center, radius = boxes.center[rows], size[rows] / 2
+    count = min(MOST_NEIGHBOURS + 1, len(rows))
+    distance, near = map(np.asarray, cKDTree(center).query(center, count))
+    close = distance <= radius[:, None] + radius[near] + BESIDE
+    close &= near != np.arange(len(rows))[:, None]
+    first, place = np.nonzero(close)
+    return rows[first], rows[near[first, place]]
+
+
+def _has_points(graph: SceneGraph, row: int) -> bool:
+    return graph.mesh[row] >= 0 and bool(np.isfinite(graph.meshes[graph.mesh[row]].points).all(axis=1).any())
+
+
+def _names(graph: SceneGraph, row: int) -> tuple[str, ...]:
+    return graph.name[row], graph.meshes[graph.mesh[row]].name
+
+
+def _shapes(
+    graph: SceneGraph, rows: NDArray[np.int64], encoder: AtlasNetEncoder
+) -> tuple[NDArray[np.float32], NDArray[np.float64]]:
+    """Mesh features (M, 1024) as the entities stand, their heading taken back, and sizes (M, 3) in metres."""
+    world = world_matrices(graph)[rows, :3, :3]
+    heading = np.arctan2(world[:, 1, 0], world[:, 0, 0])
+    upright = _turn_back(heading) @ world
+    bounds = local_bounds(graph)[rows]
+    sizes = np.einsum("nij,nj->ni", np.abs(upright), bounds[:, 1] - bounds[:, 0])
+    scale = np.maximum(np.linalg.norm(upright, axis=(1, 2), keepdims=True), 1e-30)
+    keys = [
+        (int(mesh), shape.tobytes())
+        for mesh, shape in zip(graph.mesh[rows], np.round(upright / scale, 2) + 0.0, strict=True)
+    ]
+    first = {key: place for place, key in reversed(list(enumerate(keys)))}
+    places = list(first.values())
+    clouds = [normalise(cloud(graph.meshes[graph.mesh[rows[place]]], POINTS) @ upright[place].T)[0] for place in places]
+    vectors = encoder.encode_clouds(clouds)
+    index = {key: number for number, key in enumerate(first)}
+    return vectors[[index[key] for key in keys]], sizes
+
+
+def _turn_back(heading: NDArray[np.float64]) -> NDArray[np.float64]:
+    turn = np.zeros((len(heading), 3, 3))
+    turn[:, 0, 0] = turn[:, 1, 1] = np.cos(heading)
+    turn[:, 0, 1], turn[:, 1, 0], turn[:, 2, 2] = np.sin(heading), -np.sin(heading), 1.0
+    return turn
+
+
+def _neighbour_scores(
+    graph: SceneGraph, wanted: NDArray[np.int64], chances: NDArray[np.float64], model: LabelModel
+) -> NDArray[np.float64]:
+    """(M, K): the mean habit towards the neighbours, whose categories are given or, if not, likely to be."""
+    belief = np.zeros((len(graph), len(model.vocabulary)))
+    belief[wanted] = chances
+    place = {name: index for index, name in enumerate(model.vocabulary)}
+    for row in np.flatnonzero(graph.category >= 0):
+        belief[row] = 0
+        if graph.category_name(int(row)) in place:
+            belief[row, place[graph.category_name(int(row))]] = 1
+    first, second = beside(graph)
+    total, count = np.zeros_like(belief), np.zeros(len(graph))
+    np.add.at(total, first, belief[second] @ model.together.T)
+    np.add.at(count, first, 1)
+    return (total / np.maximum(count, 1)[:, None])[wanted]
+
+
+def _softmax(scores: NDArray[np.float64]) -> NDArray[np.float64]:
+    powers = np.exp(scores - scores.max(axis=1, keepdims=True))
+    return powers / powers.sum(axis=1, keepdims=True)
+
+
+def _proposal(
+    graph: SceneGraph, row: int, chances: NDArray[np.float64], vocabulary: Sequence[str], best: int
+) -> Proposal:
+    order = np.argsort(-chances, kind="stable")[:best]
+    categories = tuple((vocabulary[k], float(chances[k])) for k in order)
+    return Proposal(row, graph.uid[row], graph.name[row], categories)

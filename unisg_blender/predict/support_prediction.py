@@ -1,0 +1,68 @@
+"""Which thing stands on which, by a trained network over pairs of things near each other."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import UniSGError
+from ..geometry.boxes import Boxes
+from ..scene import components
+from ..scene.graph import SceneGraph, table
+from .object_pairs import PAIR_CHANNELS, candidate_pairs, in_chunks, pair_features, thing_boxes
+from .prediction_session import Network, load_network
+
+KIND = "on_top_of"
+Found = tuple[int, str, int, float]
+"""Row of the subject, kind, row of the target, chance."""
+
+
+class TopologyModel:
+    """The network over pairs, from an ONNX file; the shipped one when ``path`` is omitted."""
+
+    def __init__(self, path: str | os.PathLike[str] | None = None) -> None:
+        self.network: Network = load_network("topology", path)
+        if tuple(self.network.metadata["channels"]) != PAIR_CHANNELS:
+            raise UniSGError(f"{self.network.path} was trained on other features: train it again")
+
+    @property
+    def threshold(self) -> float:
+        """The chance from which on a pair is told, chosen on validation scenes."""
+        return float(self.network.metadata["threshold"])
+
+    def chances(self, boxes: Boxes, pairs: NDArray[np.int64]) -> NDArray[np.float32]:
+        """For each pair (P, 2) of boxes the chance (P,) that the first stands on the second."""
+        parts = [self.network.run(features=pair_features(boxes, some))[0] for some in in_chunks(pairs)]
+        logits = np.concatenate([np.zeros(0, np.float32), *parts])
+        return (1 / (1 + np.exp(-logits.clip(-40, 40)))).astype(np.float32)
+
+    def find(self, graph: SceneGraph, threshold: float | None = None) -> list[Found]:
+        """Relations of a scene: row of the subject, "on_top_of", row of the target, and the chance; sorted by rows."""
+        rows, boxes = thing_boxes(graph)
+        pairs = candidate_pairs(boxes)
+        chance = self.chances(boxes, pairs)
+        kept = chance >= (self.threshold if threshold is None else threshold)
+        found = zip(rows[pairs[kept]].tolist(), chance[kept].tolist(), strict=True)
+        return sorted((subject, KIND, target, round(value, 4)) for (subject, target), value in found)
+
+
+def with_relations(graph: SceneGraph, found: Sequence[Found]) -> SceneGraph:
+    """The scene with these relations for the ones of the kind "on_top_of" that it had; all others stay."""
+    old = graph.components.get(components.RELATIONS)
+    entries = [
+        (int(row), str(kind), str(target))
+        for row, kind, target in (
+            () if old is None else zip(old.rows, old.columns["kind"], old.columns["target"], strict=True)
+        )
+        if kind != KIND
+    ]
+    entries += [(subject, kind, graph.uid[target]) for subject, kind, target, _ in found]
+    made = table(
+        [row for row, _, _ in entries],
+        kind=[kind for _, kind, _ in entries],
+        target=[target for _, _, target in entries],
+    )
+    return graph.with_component(components.RELATIONS, made)

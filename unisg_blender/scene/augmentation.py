@@ -1,0 +1,188 @@
+"""Augmentation: new scenes out of one, by small noise on its components and by symmetry. The source is never changed.
+
+The paper adds noise to the components of its scenes; here noise lives where the
+components do: on poses in the tangent space (metres, radians), on scales as
+factors, on meshes along their normals. All functions are pure: graph and seed in,
+new graph out. Actions, lessons, relations and uids stay as they are; where poses
+are moved in a way that reference poses would notice, those are moved along.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import UniSGError
+from ..poses import exp
+from .action_data import ActionData
+from .graph import SceneGraph, Table
+from .hierarchy import subtree, take
+from .mesh import Mesh
+
+Matrix = NDArray[np.float64]
+
+STRUCTURE = frozenset({"Floor", "Wall", "Ceiling", "Door", "Window", "Ceiling Rail"})
+"""Categories that pose and scale noise leave alone unless asked otherwise."""
+
+
+def pose_noise(
+    graph: SceneGraph, seed: int, *, metres: float = 0.02, radians: float = 0.03, upright: bool = False,
+    fixed: Collection[str] = STRUCTURE,
+) -> SceneGraph:  # fmt: skip
+    """Move every entity a little in its own frame.
+
+    local' = local exp(w, u): rotation vector w and translation vector u of the screw
+    are normal in the tangent space, with the standard deviations ``radians`` and
+    ``metres`` per axis; exp is that of the motors (:func:`unisg_blender.poses.exp`), so
+    what was rigid stays rigid. Children move along.
+
+    Parameters
+    ----------
+    upright
+        Noise in the plane of the parent only: x, y and yaw, as things on a level support move.
+    fixed
+        Categories that stay.
+    """
+    rng = np.random.default_rng((seed, 11))
+    screws = rng.normal(size=(len(graph), 6)) * np.repeat([radians, metres], 3)
+    if upright:
+        screws[:, [0, 1, 5]] = 0.0
+    screws[_rows_of(graph, fixed)] = 0.0
+    motion = exp(screws, "matrix").reshape(-1, 4, 4)
+    local = graph.local.copy()
+    if upright:
+        local[:, :3, :3] = motion[:, :3, :3] @ local[:, :3, :3]
+        local[:, :3, 3] += motion[:, :3, 3]
+        return graph.replace(local=local)
+    size = np.linalg.norm(local[:, :3, :3], axis=1)[:, None]  # metres are metres, however large the entity is scaled
+    turn = np.divide(local[:, :3, :3], size, out=np.zeros_like(local[:, :3, :3]), where=size > 0)
+    local[:, :3, 3] += np.einsum("nij,nj->ni", turn, motion[:, :3, 3])
+    local[:, :3, :3] = local[:, :3, :3] @ motion[:, :3, :3]
+    return graph.replace(local=local)
+
+
+def scale_noise(
+    graph: SceneGraph, seed: int, *, factor: float = 0.1, uniform: bool = True, fixed: Collection[str] = STRUCTURE
+) -> SceneGraph:
+    """Make every entity a little larger or smaller about its origin: local' = local diag(exp(n)), n normal.
+
+    ``factor`` is the standard deviation of the logarithm, per axis unless ``uniform``.
+    Children are scaled along with what they stand on.
+    """
+    rng = np.random.default_rng((seed, 12))
+    logs = rng.normal(0.0, factor, (len(graph), 1 if uniform else 3))
+    logs[_rows_of(graph, fixed)] = 0.0
+    local = graph.local.copy()
+    local[:, :3, :3] *= np.broadcast_to(np.exp(logs), (len(graph), 3))[:, None, :]
+    return graph.replace(local=local)
+
+
+def mesh_jitter(graph: SceneGraph, seed: int, *, metres: float = 0.002) -> SceneGraph:
+    """Move the points of every mesh at random, ``metres`` standard deviation per axis.
+
+    Points in the very same place move alike, so that closed meshes stay closed; a
+    mesh that many entities share is still stored once. Normals are dropped.
+    """
+    rng = np.random.default_rng((seed, 13))
+    return graph.replace(meshes=tuple(_jittered(mesh, rng, metres) for mesh in graph.meshes))
+
+
+def _jittered(mesh: Mesh, rng: np.random.Generator, metres: float) -> Mesh:
+    places, weld = np.unique(mesh.points, axis=0, return_inverse=True)
+    moved = places + rng.normal(0.0, metres, places.shape).astype(np.float32)
+    return replace(mesh, points=moved[weld.reshape(-1)], normals=None)
+
+
+def category_dropout(
+    graph: SceneGraph, seed: int, *, probability: float = 0.1, kept: Collection[str] = STRUCTURE
+) -> SceneGraph:
+    """Leave whole entities out, with all that stands on them: each category with that probability.
+
+    Relations, actions and lessons that speak of what is gone stay: they are then
+    about entities that are not in the scene, as in any edited file.
+
+    Raises
+    ------
+    UniSGError
+        If the probability is not between 0 and 1.
+    """
+    if not 0 <= probability <= 1:
+        raise UniSGError(f"a probability lies between 0 and 1, not {probability}")
+    rng = np.random.default_rng((seed, 14))
+    gone = rng.random(len(graph.vocabulary)) < probability
+    gone &= np.array([name not in kept for name in graph.vocabulary], bool)
+    dropped = np.append(gone, False)[graph.category]
+    for row in np.flatnonzero(dropped):
+        dropped[subtree(graph, int(row))] = True
+    return take(graph, np.flatnonzero(~dropped))
+
+
+def quarter_turns(graph: SceneGraph, turns: int) -> SceneGraph:
+    """The scene turned by ``turns`` x 90 degrees about the world's z axis; exact, no rounding."""
+    cos, sin = [(1, 0), (0, 1), (-1, 0), (0, -1)][turns % 4]
+    turn = np.eye(4)
+    turn[:2, :2] = [[cos, -sin], [sin, cos]]
+    return _moved(graph, turn)
+
+
+def mirrored(graph: SceneGraph) -> SceneGraph:
+    """The scene in a mirror: the world's x becomes -x, and every entity is mirrored in its own x.
+
+    local' = M local M with M = diag(-1, 1, 1), and the meshes are mirrored: no matrix
+    gets a negative scale, and fronts (-y) stay fronts. Reference poses of actions are
+    mirrored too. Other components and words ("left knee") stay as they are.
+    """
+    flip = np.diag([-1.0, 1.0, 1.0, 1.0])
+    tables = dict(graph.components)
+    if "world" in tables:
+        tables["world"] = Table(tables["world"].rows, {"matrix": flip @ tables["world"].columns["matrix"] @ flip})
+    tables |= _with_references(graph, lambda action, pose: flip @ pose @ flip + 0.0)
+    meshes = tuple(_mirrored_mesh(mesh) for mesh in graph.meshes)
+    return graph.replace(local=flip @ graph.local @ flip, meshes=meshes, components=tables)
+
+
+def _mirrored_mesh(mesh: Mesh) -> Mesh:
+    """Points mirrored, and every face walked the other way round so that it still looks outwards."""
+    face = np.repeat(np.arange(len(mesh.offsets) - 1), np.diff(mesh.offsets))
+    back = mesh.offsets[face] + mesh.offsets[face + 1] - 1 - np.arange(len(mesh.corners))
+    flip = np.array([-1, 1, 1], np.float32)
+    return replace(
+        mesh,
+        points=mesh.points * flip,
+        corners=mesh.corners[back],
+        normals=None if mesh.normals is None else mesh.normals[back] * flip,
+        uvs={name: layer[back] for name, layer in mesh.uvs.items()},
+    )
+
+
+def _moved(graph: SceneGraph, motion: NDArray[np.float64]) -> SceneGraph:
+    """The whole scene moved in the world; reference poses in the world's frame move along."""
+    local = graph.local.copy()
+    roots = graph.parent < 0
+    local[roots] = motion @ local[roots]
+    tables = dict(graph.components)
+    if "world" in tables:
+        tables["world"] = Table(tables["world"].rows, {"matrix": motion @ tables["world"].columns["matrix"]})
+    tables |= _with_references(graph, lambda action, pose: pose if action.frame else motion @ pose)
+    return graph.replace(local=local, components=tables)
+
+
+def _with_references(graph: SceneGraph, change: Callable[[ActionData, Matrix], Matrix]) -> dict[str, Table]:
+    """The table of actions with changed reference poses; an empty dict where there is none."""
+    table = graph.components.get("actions")
+    if table is None:
+        return {}
+    data = np.empty(len(table.rows), object)
+    for index, action in enumerate(table.columns["data"]):
+        pose = action.reference_matrix
+        changed = None if pose is None else tuple(change(action, pose).reshape(-1).tolist())
+        data[index] = action if pose is None else replace(action, reference=changed)
+    return {"actions": Table(table.rows, {**table.columns, "data": data})}
+
+
+def _rows_of(graph: SceneGraph, categories: Collection[str]) -> NDArray[np.int64]:
+    wanted = np.array([name in categories for name in graph.vocabulary] + [False])
+    return np.flatnonzero(wanted[graph.category])

@@ -1,0 +1,103 @@
+"""A scenegraph in words: what ``unisg inspect`` prints."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from .graph import TYPES, SceneGraph
+from .hierarchy import world_matrices
+from .lesson_node import LessonNode
+
+
+def tree_lines(graph: SceneGraph, limit: int | None = None) -> list[str]:
+    """One line per entity, indented by depth, then the lesson and the relations; at most ``limit`` entities."""
+    depth: list[int] = []
+    for above in graph.parent:  # parents come first
+        depth.append(depth[above] + 1 if above >= 0 else 0)
+    shown = len(graph) if limit is None else min(limit, len(graph))
+    lines = ["  " * depth[row] + _entity_line(graph, row) for row in range(shown)]
+    if shown < len(graph):
+        lines.append(f"... and {len(graph) - shown} more entities")
+    lsa = graph.components.get("lsa")
+    for operation in () if lsa is None else lsa.columns["data"]:
+        lines += _lesson_lines(operation, 0)
+    return lines + _relation_lines(graph)
+
+
+def _entity_line(graph: SceneGraph, row: int) -> str:
+    parts = [
+        graph.name[row].encode("unicode_escape").decode() if not graph.name[row].isprintable() else graph.name[row]
+    ]
+    if graph.category[row] >= 0:
+        parts.append(f"[{graph.category_name(row)}]")
+    parts.append(TYPES[graph.type[row]].lower())
+    if graph.mesh[row] >= 0:
+        mesh = graph.meshes[graph.mesh[row]]
+        parts.append(f"{mesh.name}: {len(mesh.points)} points, {len(mesh.offsets) - 1} faces")
+    x, y, z = graph.local[row, :3, 3]
+    parts.append(f"at ({x:.3f}, {y:.3f}, {z:.3f})")
+    actions = graph.components.get("actions")
+    if actions is not None:
+        parts += [f"<{action.type} {action.name!r}>" for action in actions.of(row)["data"]]
+    return "  ".join(parts)
+
+
+def _lesson_lines(node: LessonNode, depth: int) -> list[str]:
+    marks = " (optional)" * node.optional + " (any order)" * (not node.ordered and bool(node.children))
+    lines = [f"{'  ' * depth}{node.kind.capitalize()}: {node.name or node.uid}{marks}"]
+    for child in node.children:
+        lines += _lesson_lines(child, depth + 1)
+    return lines
+
+
+def _relation_lines(graph: SceneGraph) -> list[str]:
+    relations = graph.components.get("relations")
+    if relations is None:
+        return []
+    columns = relations.columns
+    return [
+        f"{graph.name[row]}  {kind.replace('_', ' ')}  {_name_of(graph, target)}"
+        for row, kind, target in zip(relations.rows, columns["kind"], columns["target"], strict=True)
+    ]
+
+
+def _name_of(graph: SceneGraph, uid: str) -> str:
+    row = graph.row_of_uid.get(uid)
+    return f"(uid {uid}, not in the scene)" if row is None else graph.name[row]
+
+
+def summary(graph: SceneGraph) -> dict[str, Any]:
+    """Counts for people and for machines, JSON-ready."""
+    kinds = np.bincount(graph.type, minlength=len(TYPES))
+    categories = np.bincount(graph.category[graph.category >= 0], minlength=len(graph.vocabulary))
+    return {
+        "title": graph.title,
+        "entities": len(graph),
+        "roots": int((graph.parent < 0).sum()),
+        "meshes": len(graph.meshes),
+        "types": {TYPES[index]: int(kinds[index]) for index in np.flatnonzero(kinds)},
+        "categories": {name: int(count) for name, count in zip(graph.vocabulary, categories, strict=True) if count},
+        "components": {name: len(component.rows) for name, component in sorted(graph.components.items())},
+    }
+
+
+def to_records(graph: SceneGraph) -> list[dict[str, Any]]:
+    """One JSON-ready record per entity: identity, category, parent's uid, local and world matrices (rows), actions."""
+    world = world_matrices(graph)
+    actions = graph.components.get("actions")
+    return [
+        {
+            "name": graph.name[row],
+            "uid": graph.uid[row],
+            "type": TYPES[graph.type[row]],
+            "category": graph.category_name(row),
+            "parent": graph.uid[graph.parent[row]] if graph.parent[row] >= 0 else None,
+            "mesh": graph.meshes[graph.mesh[row]].name if graph.mesh[row] >= 0 else None,
+            "local": graph.local[row].tolist(),
+            "world": world[row].tolist(),
+            "actions": [] if actions is None else [action.type for action in actions.of(row)["data"]],
+        }
+        for row in range(len(graph))
+    ]

@@ -1,0 +1,37 @@
+"""Oriented boxes around entities: the size of things, for relations, metrics and generation."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..geometry.boxes import Boxes, orthonormal_axes
+from ..scene.graph import SceneGraph
+from ..scene.hierarchy import world_matrices
+
+
+def local_bounds(graph: SceneGraph) -> NDArray[np.float64]:
+    """Boxes of the meshes in their own frames, float64 (N, 2, 3) lowest and highest corner; zeros without a mesh."""
+    table = np.zeros((len(graph.meshes) + 1, 2, 3))
+    for index, mesh in enumerate(graph.meshes):
+        table[index] = mesh.bounds
+    return table[graph.mesh]
+
+
+def oriented_boxes(graph: SceneGraph) -> Boxes:
+    """World-space oriented boxes of all entities.
+
+    The axes are the object's own, made orthonormal one after another where scale
+    and shear bend them (the box then still contains the mesh).
+    """
+    world, bounds = world_matrices(graph), local_bounds(graph)
+    middle, half = bounds.mean(axis=1), (bounds[:, 1] - bounds[:, 0]) / 2
+    linear = world[:, :3, :3]
+    axes = orthonormal_axes(linear)
+    spread = np.abs(np.swapaxes(axes, 1, 2) @ linear)  # extent along our axes of a unit step along each local axis
+    return Boxes(
+        center=world[:, :3, 3] + np.einsum("nij,nj->ni", linear, middle),
+        axes=axes,
+        half=np.einsum("nij,nj->ni", spread, half),
+        solid=graph.mesh >= 0,
+    )

@@ -1,0 +1,195 @@
+"""Relations between things, computed from their geometry."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..geometry.box_overlap import nearby_pairs, penetration
+from ..geometry.surface_contact import Surfaces, contact_heights, surface_gap, walls_around, within
+from ..scene import components
+from ..scene.graph import SceneGraph, table
+from .directions import directions
+from .part_boxes import part_boxes
+from .relation_objects import Things, find_things
+
+KINDS = (
+    "on_top_of", "inside", "above", "below", "left_of", "right_of", "in_front_of", "behind", "beside", "part_of",
+    "connected_to",
+)  # fmt: skip
+
+Found = tuple[int, str, int]
+"""Row of the subject, kind, row of the target."""
+
+
+@dataclass(frozen=True)
+class RelationTolerances:
+    """What counts as what. Lengths in metres.
+
+    Attributes
+    ----------
+    gap, overlap
+        Largest distance, and largest depth, at which surfaces touch.
+    beside
+        Largest horizontal distance of things that stand beside each other.
+    above
+        Largest height of one thing over another that it hangs above.
+    shared
+        Least share of the smaller one's footprint (for above and below) or height
+        (for beside and the directions) that both have in common.
+    walls
+        In how many of six directions a thing that is inside another meets it at least;
+        where nothing is over it, on all sides and below.
+    hollow
+        Least depth of something open at the top that things can be inside of, as a
+        share of its narrower inner width: things lie in a bowl, but on a tray.
+    heading
+        Direction in which the viewer looks, radians counter-clockwise from +Y: it
+        decides what is left, right, in front and behind.
+    """
+
+    gap: float = 0.01
+    overlap: float = 0.02
+    beside: float = 0.5
+    above: float = 2.0
+    shared: float = 0.25
+    walls: int = 4
+    hollow: float = 0.25
+    heading: float = 0.0
+
+
+def relate(graph: SceneGraph, tolerances: RelationTolerances = RelationTolerances()) -> SceneGraph:
+    """The scenegraph with its relations computed anew; relations of kinds of its user's own stay."""
+    found = find_relations(graph, tolerances)
+    old = graph.components.get(components.RELATIONS)
+    kept = [
+        (int(row), kind, target)
+        for row, kind, target in (
+            [] if old is None else zip(old.rows, old.columns["kind"], old.columns["target"], strict=True)
+        )
+        if kind not in KINDS
+    ]
+    entries = kept + [(row, kind, graph.uid[target]) for row, kind, target in found]
+    made = table(
+        [row for row, _, _ in entries],
+        kind=[kind for _, kind, _ in entries],
+        target=[target for _, _, target in entries],
+    )
+    return graph.with_component(components.RELATIONS, made)
+
+
+def find_relations(graph: SceneGraph, tolerances: RelationTolerances = RelationTolerances()) -> list[Found]:
+    """All relations between the things of a scene, sorted.
+
+    A thing is an entity with a mesh, or with a category and meshes below it. Oriented
+    boxes of the meshes' parts say which pairs can meet; the surfaces themselves say
+    which do. Time grows as O(N log N) for things that are spread out in space.
+
+    Returns
+    -------
+    list of (row of the subject, kind, row of the target)
+        ``kind`` is one of :data:`KINDS`; "beside" and "connected_to" hold both ways, "above" and "below",
+        "left_of" and "right_of", "in_front_of" and "behind" come in pairs.
+    """
+    things = find_things(graph)
+    surfaces = Surfaces(graph, things.meshes)
+    found = _touching(things, _close_pairs(graph, things, tolerances), surfaces, tolerances)
+    found = _direct(found)
+    joined = {(min(subject, target), max(subject, target)) for subject, _, target in found}
+    found += directions(things, tolerances, joined)
+    rows = [(int(things.rows[subject]), kind, int(things.rows[target])) for subject, kind, target in found]
+    return sorted(rows + [(row, "part_of", above) for row, above in things.parts])
+
+
+def _close_pairs(graph: SceneGraph, things: Things, tolerances: RelationTolerances) -> NDArray[np.int64]:
+    """Pairs (K, 2) of things of which some parts' oriented boxes touch, or one stands in the other's box."""
+    parts = part_boxes(graph)
+    pairs = nearby_pairs(parts.boxes, tolerances.gap)
+    owners = things.of_row[parts.owner[pairs]].reshape(-1, 2)
+    pairs, owners = pairs[owners[:, 0] != owners[:, 1]], owners[owners[:, 0] != owners[:, 1]]
+    depth = penetration(parts.boxes.take(pairs[:, 0]), parts.boxes.take(pairs[:, 1]))
+    touching = np.sort(owners[depth >= -tolerances.gap], axis=1)
+    near = nearby_pairs(things.boxes)
+    low, high = things.low[near], things.high[near] + tolerances.gap
+    nested = (low[:, 0] >= low[:, 1] - tolerances.gap).all(axis=1) & (high[:, 0] <= high[:, 1] + tolerances.gap).all(
+        axis=1
+    )
+    nested |= (low[:, 1] >= low[:, 0] - tolerances.gap).all(axis=1) & (high[:, 1] <= high[:, 0] + tolerances.gap).all(
+        axis=1
+    )
+    return np.unique(np.concatenate([touching, near[nested]]), axis=0)
+
+
+def _touching(
+    things: Things, pairs: NDArray[np.int64], surfaces: Surfaces, tolerances: RelationTolerances
+) -> list[Found]:
+    """What rests on, lies in, belongs to or is joined with what."""
+    found: list[Found] = []
+    for one, two in pairs.tolist():
+        between: list[Found] = []
+        for subject, target in ((one, two), (two, one)):
+            if _lies_inside(things, subject, target, surfaces, tolerances):
+                between.append((subject, "inside", target))
+            elif _rests(things, subject, target, surfaces, tolerances):
+                between.append((subject, "on_top_of", target))
+        if len(between) > 1:  # both ways: what reaches lower bears the other
+            between = [max(between, key=lambda entry: (entry[1] == "inside", things.low[entry[0], 2]))]
+        if not between and _meets(things, one, two, surfaces, tolerances):
+            if things.is_below(one, two):
+                between = [(one, "part_of", two)]
+            elif things.is_below(two, one):
+                between = [(two, "part_of", one)]
+            else:
+                between = [(one, "connected_to", two), (two, "connected_to", one)]
+        found += between
+    return found
+
+
+def _direct(found: list[Found]) -> list[Found]:
+    """Without what rests on something only through a thin thing between, as a cup on a cloth on a table."""
+    bearers: dict[int, set[int]] = {}
+    for subject, kind, target in found:
+        if kind in ("on_top_of", "inside"):
+            bearers.setdefault(subject, set()).add(target)
+    return [
+        (subject, kind, target)
+        for subject, kind, target in found
+        if kind != "on_top_of" or not any(target in bearers.get(other, ()) for other in bearers[subject] - {target})
+    ]
+
+
+def _rests(things: Things, subject: int, target: int, surfaces: Surfaces, tolerances: RelationTolerances) -> bool:
+    """Contacts below the subject's middle, and not only at the brim of a side that it touches."""
+    low = np.maximum(things.low[subject], things.low[target])
+    high = np.minimum(things.high[subject], things.high[target])
+    if ((high - low)[:2] <= 0).any() or things.low[subject, 2] < things.low[target, 2] - tolerances.overlap:
+        return False
+    low[2], high[2] = low[2] - tolerances.gap - tolerances.overlap, high[2] + tolerances.gap + tolerances.overlap
+    contacts = contact_heights(surfaces.of(subject), surfaces.of(target), low, high, tolerances.gap, tolerances.overlap)
+    middle = (things.low[subject, 2] + things.high[subject, 2]) / 2
+    return bool((contacts <= middle).any()) if len(contacts) else False
+
+
+def _lies_inside(things: Things, subject: int, target: int, surfaces: Surfaces, tolerances: RelationTolerances) -> bool:
+    """The subject's box lies in the target's, and the target's surface stands around its middle."""
+    low, high = things.low[target] - tolerances.gap, things.high[target] + tolerances.gap
+    middle = (things.low[subject] + things.high[subject]) / 2
+    footprint = (things.low[subject, :2] >= low[:2]).all() and (things.high[subject, :2] <= high[:2]).all()
+    if not footprint or not (low <= middle).all() or not (middle <= high).all():
+        return False
+    walls = walls_around(middle, surfaces.of(target), things.axes[target])
+    upward = int(np.argmax(np.abs(things.axes[target][2])))
+    if np.isfinite(walls[upward]).all():
+        return bool(np.isfinite(walls).sum() >= tolerances.walls)
+    across = np.delete(walls.sum(axis=1), upward)
+    depth = things.high[target, 2] - middle[2] + walls[upward].min()
+    return bool(np.isfinite(walls).sum() == 5 and depth >= tolerances.hollow * across.min())
+
+
+def _meets(things: Things, one: int, two: int, surfaces: Surfaces, tolerances: RelationTolerances) -> bool:
+    low = np.maximum(things.low[one], things.low[two]) - tolerances.gap
+    high = np.minimum(things.high[one], things.high[two]) + tolerances.gap
+    parts = within(surfaces.of(one), low, high), within(surfaces.of(two), low, high)
+    return surface_gap(*parts) <= tolerances.gap

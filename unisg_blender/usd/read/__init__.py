@@ -1,0 +1,1 @@
+"""From a USD stage to the scenegraph."""

@@ -1,0 +1,113 @@
+"""From a USD stage to a scenegraph."""
+
+from __future__ import annotations
+
+import warnings
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...errors import UniSGError
+from ...scene import components
+from ...scene.assembly import Columns, assemble
+from ...scene.graph import SceneGraph
+from ...scene.identity import resolve_uids
+from .. import schema
+from ..names import true_name
+from ..ticks import Progress, ticks
+from .camera_light_prims import read_data
+from .component_scopes import read_components
+from .elements import is_elements, read_elements
+from .entity_prims import read_entries
+from .instancers import read_instances
+from .mesh_prims import MeshShelf
+from .prim_entities import find_entities
+from .stage import quiet, stage_frame
+from .time_samples import read_motion
+from .unsupported_prims import tell_losses
+from .xforms import read_transforms
+
+STANDARD = (components.CAMERA, components.LIGHT, components.VISIBILITY)
+"""Components of which USD's own schemas say a part."""
+
+
+@dataclass
+class Reader:
+    """What stays the same while one stage is read."""
+
+    frame: NDArray[np.float64]  # the stage's frame to metres and Z up
+    metres: float  # size of a scene unit
+    rate: float  # time codes per second
+    shelf: MeshShelf
+    prototypes: dict[Any, SceneGraph]
+    reading: set[Any]  # prototypes that are being read
+    progress: Progress | None
+
+
+def read_stage(stage: Any, title: str, progress: Progress | None = None) -> SceneGraph:
+    """The scenegraph of a composed stage; ``title`` for stages that have none.
+
+    Raises
+    ------
+    UniSGError
+        If the stage was written by a newer version.
+    """
+    with quiet() as messages:
+        graph = read_elements(stage, title) if is_elements(stage) else _read_scene(stage, title, progress)
+    for text in dict.fromkeys(messages):
+        warnings.warn(f"{title}: {text}", stacklevel=3)
+    return graph
+
+
+def _read_scene(stage: Any, title: str, progress: Progress | None) -> SceneGraph:
+    frame = stage_frame(stage)
+    metres = float(np.abs(frame[:3, :3]).max())
+    reader = Reader(frame, metres, float(stage.GetTimeCodesPerSecond()), MeshShelf(frame), {}, set(), progress)
+    tops = stage.GetPseudoRoot().GetChildren()
+    scene = next((prim for prim in tops if prim.HasAttribute(schema.SCENE_VERSION)), None)
+    if scene is None:
+        return read_graph(tops, reader, title)
+    version = scene.GetAttribute(schema.SCENE_VERSION).Get()
+    if not isinstance(version, int) or version > schema.VERSION:
+        raise UniSGError(f"{title}: has version {version}; this software reads up to {schema.VERSION}: update it")
+    reader.shelf.keep_materials(scene.GetChild(schema.MATERIAL_SCOPE))
+    tops = [*scene.GetChildren(), *(prim for prim in tops if prim != scene)]
+    return read_graph(tops, reader, true_name(scene), scene)
+
+
+def read_graph(tops: list[Any], reader: Reader, title: str, holder: Any = None, *, nested: bool = False) -> SceneGraph:
+    """The scenegraph of some prims and all below them.
+
+    ``holder`` is the prim that has their component tables; ``nested`` reads what a
+    stage does not show by itself, as prototypes.
+    """
+    found = find_entities(tops, nested)
+    tell_losses(found)
+    entries = read_entries(found, ticks(len(found.prim), None if nested else reader.progress))
+    uids = resolve_uids([entry.stored.uid for entry in entries], [entry.name for entry in entries])
+    frames = read_transforms(found, reader.frame)
+    shelf_mesh = reader.shelf.column(found.shape, found.kind)
+    used, mesh = np.unique(shelf_mesh[shelf_mesh >= 0], return_inverse=True)
+    column = np.full(len(entries), -1, np.int32)
+    column[shelf_mesh >= 0] = mesh.reshape(-1)
+    tables = read_components(holder, uids) | frames.tables | read_motion(found, frames, reader.rate)
+    tables |= read_instances(found, reader)
+    told = read_data(found, tables, reader.metres)
+    tables = {name: each for name, each in tables.items() if name not in STANDARD} | told
+    uid_of_path = {prim.GetPath(): uid for prim, uid in zip(found.prim, uids, strict=True)}
+    return assemble(
+        Columns(
+            name=[entry.name for entry in entries],
+            type=[entry.type or kind for entry, kind in zip(entries, found.kind, strict=True)],
+            parent=np.array(found.parent, np.int32),
+            local=frames.local,
+            mesh=column,
+            meshes=[reader.shelf.meshes[index] for index in used],
+            properties=[entry.with_relations(uid_of_path) for entry in entries],
+            materials={} if nested else reader.shelf.materials,
+            components=tables,
+            title=title,
+        )
+    )

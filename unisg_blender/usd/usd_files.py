@@ -1,0 +1,118 @@
+"""Opening and saving USD files: clear errors, and never a half-written file."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ..errors import UniSGError
+from .pxr_library import require_pxr
+from .ticks import Progress, ticks
+
+if TYPE_CHECKING:
+    from ..scene.graph import SceneGraph
+
+SUFFIXES = (".usd", ".usda", ".usdc", ".usdz")
+
+
+def write_usd(graph: SceneGraph, path: str | os.PathLike[str], progress: Progress | None = None) -> None:
+    """Write a scenegraph as a USD master file.
+
+    Parameters
+    ----------
+    graph
+        The scenegraph.
+    path
+        Ends in ``.usda`` (text), ``.usdc`` or ``.usd`` (binary) or ``.usdz`` (package). An
+        existing file is replaced in one step, and stays as it is if writing fails.
+    progress
+        Called from time to time with (entities written, entities in all).
+
+    Raises
+    ------
+    UniSGError
+        If the path cannot be written, or a component holds values that have no USD form.
+    """
+    path = Path(path)
+    if path.suffix.lower() not in SUFFIXES:
+        raise UniSGError(f"{path}: a USD file ends in {', '.join(SUFFIXES)}")
+    require_pxr()
+    from pxr import Sdf
+
+    from .write.layer_writer import nested_graphs, write_layer
+
+    with replacing(path) as temporary:
+        packed = temporary.suffix == ".usdz"
+        layer = Sdf.Layer.CreateNew(str(temporary.with_suffix(".usdc") if packed else temporary))
+        write_layer(graph, layer, ticks(sum(map(len, nested_graphs(graph))), progress))
+        if not layer.Save():
+            raise UniSGError(f"{path}: USD could not write this file")
+        del layer
+        if packed:
+            _package(temporary)
+
+
+def read_usd(path: str | os.PathLike[str], progress: Progress | None = None) -> SceneGraph:
+    """Read a USD file, the project's own or any other, as a scenegraph.
+
+    Units and the upward axis of the file are turned into metres and Z up.
+    References, payloads, variants as selected and native instances are
+    followed; point instancers become the component ``instances``. What could
+    not be read is told in :class:`UserWarning` messages.
+
+    Parameters
+    ----------
+    path
+        A ``.usd``, ``.usda``, ``.usdc`` or ``.usdz`` file.
+    progress
+        Called from time to time with (entities read, entities in all).
+
+    Raises
+    ------
+    UniSGError
+        If the file is missing, damaged, or written by a newer version.
+    """
+    path = Path(path)
+    if path.suffix.lower() not in SUFFIXES:
+        raise UniSGError(f"{path}: a USD file ends in {', '.join(SUFFIXES)}")
+    if not path.is_file():
+        raise UniSGError(f"{path}: there is no such file")
+    require_pxr()
+    from .read.stage import open_stage
+    from .read.stage_reader import read_stage
+
+    return read_stage(open_stage(path), path.stem, progress)
+
+
+@contextmanager
+def replacing(path: Path) -> Iterator[Path]:
+    """A temporary file beside ``path`` that takes its place when all went well, and vanishes otherwise."""
+    if not path.parent.is_dir():
+        raise UniSGError(f"{path}: there is no folder {path.parent}")
+    if path.is_dir():
+        raise UniSGError(f"{path}: this is a folder")
+    folder = None
+    try:
+        folder = tempfile.TemporaryDirectory(dir=path.parent, prefix=".unisg-")
+        temporary = Path(folder.name) / f"scene{path.suffix.lower()}"
+        yield temporary
+        os.replace(temporary, path)
+    except OSError as error:
+        raise UniSGError(f"{path}: cannot be written: {error.strerror or error}") from None
+    finally:
+        if folder is not None:
+            folder.cleanup()
+
+
+def _package(temporary: Path) -> None:
+    """Pack the binary layer beside ``temporary`` into a package of that name."""
+    from pxr import Sdf, Usd
+
+    package = (Sdf if hasattr(Sdf, "ZipFileWriter") else Usd).ZipFileWriter.CreateNew(str(temporary))
+    package.AddFile(str(temporary.with_suffix(".usdc")), "scene.usdc")
+    if not package.Save():
+        raise UniSGError(f"{temporary.name}: USD could not write this package")

@@ -1,0 +1,1 @@
+"""From the scenegraph to the specs of a USD layer."""
