@@ -1,7 +1,7 @@
 """How long one frame of checking takes, for 10,000 actions and more: ``python benchmarks/behaviour.py [--json]``.
 
 Every entity moves and every tool's trigger is pressed in every frame. "mixed" has a
-fifth of each type. "far" is what scenes are like: things are where nothing happens.
+fifth of each type. "far" is what scenes are like: objects are where nothing happens.
 In the rows of Insert, Remove and Tool every pose is within its distance, so that every
 angle is decided. The rows of Use differ in how hard the contact is to see: cubes of 10 cm
 inside each other; beside each other, near enough; rods of 40 cm that touch with their

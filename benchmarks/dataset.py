@@ -27,9 +27,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from unisg_blender.dataset.export.batch_export.batch_export import ExportOptions, export_dataset
 
 from unisg_blender.dataset import open_dataset
+from unisg_blender.dataset.export.batch_export import ExportOptions, export_dataset
 from unisg_blender.dataset.format import writer
 from unisg_blender.dataset.format.columns import Columns, Vocabulary
 from unisg_blender.dataset.format.encoding import Sample, encode_scenes, widths

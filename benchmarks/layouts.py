@@ -52,7 +52,7 @@ def main() -> None:
     print("| room | things | pairs | method | average precision | F1 |\n|---|---:|---:|---|---:|---:|")
     for row in rows:
         scores = f"{row['average_precision']:.3f} | {row['f1']:.3f}"
-        print(f"| {row['room']} | {row['things']} | {row['pairs']} | {row['method']} | {scores} |")
+        print(f"| {row['room']} | {row['objects']} | {row['pairs']} | {row['method']} | {scores} |")
     if args.out is not None:
         args.out.write_text(json.dumps({"rows": rows, "known_categories": known}, indent=1) + "\n", encoding="utf-8")
 

@@ -42,7 +42,7 @@ def active_place(context: bpy.types.Context, item: bpy.types.Object) -> int:
 
 def readable_actions(item: bpy.types.Object) -> tuple[Any, ...]:
     """The object's actions; none where its property cannot be read (the panel says so)."""
-    from ..unisg_blender.blender.authoring.authoring.stored_behaviour import actions_of
+    from ..unisg_blender.blender.authoring.stored_behaviour import actions_of
     from ..unisg_blender.errors import UniSGError
 
     try:
@@ -67,7 +67,7 @@ def _reader(read: Callable[[Any], Any], default: Any) -> Callable[[bpy.types.Obj
 
 def _writer(write: Callable[[Any, Any], Any]) -> Callable[[bpy.types.Object, Any], None]:
     def set_value(item: bpy.types.Object, value: Any) -> None:
-        from ..unisg_blender.blender.authoring.authoring.authoring import change_action
+        from ..unisg_blender.blender.authoring.authoring import change_action
         from ..unisg_blender.errors import UniSGError
 
         place = active_place(bpy.context, item)

@@ -21,7 +21,7 @@ class ActionOperator:
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        from ..unisg_blender.blender.authoring.authoring.stored_behaviour import why_fixed
+        from ..unisg_blender.blender.authoring.stored_behaviour import why_fixed
 
         item = context.active_object
         if item is None:
@@ -61,7 +61,7 @@ class UNISG_OT_action_add(ActionOperator, bpy.types.Operator):
     type: bpy.props.EnumProperty(name="Type", items=type_items)
 
     def act(self, context, item, place):
-        from ..unisg_blender.blender.authoring.authoring.authoring import add_action, link_objects
+        from ..unisg_blender.blender.authoring.authoring import add_action, link_objects
 
         place = add_action(context.scene, item, self.type)
         context.window_manager.unisg_action = place
@@ -77,7 +77,7 @@ class UNISG_OT_action_remove(ActionOperator, bpy.types.Operator):
     bl_label = "Remove Action"
 
     def act(self, context, item, place):
-        from ..unisg_blender.blender.authoring.authoring.stored_behaviour import actions_of, store_actions
+        from ..unisg_blender.blender.authoring.stored_behaviour import actions_of, store_actions
 
         actions = actions_of(item)
         store_actions(item, actions[:place] + actions[place + 1 :])
@@ -93,7 +93,7 @@ class UNISG_OT_action_duplicate(ActionOperator, bpy.types.Operator):
     def act(self, context, item, place):
         from dataclasses import replace
 
-        from ..unisg_blender.blender.authoring.authoring.stored_behaviour import actions_of, store_actions
+        from ..unisg_blender.blender.authoring.stored_behaviour import actions_of, store_actions
         from ..unisg_blender.scene.identity import new_uid
 
         actions = actions_of(item)
@@ -126,7 +126,7 @@ class UNISG_OT_action_move(ActionOperator, bpy.types.Operator):
     step: bpy.props.IntProperty(default=1, min=-1, max=1)
 
     def act(self, context, item, place):
-        from ..unisg_blender.blender.authoring.authoring.stored_behaviour import actions_of, store_actions
+        from ..unisg_blender.blender.authoring.stored_behaviour import actions_of, store_actions
 
         actions = list(actions_of(item))
         to = min(max(place + self.step, 0), len(actions) - 1)
@@ -145,7 +145,7 @@ class UNISG_OT_action_link(ActionOperator, bpy.types.Operator):
     name: bpy.props.StringProperty(name="Object", description="An object; the other selected ones if empty")
 
     def act(self, context, item, place):
-        from ..unisg_blender.blender.authoring.authoring.authoring import link_objects, set_frame
+        from ..unisg_blender.blender.authoring.authoring import link_objects, set_frame
         from ..unisg_blender.errors import UniSGError
 
         others = [other for other in context.selected_objects if other != item]
@@ -169,7 +169,7 @@ class UNISG_OT_action_unlink(ActionOperator, bpy.types.Operator):
     uid: bpy.props.StringProperty()
 
     def act(self, context, item, place):
-        from ..unisg_blender.blender.authoring.authoring.authoring import set_frame, unlink_object
+        from ..unisg_blender.blender.authoring.authoring import set_frame, unlink_object
 
         if self.slot == "frame":
             set_frame(context.scene, item, place, None)
@@ -178,7 +178,7 @@ class UNISG_OT_action_unlink(ActionOperator, bpy.types.Operator):
 
 
 def _other_actions(self, context):
-    from ..unisg_blender.blender.authoring.authoring.authoring import scene_actions
+    from ..unisg_blender.blender.authoring.authoring import scene_actions
 
     active = active_action(context, context.active_object)
     UNISG_OT_action_member.choices = [
@@ -206,7 +206,7 @@ class UNISG_OT_action_member(ActionOperator, bpy.types.Operator):
     def act(self, context, item, place):
         from dataclasses import replace
 
-        from ..unisg_blender.blender.authoring.authoring.authoring import change_action
+        from ..unisg_blender.blender.authoring.authoring import change_action
 
         name = dict((uid, name) for uid, name, _ in self.choices).get(self.member, "")
 
@@ -223,7 +223,7 @@ class UNISG_OT_action_reference(ActionOperator, bpy.types.Operator):
     bl_label = "Reference From Current Pose"
 
     def act(self, context, item, place):
-        from ..unisg_blender.blender.authoring.authoring.authoring import reference_from_pose
+        from ..unisg_blender.blender.authoring.authoring import reference_from_pose
 
         reference_from_pose(context.scene, item, place)
 
@@ -237,7 +237,7 @@ class UNISG_OT_action_go_to_reference(ActionOperator, bpy.types.Operator):
     def act(self, context, item, place):
         import mathutils
 
-        from ..unisg_blender.blender.authoring.authoring.authoring import frame_matrix, posed_object
+        from ..unisg_blender.blender.authoring.authoring import frame_matrix, posed_object
         from ..unisg_blender.errors import UniSGError
 
         action = active_action(context, item)
@@ -258,7 +258,7 @@ class UNISG_OT_action_answers(ActionOperator, bpy.types.Operator):
     def act(self, context, item, place):
         from dataclasses import replace
 
-        from ..unisg_blender.blender.authoring.authoring.authoring import change_action
+        from ..unisg_blender.blender.authoring.authoring import change_action
 
         def edit(action):
             answers = (*action.answers, f"Answer {len(action.answers) + 1}") if self.add else action.answers[:-1]

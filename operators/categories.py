@@ -28,7 +28,7 @@ class UNISG_OT_assign_category(bpy.types.Operator):
         return context.window_manager.invoke_props_dialog(self)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        from ..unisg_blender.blender.authoring.authoring.identities import assign_category
+        from ..unisg_blender.blender.authoring.identities import assign_category
 
         changed = assign_category(context.selected_objects, self.category)
         self.report({"INFO"}, f"{changed} objects: {self.category.strip() or 'no category'}")
@@ -50,7 +50,7 @@ class UNISG_OT_repair_identities(bpy.types.Operator):
         return False
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        from ..unisg_blender.blender.authoring.authoring.identities import repair_identities
+        from ..unisg_blender.blender.authoring.identities import repair_identities
 
         repaired = repair_identities(context.scene)
         self.report({"INFO"}, f"{repaired} of {len(context.scene.objects)} objects got a new identity")

@@ -23,7 +23,7 @@ def _forget(*_: object) -> None:
 
 
 def _repair() -> None:
-    from ..unisg_blender.blender.authoring.authoring.identities import repair_copies
+    from ..unisg_blender.blender.authoring.identities import repair_copies
 
     repair_copies(bpy.context.scene)
 

@@ -143,7 +143,7 @@ class UNISG_OT_export_dataset(DatasetSettings, bpy.types.Operator):
         """Read what is open scene by scene, then write."""
         from ..unisg_blender.blender import read_scene
         from ..unisg_blender.dataset import Sample
-        from ..unisg_blender.dataset.export.batch_export.realized_instances import realize_objects
+        from ..unisg_blender.dataset.export.realized_instances import realize_objects
         from ..unisg_blender.dataset.format.writer import write_steps
         from ..unisg_blender.errors import UniSGError
 
@@ -165,7 +165,7 @@ class UNISG_OT_export_dataset(DatasetSettings, bpy.types.Operator):
 
     def _file_steps(self) -> Iterator[tuple[float, str]]:
         """Have files read by Blenders of their own; what is open here is not touched."""
-        from ..unisg_blender.dataset.export.batch_export.batch_export import ExportOptions, export_steps
+        from ..unisg_blender.dataset.export.batch_export import ExportOptions, export_steps
 
         folder, inputs = self._absolute(self.filepath), self._absolute(self.inputs)
         options = ExportOptions(form=self.form, instances=self.instances)

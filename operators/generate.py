@@ -143,7 +143,7 @@ class UNISG_OT_generate(bpy.types.Operator):
     def _finish(self, context: bpy.types.Context) -> set[str]:
         """Make the objects, select them, and say what happened."""
         from ..unisg_blender.blender import write_rows
-        from ..unisg_blender.blender.authoring.authoring.extended_lessons import extend_lessons
+        from ..unisg_blender.blender.authoring.extended_lessons import extend_lessons
 
         result = self._result
         extend_lessons(result.scene, result.rows.tolist(), context.scene)

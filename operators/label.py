@@ -25,7 +25,7 @@ class UNISG_OT_label(bpy.types.Operator):
         return False
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        from ..unisg_blender.blender.read.scene_reader.scene_reader import read_scene
+        from ..unisg_blender.blender.read.scene_reader import read_scene
         from ..unisg_blender.errors import UniSGError
         from ..unisg_blender.predict.category_proposals import propose_categories
 
@@ -98,7 +98,7 @@ class UNISG_OT_accept_categories(bpy.types.Operator):
 def accept(context: bpy.types.Context, wanted: dict[str, str]) -> int:
     """Give objects (by uid) categories and take them off the list; returns how many were changed."""
     from ..unisg_blender.blender import objects_by_uid
-    from ..unisg_blender.blender.authoring.authoring.identities import assign_category
+    from ..unisg_blender.blender.authoring.identities import assign_category
 
     objects = objects_by_uid(context.scene)
     changed = sum(assign_category([objects[uid]], category) for uid, category in wanted.items() if uid in objects)

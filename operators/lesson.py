@@ -22,7 +22,7 @@ class LessonOperator:
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        from ..unisg_blender.blender.authoring.authoring.stored_behaviour import why_fixed
+        from ..unisg_blender.blender.authoring.stored_behaviour import why_fixed
         from ..unisg_blender.scene.properties import LSA
 
         item = lesson_object(context)
@@ -32,7 +32,7 @@ class LessonOperator:
         return not reason
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        from ..unisg_blender.blender.authoring.authoring.authoring import change_lesson
+        from ..unisg_blender.blender.authoring.authoring import change_lesson
         from ..unisg_blender.errors import UniSGError
 
         node = active_node(context)
@@ -63,7 +63,7 @@ class UNISG_OT_lesson_new(bpy.types.Operator):
         return False
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        from ..unisg_blender.blender.authoring.authoring.authoring import new_lesson
+        from ..unisg_blender.blender.authoring.authoring import new_lesson
 
         context.window_manager.unisg_lesson = new_lesson(context.scene, self.name).name
         return {"FINISHED"}
@@ -168,7 +168,7 @@ class UNISG_OT_lesson_select(bpy.types.Operator):
     uid: bpy.props.StringProperty()
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        from ..unisg_blender.blender.authoring.authoring.authoring import scene_actions
+        from ..unisg_blender.blender.authoring.authoring import scene_actions
 
         context.window_manager.unisg_lesson_node = self.uid
         node = active_node(context)
@@ -182,7 +182,7 @@ class UNISG_OT_lesson_select(bpy.types.Operator):
 
 
 def _other_nodes(self, context):
-    from ..unisg_blender.blender.authoring.authoring.stored_behaviour import lesson_of
+    from ..unisg_blender.blender.authoring.stored_behaviour import lesson_of
 
     item, node = lesson_object(context), active_node(context)
     nodes = list(lesson_of(item).walk())[1:] if item is not None else []

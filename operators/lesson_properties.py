@@ -13,7 +13,7 @@ CLASSES: tuple = ()
 
 def lesson_object(context: bpy.types.Context) -> bpy.types.Object | None:
     """The object whose lesson is shown: the chosen one, else the active one, else the first of the scene."""
-    from ..unisg_blender.blender.authoring.authoring.authoring import lesson_objects
+    from ..unisg_blender.blender.authoring.authoring import lesson_objects
 
     found = lesson_objects(context.scene)
     chosen = [item for item in found if item.name == context.window_manager.unisg_lesson]
@@ -23,7 +23,7 @@ def lesson_object(context: bpy.types.Context) -> bpy.types.Object | None:
 def active_node(context: bpy.types.Context) -> Any:
     """The active node of the shown lesson, the operation itself by default; None without a lesson."""
     from ..unisg_blender.behaviour.lesson.edit import find
-    from ..unisg_blender.blender.authoring.authoring.stored_behaviour import lesson_of
+    from ..unisg_blender.blender.authoring.stored_behaviour import lesson_of
 
     item = lesson_object(context)
     root = lesson_of(item) if item is not None else None
@@ -37,7 +37,7 @@ def _node_property(name: str, default: Any) -> tuple[Callable[..., Any], Callabl
 
     def set_value(item: bpy.types.Object, value: Any) -> None:
         from ..unisg_blender.behaviour.lesson.edit import change
-        from ..unisg_blender.blender.authoring.authoring.authoring import change_lesson
+        from ..unisg_blender.blender.authoring.authoring import change_lesson
         from ..unisg_blender.errors import UniSGError
 
         node = active_node(bpy.context)

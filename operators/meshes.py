@@ -9,7 +9,7 @@ import bpy
 
 def read_active(context: bpy.types.Context) -> Any:
     """The active object's mesh as it is seen, modifiers applied, in its own frame."""
-    from ..unisg_blender.blender.read.scene_reader.mesh_arrays import read_mesh
+    from ..unisg_blender.blender.read.mesh_arrays import read_mesh
 
     item = context.active_object
     shown = item.evaluated_get(context.evaluated_depsgraph_get())
@@ -82,7 +82,7 @@ class UNISG_OT_decode_mesh(ActiveMesh, bpy.types.Operator):
 
     def work(self, context: bpy.types.Context) -> str:
         """Decode into a new, active object; returns the report."""
-        from ..unisg_blender.blender.write.scene_writer.mesh_data import write_mesh
+        from ..unisg_blender.blender.write.mesh_data import write_mesh
         from ..unisg_blender.meshes import decode_mesh
 
         source = context.active_object
@@ -143,7 +143,7 @@ class UNISG_OT_find_similar(ActiveMesh, bpy.types.Operator):
         return library.nearest(read_active(context), self.count, use_size=self.use_size)
 
     def _search_scene(self, context: bpy.types.Context) -> list:
-        from ..unisg_blender.blender.read.scene_reader.scene_reader import read_scene
+        from ..unisg_blender.blender.read.scene_reader import read_scene
         from ..unisg_blender.meshes.similar import mesh_library
 
         active = context.active_object

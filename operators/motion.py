@@ -36,7 +36,7 @@ class MotionOperator:
         return False
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        from ..unisg_blender.blender.motion.motor_keys.motor_keys import Tolerance
+        from ..unisg_blender.blender.motion.motor_keys import Tolerance
         from ..unisg_blender.errors import UniSGError
 
         metres = context.scene.unit_settings.scale_length
@@ -67,7 +67,7 @@ class UNISG_OT_interpolate_motors(MotionOperator, bpy.types.Operator):
     bl_label = "Interpolate with Motors"
 
     def change(self, item, tolerance):
-        from ..unisg_blender.blender.motion.motor_keys.motor_keys import interpolate_with_motors
+        from ..unisg_blender.blender.motion.motor_keys import interpolate_with_motors
 
         return interpolate_with_motors(item, tolerance)
 
@@ -84,7 +84,7 @@ class UNISG_OT_reduce_keyframes(MotionOperator, bpy.types.Operator):
     bl_label = "Reduce Keyframes"
 
     def change(self, item, tolerance):
-        from ..unisg_blender.blender.motion.motor_keys.motor_keys import reduce_item_keyframes
+        from ..unisg_blender.blender.motion.motor_keys import reduce_item_keyframes
 
         return reduce_item_keyframes(item, tolerance)
 

@@ -1,4 +1,4 @@
-"""Play a lesson in the viewport: move things, and see what is done and what comes next."""
+"""Play a lesson in the viewport: move objects, and see what is done and what comes next."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class UNISG_OT_play(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        from ..unisg_blender.blender.authoring.authoring.authoring import lesson_objects
+        from ..unisg_blender.blender.authoring.authoring import lesson_objects
 
         if session() is not None:
             cls.poll_message_set("A lesson is being played")
@@ -46,7 +46,7 @@ class UNISG_OT_play(bpy.types.Operator):
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Without a window: play the scene's animation through."""
         from ..unisg_blender.behaviour import simulate
-        from ..unisg_blender.blender.authoring.authoring.stored_behaviour import scene_moments
+        from ..unisg_blender.blender.authoring.stored_behaviour import scene_moments
         from ..unisg_blender.blender.viewport.lesson_session import open_session
         from ..unisg_blender.errors import UniSGError
 

@@ -1,4 +1,4 @@
-"""Record how things are moved and what a lesson makes of it, keep it in the scene or a file, and replay it."""
+"""Record how objects are moved and what a lesson makes of it, keep it in the scene or a file, and replay it."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class Take:
     stopped: bool = False
 
     def look(self) -> None:
-        """Take down where things are now."""
+        """Take down where objects are now."""
         self.lesson = session() or self.lesson
         self.recorder.sample(bpy.data.scenes[self.scene], time.monotonic() - self.began)
 
@@ -56,7 +56,7 @@ def _missing_usd(path: str) -> str:
 
 
 class UNISG_OT_record(bpy.types.Operator):
-    """Record while you move things, and play a lesson; Esc, Enter or the button stops"""
+    """Record while you move objects, and play a lesson; Esc, Enter or the button stops"""
 
     bl_idname = "unisg.record"
     bl_label = "Record Motion"
@@ -90,7 +90,7 @@ class UNISG_OT_record(bpy.types.Operator):
         return not reason
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        from ..unisg_blender.blender.motion.motor_keys.scene_recording import record_playback
+        from ..unisg_blender.blender.motion.scene_recording import record_playback
         from ..unisg_blender.errors import UniSGError
 
         try:
@@ -100,7 +100,7 @@ class UNISG_OT_record(bpy.types.Operator):
             return {"CANCELLED"}
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        from ..unisg_blender.blender.motion.motor_keys.scene_recording import Recorder
+        from ..unisg_blender.blender.motion.scene_recording import Recorder
 
         if self.playback:
             return self.execute(context)
@@ -142,7 +142,7 @@ class UNISG_OT_record(bpy.types.Operator):
 
     def _save(self, scene: bpy.types.Scene, graph: Any) -> set[str]:
         from ..unisg_blender.blender import ReadReport
-        from ..unisg_blender.blender.motion.motor_keys.scene_recording import store_recording
+        from ..unisg_blender.blender.motion.scene_recording import store_recording
         from ..unisg_blender.errors import UniSGError
 
         moved, events = (graph.components.get(name) for name in ("recording", "events"))
@@ -199,7 +199,7 @@ class UNISG_OT_record_clear(bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        from ..unisg_blender.blender.motion.motor_keys.scene_recording import clear_recording
+        from ..unisg_blender.blender.motion.scene_recording import clear_recording
 
         clear_recording(context.scene)
         return {"FINISHED"}
@@ -211,7 +211,7 @@ class Replay:
     bl_options = {"REGISTER", "UNDO"}
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        from ..unisg_blender.blender.motion.motor_keys.scene_recording import replay
+        from ..unisg_blender.blender.motion.scene_recording import replay
         from ..unisg_blender.errors import UniSGError
 
         try:

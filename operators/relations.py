@@ -1,4 +1,4 @@
-"""Write into the scene which thing stands on, in or beside which."""
+"""Write into the scene which object stands on, in or beside which."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ class UNISG_OT_relations(bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         from ..unisg_blender.blender import objects_by_uid, read_scene
-        from ..unisg_blender.blender.authoring.authoring.identities import repair_identities
+        from ..unisg_blender.blender.authoring.identities import repair_identities
         from ..unisg_blender.errors import UniSGError
         from ..unisg_blender.scene.properties import RELATIONS, relations_of
         from ..unisg_blender.scene.relation import relations_to_json

@@ -30,7 +30,7 @@ class UNISG_PT_actions(SidebarPanel, bpy.types.Panel):
     bl_parent_id = "UNISG_PT_main"
 
     def draw(self, context: bpy.types.Context) -> None:
-        from ..unisg_blender.blender.authoring.authoring.stored_behaviour import actions_of, why_fixed
+        from ..unisg_blender.blender.authoring.stored_behaviour import actions_of, why_fixed
         from ..unisg_blender.errors import UniSGError
 
         layout, item = self.layout, context.active_object
@@ -176,7 +176,7 @@ def _answers(layout: bpy.types.UILayout, item: bpy.types.Object, action: object)
 
 
 def _members(layout: bpy.types.UILayout, context: bpy.types.Context, item: bpy.types.Object, action: object) -> None:
-    from ..unisg_blender.blender.authoring.authoring.authoring import scene_actions
+    from ..unisg_blender.blender.authoring.authoring import scene_actions
 
     found = {each.uid: (each, owner) for owner, each in scene_actions(context.scene)} if action.members else {}
     box = layout.box().column(align=True)

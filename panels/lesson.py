@@ -41,7 +41,7 @@ class UNISG_PT_play(SidebarPanel, bpy.types.Panel):
 
 
 def _operation_uid(item: bpy.types.Object) -> str:
-    from ..unisg_blender.blender.authoring.authoring.stored_behaviour import lesson_of
+    from ..unisg_blender.blender.authoring.stored_behaviour import lesson_of
 
     return lesson_of(item).uid
 
@@ -72,8 +72,8 @@ class UNISG_PT_lesson(SidebarPanel, bpy.types.Panel):
     bl_parent_id = "UNISG_PT_main"
 
     def draw(self, context: bpy.types.Context) -> None:
-        from ..unisg_blender.blender.authoring.authoring.authoring import lesson_objects
-        from ..unisg_blender.blender.authoring.authoring.stored_behaviour import lesson_of, why_fixed
+        from ..unisg_blender.blender.authoring.authoring import lesson_objects
+        from ..unisg_blender.blender.authoring.stored_behaviour import lesson_of, why_fixed
         from ..unisg_blender.scene.properties import LSA
 
         layout, item = self.layout, lesson_object(context)

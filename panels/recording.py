@@ -37,7 +37,7 @@ class UNISG_PT_recording(SidebarPanel, bpy.types.Panel):
 
 def _kept(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
     """What the scene holds of a recording, to replay or to clear."""
-    from ..unisg_blender.blender.motion.motor_keys.scene_recording import scene_recording
+    from ..unisg_blender.blender.motion.scene_recording import scene_recording
 
     found = scene_recording(context.scene)
     if not found:

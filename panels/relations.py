@@ -53,7 +53,7 @@ def _lines(context: bpy.types.Context) -> list[str]:
 
 
 def _vague(pair: dict[str, str]) -> bool:
-    """Whether it only tells a direction: what carries and what holds a thing is shown first."""
+    """Whether it only tells a direction: what carries and what holds an object is shown first."""
     return pair["kind"] in DIRECTIONS
 
 

@@ -12,10 +12,9 @@ from unisg_blender.usd import read_usd, write_usd
 
 bpy = pytest.importorskip("bpy")
 
-from unisg_blender.blender.authoring.authoring.identities import ensure_uid, repair_copies, repair_identities  # noqa: E402
-from unisg_blender.blender.authoring.authoring.stored_behaviour import actions_of, store_actions  # noqa: E402
-
 from unisg_blender.blender import read_scene, write_scene  # noqa: E402
+from unisg_blender.blender.authoring.identities import ensure_uid, repair_copies, repair_identities  # noqa: E402
+from unisg_blender.blender.authoring.stored_behaviour import actions_of, store_actions  # noqa: E402
 
 
 @pytest.fixture(autouse=True)

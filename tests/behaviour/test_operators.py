@@ -12,10 +12,9 @@ import pytest
 
 bpy = pytest.importorskip("bpy")
 
-from unisg_blender.blender.authoring.authoring.stored_behaviour import actions_of, lesson_of, scene_moments  # noqa: E402
-
 from unisg_blender.behaviour import check_scene, prepare, simulate  # noqa: E402
 from unisg_blender.blender import read_scene  # noqa: E402
+from unisg_blender.blender.authoring.stored_behaviour import actions_of, lesson_of, scene_moments  # noqa: E402
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -288,7 +287,7 @@ def test_a_recording_of_a_lesson_is_kept_replayed_and_played_as_an_animation():
     """As the modal operator does it, without its clock: moves, a trigger, an answer; then from the scene itself."""
     recording = importlib.import_module("unisg_extension.operators.recording")
     play = importlib.import_module("unisg_extension.operators.play")
-    from unisg_extension.unisg_blender.blender.motion.motor_keys.scene_recording import Recorder, scene_recording
+    from unisg_extension.unisg_blender.blender.motion.scene_recording import Recorder, scene_recording
     from unisg_extension.unisg_blender.blender.viewport.lesson_session import open_session
 
     knee, scalpel, scene = bpy.data.objects["Knee"], bpy.data.objects["Scalpel"], bpy.context.scene

@@ -1,4 +1,4 @@
-"""Small things that several tests of this room need."""
+"""Small objects that several tests of this room need."""
 
 from __future__ import annotations
 

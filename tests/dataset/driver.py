@@ -10,8 +10,7 @@ import signal
 import sys
 from pathlib import Path
 
-from unisg_blender.dataset.export.batch_export.batch_export import ExportOptions, export_dataset
-
+from unisg_blender.dataset.export.batch_export import ExportOptions, export_dataset
 from unisg_blender.dataset.format import shards
 from unisg_blender.errors import UniSGError
 

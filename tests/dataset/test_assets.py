@@ -6,14 +6,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from unisg_blender.dataset.assets.asset.asset import Asset, shell_of, thing_of
-from unisg_blender.dataset.assets.asset.asset_collector import AssetCollector
-from unisg_blender.dataset.assets.asset.asset_file import AssetFile, Assets, assets_bytes, pack_assets
-from unisg_blender.dataset.assets.asset.shaped_scenes import scenes_with_shapes
 
 from tests.dataset.conftest import CORNERS, FACES, box
 from unisg_blender.dataset import open_dataset, write_dataset
+from unisg_blender.dataset.assets.asset import Asset, object_graph, shell_of
 from unisg_blender.dataset.assets.asset import asset_collector as collect
+from unisg_blender.dataset.assets.asset_collector import AssetCollector
+from unisg_blender.dataset.assets.asset_file import AssetFile, Assets, assets_bytes, pack_assets
+from unisg_blender.dataset.assets.shaped_scenes import scenes_with_shapes
 from unisg_blender.errors import UniSGError
 from unisg_blender.scene import Material, Mesh, SceneBuilder, SceneGraph, mesh_from_faces
 from unisg_blender.spatial.structure import owners
@@ -154,7 +154,7 @@ def test_a_room_takes_the_parts_of_its_walls_along() -> None:
     assert shell is not None
     assert shell.graph.name == ("Floor", "Slab")
     assert [graph.name[row] for row in owners(graph)] == ["Floor", "Lamp", "Floor"]
-    assert thing_of(graph, graph.row("Lamp")).faces == 6
+    assert object_graph(graph, graph.row("Lamp")).faces == 6
 
 
 def test_other_files_are_refused(tmp_path: Path) -> None:

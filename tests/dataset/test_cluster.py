@@ -13,9 +13,9 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from unisg_blender.dataset.export.batch_export.batch_export import ExportOptions, export_dataset
 
 from unisg_blender.cli import main
+from unisg_blender.dataset.export.batch_export import ExportOptions, export_dataset
 
 pytest.importorskip("distributed")
 HERE = Path(__file__).parent

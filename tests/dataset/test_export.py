@@ -10,11 +10,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from unisg_blender.dataset.export.batch_export.batch_export import ExportOptions, export_dataset
 
 from unisg_blender.cli import main
 from unisg_blender.dataset import open_dataset
 from unisg_blender.dataset.dataset_description import printable
+from unisg_blender.dataset.export.batch_export import ExportOptions, export_dataset
 from unisg_blender.errors import MISUSE, SOME_FAILED, UNUSABLE_INPUT, UniSGError
 
 HERE = Path(__file__).parent

@@ -17,9 +17,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from unisg_blender.dataset.export.batch_export.batch_export import ExportOptions, export_dataset
 
 from unisg_blender.dataset import open_dataset, write_dataset
+from unisg_blender.dataset.export.batch_export import ExportOptions, export_dataset
 from unisg_blender.dataset.format import shards, writer
 from unisg_blender.errors import UniSGError
 from unisg_blender.scene import SceneGraph

@@ -12,10 +12,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from unisg_blender.dataset.export.batch_export.batch_export import ExportOptions, export_dataset
-from unisg_blender.dataset.export.batch_export.sources import SUFFIXES, find_sources
 
 from unisg_blender.dataset import open_dataset, to_scenegraph
+from unisg_blender.dataset.export.batch_export import ExportOptions, export_dataset
+from unisg_blender.dataset.export.sources import SUFFIXES, find_sources
 from unisg_blender.scene import world_matrices
 
 pytestmark = pytest.mark.skipif(find_spec("bpy") is None, reason="needs Blender")

@@ -9,9 +9,9 @@ from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
-from unisg_blender.dataset.export.batch_export.batch_export import ExportOptions, export_dataset
 
 from unisg_blender.dataset import open_dataset
+from unisg_blender.dataset.export.batch_export import ExportOptions, export_dataset
 
 pytestmark = pytest.mark.skipif(find_spec("bpy") is None, reason="needs Blender")
 MAPPING = {"objects": {"chair*": "Chair"}}

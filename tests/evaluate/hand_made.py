@@ -37,7 +37,7 @@ def at(x: float, y: float, z: float, yaw: float = 0.0) -> np.ndarray:
 
 
 class Scene:
-    """A floor to put boxes on; the uid of a thing is its name."""
+    """A floor to put boxes on; the uid of an object is its name."""
 
     def __init__(self, floor: Mesh | None = None) -> None:
         self.builder = SceneBuilder()

@@ -28,8 +28,8 @@ def shared_dataset() -> Path:
 def shared_model(kind: str) -> Path:
     """A model of a kind, trained for a moment."""
     import torch
-    from unisg_blender.learn.cgvae.network.training import train
 
+    from unisg_blender.learn.cgvae.training import train
     from unisg_blender.learn.settings import Settings
 
     torch.set_num_threads(1)  # two test runs at a time share the cores

@@ -1,4 +1,4 @@
-"""Behaviour of new things: existing lessons are extended and not changed, new ones play to their end."""
+"""Behaviour of new objects: existing lessons are extended and not changed, new ones play to their end."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def kinds() -> Kinds:
 
 
 def again(graph: SceneGraph, name: str) -> tuple[SceneGraph, SceneGraph, Behaviour]:
-    """The scene without the behaviour of a thing, and with it made anew by rules."""
+    """The scene without the behaviour of an object, and with it made anew by rules."""
     bare, uid = without_behaviour(graph, graph.row(name))
     return graph, bare, add_behaviour(bare, [uid], LackingChooser(kinds()), uid_maker(bare, 0))
 
@@ -143,11 +143,11 @@ class Wants:
         self.number = [kind.name for kind in self.kinds.kinds].index(name)
 
     def scores(self, play):
-        things = len(play.rows)
+        objects = len(play.rows)
         wanted = np.zeros(len(self.kinds.kinds))
         wanted[self.number] = self.chance * float(not (play.kind == self.number).any())
-        pairs = np.zeros((len(wanted), things, things))
-        return Scores(wanted, np.zeros((len(wanted), things)), pairs, pairs)
+        pairs = np.zeros((len(wanted), objects, objects))
+        return Scores(wanted, np.zeros((len(wanted), objects)), pairs, pairs)
 
     def after(self, play, choice) -> int:
         return -1

@@ -1,4 +1,4 @@
-"""Generating: existing things stay as they are, new ones are well placed, same seed same result, bad input is told."""
+"""Generating: existing objects stay as they are, new ones are well placed, same seed same result, bad input is told."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from unisg_blender.dataset.assets.asset.asset import thing_of
 
 from tests.generate.models import shared_model
 from tests.generate.rooms import at, box, room
+from unisg_blender.dataset.assets.asset import object_graph
 from unisg_blender.errors import UniSGError
 from unisg_blender.generate import Generator
 from unisg_blender.generate.observe.proposals import Proposals, Scene
@@ -20,7 +20,7 @@ from unisg_blender.generate.place.placeable import Piece
 from unisg_blender.generate.propose.anchor_proposer import DRAWN, AnchorProposer, Choice, Row
 from unisg_blender.metrics.scene_validity import measure_scene
 from unisg_blender.scene import SceneBuilder, SceneGraph, world_matrices
-from unisg_blender.spatial.objects import things_of
+from unisg_blender.spatial.objects import scene_objects
 
 
 @pytest.fixture(scope="module")
@@ -61,9 +61,9 @@ def test_an_existing_scene_is_extended_and_not_changed(generator: Generator, bul
 def cups_on_a_table(count: int) -> tuple[Scene, AnchorProposer, Piece, Proposals]:
     """A room, the proposer, a cup, and proposals for it on the table."""
     graph, generator = room(100), Generator.load(shared_model("anchors"))
-    things = things_of(graph, generator.categories)
-    scene = Scene.of(things, world_matrices(graph)[things.row])
-    proposer, piece = generator._proposer, Piece(thing_of(graph, graph.row("Cup.0")))
+    objects = scene_objects(graph, generator.categories)
+    scene = Scene.of(objects, world_matrices(graph)[objects.row])
+    proposer, piece = generator._proposer, Piece(object_graph(graph, graph.row("Cup.0")))
     assert isinstance(proposer, AnchorProposer)
     table = int(np.flatnonzero(scene.category == generator.categories.index("Table"))[0])
     cup = generator.categories.index("Cup")

@@ -1,4 +1,4 @@
-"""Requests: on a thing, beside a thing, and things that are not there."""
+"""Requests: on an object, beside an object, and objects that are not there."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from unisg_blender.generate.place.placeable import Piece, box_piece
 from unisg_blender.generate.propose.requests import APART, BESIDE, Beside, aside
 from unisg_blender.metrics.requested_relations import is_beside, is_on
 from unisg_blender.scene import Mesh, Relation, SceneBuilder, SceneGraph, world_matrices
-from unisg_blender.spatial.objects import things_of
+from unisg_blender.spatial.objects import scene_objects
 from unisg_blender.usd import write_usd
 
 KNOWN = ("Cup", "Floor", "Lamp", "Table", "Wall")
@@ -49,8 +49,8 @@ def test_a_support_that_was_never_seen_is_taken_if_it_is_asked_for(generator: Ge
     assert is_on(result.scene, int(result.rows[0]), floor)
 
 
-def with_thing(category: str, name: str, mesh: Mesh, place: np.ndarray, on: str) -> SceneGraph:
-    """A room of a floor and a table, and one thing more on one of these."""
+def with_object(category: str, name: str, mesh: Mesh, place: np.ndarray, on: str) -> SceneGraph:
+    """A room of a floor and a table, and one object more on one of these."""
     builder = SceneBuilder("Small room")
     rows = {
         "Floor": builder.add("Floor", uid="floor", local=at(0, 0, -0.1), mesh=box("Floor", 5, 5, 0.1), category="Floor")
@@ -64,18 +64,18 @@ def with_thing(category: str, name: str, mesh: Mesh, place: np.ndarray, on: str)
 
 
 def test_a_cloth_that_covers_a_table_is_the_place_on_the_table(generator: Generator) -> None:
-    scene = with_thing("Cloth", "Cloth", box("cloth", 1.2, 0.7, 0.01), at(0, 0, 0.8), "Table")
+    scene = with_object("Cloth", "Cloth", box("cloth", 1.2, 0.7, 0.01), at(0, 0, 0.8), "Table")
     result = generator.add(scene, {"Cup": 2}, seed=1, on="Table")
     assert result.added == 2
     assert {result.scene.name[result.scene.parent[row]] for row in result.rows} == {"Cloth"}
     assert all(is_on(result.scene, int(row), "table") for row in result.rows)
-    small = with_thing("Cloth", "Cloth", box("cloth", 0.3, 0.2, 0.01), at(0, 0, 0.8), "Table")
+    small = with_object("Cloth", "Cloth", box("cloth", 0.3, 0.2, 0.01), at(0, 0, 0.8), "Table")
     uncovered = generator.add(small, {"Cup": 1}, seed=1, on="Table")
     assert uncovered.scene.name[uncovered.scene.parent[uncovered.rows[0]]] == "Table"
 
 
 def test_what_finds_no_room_beside_a_thing_says_so(generator: Generator) -> None:
-    scene = with_thing("Table", "High", box("High", 1.0, 0.7, 0.8), at(0.5, 0, 3.0), "Floor")
+    scene = with_object("Table", "High", box("High", 1.0, 0.7, 0.8), at(0.5, 0, 3.0), "Floor")
     result = generator.add(scene, {"Cup": 1}, seed=1, beside="High")
     assert result.added == 1  # on one of the tables: there is nothing at the same height
     assert result.objects[0].note == "no room beside High"
@@ -99,9 +99,9 @@ def test_what_is_wanted_beside_a_thing_stands_beside_it(generator: Generator) ->
 
 def test_what_the_model_puts_elsewhere_is_shifted_to_beside_the_thing() -> None:
     graph = room(100, cups=1)
-    things = things_of(graph, KNOWN)
-    scene = Scene.of(things, world_matrices(graph)[things.row])
-    table = int(np.flatnonzero(things.category == KNOWN.index("Table"))[0])
+    objects = scene_objects(graph, KNOWN)
+    scene = Scene.of(objects, world_matrices(graph)[objects.row])
+    table = int(np.flatnonzero(objects.category == KNOWN.index("Table"))[0])
 
     class Far:
         def propose(self, scene: Scene, category: int, piece: Piece, count: int, *rest: object) -> Proposals:
@@ -109,7 +109,7 @@ def test_what_the_model_puts_elsewhere_is_shifted_to_beside_the_thing() -> None:
             return Proposals(np.full(count, 0), np.tile([9.0, 9.0, bottom, 0.3], (count, 1)))
 
     piece = box_piece("Table", [0.6, 0.4, 0.8])
-    given = (scene, 3, piece, 8, np.random.default_rng(0), np.ones(len(things), bool), {})
+    given = (scene, 3, piece, 8, np.random.default_rng(0), np.ones(len(objects), bool), {})
     found = Beside(Far(), table).propose(*given)
     gaps = aside(scene, table, piece.half, found.places)
     assert len(gaps) == 8
@@ -139,13 +139,13 @@ def test_things_that_are_not_there_or_many_are_told(generator: Generator) -> Non
 
 def test_gaps_are_those_of_footprints_on_a_common_height() -> None:
     graph = room(100, cups=1)
-    things = things_of(graph, graph.vocabulary)
-    scene = Scene.of(things, world_matrices(graph)[things.row])
-    table = int(np.flatnonzero(things.category == graph.vocabulary.index("Table"))[0])
-    half = box_piece("box", np.array([0.2, 0.2, 2 * things.half[table, 2]])).half
-    x, y, z = things.center[table] - (0, 0, things.half[table, 2])
-    yaw = things.yaw[table]
-    away = things.half[table, 0] + 0.1 + 0.3
+    objects = scene_objects(graph, graph.vocabulary)
+    scene = Scene.of(objects, world_matrices(graph)[objects.row])
+    table = int(np.flatnonzero(objects.category == graph.vocabulary.index("Table"))[0])
+    half = box_piece("box", np.array([0.2, 0.2, 2 * objects.half[table, 2]])).half
+    x, y, z = objects.center[table] - (0, 0, objects.half[table, 2])
+    yaw = objects.yaw[table]
+    away = objects.half[table, 0] + 0.1 + 0.3
     places = np.array([
         [x + away * np.cos(yaw), y + away * np.sin(yaw), z, yaw],
         [x, y, z, yaw],

@@ -1,4 +1,4 @@
-"""Settling things of a scene: onto their support, apart, into the room; what stands on them comes along."""
+"""Settling objects of a scene: onto their support, apart, into the room; what stands on them comes along."""
 
 from __future__ import annotations
 

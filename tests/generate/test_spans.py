@@ -8,10 +8,10 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from unisg_blender.dataset.assets.asset.asset import shell_of
-from unisg_blender.dataset.assets.asset.asset_file import save_assets
 
 from tests.generate.rooms import at, box
+from unisg_blender.dataset.assets.asset import shell_of
+from unisg_blender.dataset.assets.asset_file import save_assets
 from unisg_blender.generate.observe.contract import Contract
 from unisg_blender.generate.observe.proposals import Scene
 from unisg_blender.generate.observe.support_priors import learn_habits
@@ -23,7 +23,7 @@ from unisg_blender.generate.shape_library import Library
 from unisg_blender.generate.trained_model import Model, assets_path
 from unisg_blender.geometry.planar import turn
 from unisg_blender.scene import Relation, SceneBuilder, SceneGraph, world_matrices
-from unisg_blender.spatial.objects import things_of
+from unisg_blender.spatial.objects import scene_objects
 
 VOCABULARY = ("Clock", "Floor", "Girder", "Wall")
 WIDE, DEEP = 6.0, 8.0
@@ -55,7 +55,7 @@ def hall(yaw: float = 0.0, girder: bool = True, wide: float = WIDE, deep: float 
 
 
 def test_what_touches_two_walls_spans_and_what_hangs_on_one_does_not() -> None:
-    assert learn_habits([things_of(hall(yaw), VOCABULARY) for yaw in (0.0, 0.7)], VOCABULARY).spans == ["Girder"]
+    assert learn_habits([scene_objects(hall(yaw), VOCABULARY) for yaw in (0.0, 0.7)], VOCABULARY).spans == ["Girder"]
 
 
 @pytest.mark.parametrize("yaw", [0.0, 0.4, -2.0])
@@ -70,17 +70,17 @@ def test_what_touches_two_walls_spans_and_what_hangs_on_one_does_not() -> None:
 )
 def test_holders_are_those_from_which_it_reaches_across(yaw: float, half: list[float], held_by: set[int]) -> None:
     graph = hall(yaw, girder=False)
-    things = things_of(graph, VOCABULARY)
-    scene = Scene.of(things, world_matrices(graph)[things.row])
-    found = reached(scene, things.category == VOCABULARY.index("Wall"), np.array(half))
-    assert {graph.name[row] for row in things.row[found]} == {f"Wall.{side}" for side in held_by}
+    objects = scene_objects(graph, VOCABULARY)
+    scene = Scene.of(objects, world_matrices(graph)[objects.row])
+    found = reached(scene, objects.category == VOCABULARY.index("Wall"), np.array(half))
+    assert {graph.name[row] for row in objects.row[found]} == {f"Wall.{side}" for side in held_by}
 
 
 def test_what_reaches_across_from_nowhere_may_be_held_by_any() -> None:
     graph = hall(girder=False)
-    things = things_of(graph, VOCABULARY)
-    scene, walls = Scene.of(things, world_matrices(graph)[things.row]), things.category == VOCABULARY.index("Wall")
-    habits = learn_habits([things_of(hall(), VOCABULARY)], VOCABULARY)
+    objects = scene_objects(graph, VOCABULARY)
+    scene, walls = Scene.of(objects, world_matrices(graph)[objects.row]), objects.category == VOCABULARY.index("Wall")
+    habits = learn_habits([scene_objects(hall(), VOCABULARY)], VOCABULARY)
     assert fit_for("Girder", np.array([1.0, 0.05, 0.04]), scene, walls, habits).sum() == 4
     assert fit_for("Girder", np.array([WIDE / 2, 0.05, 0.04]), scene, walls, habits).sum() == 2
     assert fit_for("Clock", np.array([WIDE / 2, 0.05, 0.04]), scene, walls, habits).sum() == 4
@@ -90,7 +90,7 @@ def library_of(folder: Path, lengths: Sequence[float], shells: Sequence[SceneGra
     """Girders of some lengths, metres, and rooms."""
     girders = [box_piece("Girder", np.array([length, 0.1, 0.08])).asset for length in lengths]
     save_assets(assets_path(folder / "girders.onnx"), girders + [shell for shell in map(shell_of, shells) if shell])
-    habits = learn_habits([things_of(hall(), VOCABULARY)], VOCABULARY)
+    habits = learn_habits([scene_objects(hall(), VOCABULARY)], VOCABULARY)
     no_network = SimpleNamespace(get_inputs=list)
     return Library(Model(folder / "girders.onnx", no_network, Contract("anchors", VOCABULARY, habits)))
 

@@ -1,12 +1,12 @@
-"""Boards of things, the spots on them, the order of placing, and what is told of a room."""
+"""Boards of objects, the spots on them, the order of placing, and what is told of a room."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
-from unisg_blender.dataset.assets.asset.asset import thing_of
 
 from tests.generate.rooms import at, box, room
+from unisg_blender.dataset.assets.asset import object_graph
 from unisg_blender.generate.observe.placement_order import DEEPEST, along, groups, learn_orders, levels, row_order
 from unisg_blender.generate.observe.proposals import Scene, within
 from unisg_blender.generate.observe.reference_objects import find_leaders
@@ -19,7 +19,7 @@ from unisg_blender.generate.place.settling import Support, nearest_support, rest
 from unisg_blender.generate.propose.mixture import behind_walls
 from unisg_blender.scene import Boxes, SceneBuilder, world_matrices
 from unisg_blender.spatial.level_surfaces import Surfaces, rectangles, with_joined
-from unisg_blender.spatial.objects import Things, things_of
+from unisg_blender.spatial.objects import SceneObjects, scene_objects
 from unisg_blender.spatial.support_surfaces import board_at, boards_of
 
 VOCABULARY = ("Cup", "Floor", "Lamp", "Table", "Wall")
@@ -27,8 +27,8 @@ VOCABULARY = ("Cup", "Floor", "Lamp", "Table", "Wall")
 
 def scene_of(seed: int, cups: int = 3) -> Scene:
     graph = room(seed, cups)
-    things = things_of(graph, VOCABULARY)
-    return Scene.of(things, world_matrices(graph)[things.row])
+    objects = scene_objects(graph, VOCABULARY)
+    return Scene.of(objects, world_matrices(graph)[objects.row])
 
 
 def shelf() -> Boxes:
@@ -68,7 +68,7 @@ def test_what_stands_near_a_support_is_told_by_category() -> None:
     nearness = Nearness.of(scene)
     found = nearness.by_kind(scene, everything, 5)
     walls = np.flatnonzero(scene.category == 4)
-    assert set(nearness.thing.tolist()) == {table, *walls.tolist()}  # what stands on the floor
+    assert set(nearness.obj.tolist()) == {table, *walls.tolist()}  # what stands on the floor
     assert found[floor, 3] == pytest.approx(1.0)  # the table's middle is over it
     assert found[table, 3] == 0  # not near itself
     assert 0 < found[table, 4] < 1
@@ -105,14 +105,14 @@ def test_leaders_are_those_from_whom_others_can_be_told() -> None:
         kinds, support = np.array([0, 1, 2, 2, 3]), np.array([-1, 0, 0, 0, 0])
         none = Boxes(np.zeros((0, 3)), np.zeros((0, 3, 3)), np.zeros((0, 3)), np.zeros(0, bool))
         owner = np.zeros(0, np.int64)
-        scenes.append(Things(np.arange(5), kinds, support, center, np.ones((5, 3)), turns, none, owner, ()))
+        scenes.append(SceneObjects(np.arange(5), kinds, support, center, np.ones((5, 3)), turns, none, owner, ()))
     assert find_leaders(scenes, ("Floor", "Table", "Chair", "Bin")) == ["Table"]
 
 
 def test_things_are_ordered_by_level_and_rows_from_end_to_end() -> None:
     scene = scene_of(2)
     graph = room(2, 3)
-    habits = learn_habits([things_of(graph, VOCABULARY)], VOCABULARY)
+    habits = learn_habits([scene_objects(graph, VOCABULARY)], VOCABULARY)
     assert groups(VOCABULARY, habits).tolist() == [2, 0, 2, 1, 1, -1]
     cups = np.flatnonzero(scene.category == 0)
     assert (np.diff(along(scene)[cups]) > 0).all()  # they were laid from left to right
@@ -148,7 +148,7 @@ def wall(*pieces: tuple[float, float, float]) -> Support:
 def cup_in_empty_space() -> tuple[Piece, Space]:
     none = Boxes(np.zeros((0, 3)), np.zeros((0, 3, 3)), np.zeros((0, 3)), np.zeros(0, bool))
     space = Space(none, np.zeros(0, np.int64), np.zeros(0, np.int64), None, Habits({}, {}, {}, []), ("Wall",))
-    return Piece(thing_of(room(1, 1), room(1, 1).row("Cup.0"))), space
+    return Piece(object_graph(room(1, 1), room(1, 1).row("Cup.0"))), space
 
 
 def test_of_two_walls_the_nearer_one_holds() -> None:
@@ -215,6 +215,6 @@ def test_two_boards_of_a_scene_are_told_apart() -> None:
     builder.add("C", uid="c", parent=table, local=at(0, 0, 0.5), mesh=box("C", 0.1, 0.1, 0.1), category="Cup")
     builder.add("D", uid="d", parent=table, local=at(0.8, 0, 0.2), mesh=box("C", 0.1, 0.1, 0.1), category="Cup")
     graph = builder.build()
-    things = things_of(graph, VOCABULARY)
-    scene = Scene.of(things, world_matrices(graph)[things.row])
+    objects = scene_objects(graph, VOCABULARY)
+    scene = Scene.of(objects, world_matrices(graph)[objects.row])
     assert scene.board[scene.category == 0].tolist() == [0, -1]

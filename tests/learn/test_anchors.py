@@ -10,8 +10,15 @@ from scipy.stats import truncnorm
 
 torch = pytest.importorskip("torch")
 
-from unisg_blender.learn.anchors.network.critic import DRAWS, drawn  # noqa: E402
-from unisg_blender.learn.anchors.network.examples import (  # noqa: E402
+from tests.generate.rooms import room  # noqa: E402
+from unisg_blender.generate.observe.contract import Contract  # noqa: E402
+from unisg_blender.generate.observe.proposals import Scene  # noqa: E402
+from unisg_blender.generate.observe.scene_tokens import FLAGS  # noqa: E402
+from unisg_blender.generate.observe.support_priors import Habits, learn_habits  # noqa: E402
+from unisg_blender.generate.propose.mixture import TAIL  # noqa: E402
+from unisg_blender.generate.trained_model import load_model  # noqa: E402
+from unisg_blender.learn.anchors.critic import DRAWS, drawn  # noqa: E402
+from unisg_blender.learn.anchors.examples import (  # noqa: E402
     BARE,
     JITTER,
     LESS,
@@ -24,24 +31,16 @@ from unisg_blender.learn.anchors.network.examples import (  # noqa: E402
     shaken,
     visible_with,
 )
-from unisg_blender.learn.anchors.network.network import AnchorModel, AnchorSizes  # noqa: E402
-from unisg_blender.learn.anchors.network.pair_geometry import base_places  # noqa: E402
-from unisg_blender.learn.anchors.network.pose_encoder import LATENT, PoseEncoder  # noqa: E402
-from unisg_blender.learn.anchors.network.training import OUTPUTS, example_inputs, write_anchors  # noqa: E402
-
-from tests.generate.rooms import room  # noqa: E402
-from unisg_blender.generate.observe.contract import Contract  # noqa: E402
-from unisg_blender.generate.observe.proposals import Scene  # noqa: E402
-from unisg_blender.generate.observe.scene_tokens import FLAGS  # noqa: E402
-from unisg_blender.generate.observe.support_priors import Habits, learn_habits  # noqa: E402
-from unisg_blender.generate.propose.mixture import TAIL  # noqa: E402
-from unisg_blender.generate.trained_model import load_model  # noqa: E402
+from unisg_blender.learn.anchors.network import AnchorModel, AnchorSizes  # noqa: E402
+from unisg_blender.learn.anchors.pair_geometry import base_places  # noqa: E402
+from unisg_blender.learn.anchors.pose_encoder import LATENT, PoseEncoder  # noqa: E402
+from unisg_blender.learn.anchors.training import OUTPUTS, example_inputs, write_anchors  # noqa: E402
 from unisg_blender.learn.losses.mixtures import height_nll, mixture_nll  # noqa: E402
 from unisg_blender.learn.losses.ranking import ranking_loss  # noqa: E402
 from unisg_blender.learn.losses.variational import kl_divergence  # noqa: E402
 from unisg_blender.learn.training_scenes import TrainingScene  # noqa: E402
 from unisg_blender.scene import world_matrices  # noqa: E402
-from unisg_blender.spatial.objects import things_of  # noqa: E402
+from unisg_blender.spatial.objects import scene_objects  # noqa: E402
 
 VOCABULARY = ("Cup", "Floor", "Lamp", "Table", "Wall")
 PLACES = (
@@ -60,22 +59,22 @@ def batch_of(seeds: list[int]) -> dict[str, torch.Tensor]:
     examples = []
     for seed in seeds:
         graph = room(seed, cups=1 + seed % 3)
-        things = things_of(graph, VOCABULARY)
-        order = Order.of(VOCABULARY, learn_habits([things], VOCABULARY))
-        world = world_matrices(graph)[things.row]
-        layout = Layout(TrainingScene(things, world, world), order)
-        target = int(np.flatnonzero(things.category == 0)[0])
+        objects = scene_objects(graph, VOCABULARY)
+        order = Order.of(VOCABULARY, learn_habits([objects], VOCABULARY))
+        world = world_matrices(graph)[objects.row]
+        layout = Layout(TrainingScene(objects, world, world), order)
+        target = int(np.flatnonzero(objects.category == 0)[0])
         examples.append(example(layout, target, order, np.random.default_rng(seed)))
     return padded(examples)
 
 
 def test_the_building_is_there_before_all_else() -> None:
     graph = room(3, cups=2)
-    things = things_of(graph, VOCABULARY)
-    order = Order.of(VOCABULARY, learn_habits([things], VOCABULARY))
-    world = world_matrices(graph)[things.row]
-    layout = Layout(TrainingScene(things, world, world), order)
-    table, walls = int(np.flatnonzero(things.category == 3)[0]), things.category == 4
+    objects = scene_objects(graph, VOCABULARY)
+    order = Order.of(VOCABULARY, learn_habits([objects], VOCABULARY))
+    world = world_matrices(graph)[objects.row]
+    layout = Layout(TrainingScene(objects, world, world), order)
+    table, walls = int(np.flatnonzero(objects.category == 3)[0]), objects.category == 4
     seen = [visible_with(layout, table, np.random.default_rng(seed)) for seed in range(200)]
     whole = np.mean([chosen[walls].all() and placed[walls].all() for chosen, placed, _ in seen])
     assert whole >= 1 - 2 * BARE
@@ -84,10 +83,10 @@ def test_the_building_is_there_before_all_else() -> None:
 
 
 def test_in_order_rows_are_filled_from_one_end_and_otherwise_anyhow() -> None:
-    things = things_of(graph := room(3, cups=4), VOCABULARY)
-    order, world = Order.of(VOCABULARY, learn_habits([things], VOCABULARY)), world_matrices(graph)[things.row]
-    layout = Layout(TrainingScene(things, world, world), order)
-    cups = np.flatnonzero(things.category == 0)
+    objects = scene_objects(graph := room(3, cups=4), VOCABULARY)
+    order, world = Order.of(VOCABULARY, learn_habits([objects], VOCABULARY)), world_matrices(graph)[objects.row]
+    layout = Layout(TrainingScene(objects, world, world), order)
+    cups = np.flatnonzero(objects.category == 0)
     ordered, from_one_end = [], []
     for seed in range(400):
         target = cups[seed % 4]
@@ -100,10 +99,10 @@ def test_in_order_rows_are_filled_from_one_end_and_otherwise_anyhow() -> None:
 
 
 def test_the_whole_is_all_that_lies_there_and_else_less_may_come() -> None:
-    things = things_of(graph := room(3, cups=4), VOCABULARY)
-    order, world = Order.of(VOCABULARY, learn_habits([things], VOCABULARY)), world_matrices(graph)[things.row]
-    layout = Layout(TrainingScene(things, world, world), order)
-    cups, beside = np.flatnonzero(things.category == 0), {True: [], False: []}
+    objects = scene_objects(graph := room(3, cups=4), VOCABULARY)
+    order, world = Order.of(VOCABULARY, learn_habits([objects], VOCABULARY)), world_matrices(graph)[objects.row]
+    layout = Layout(TrainingScene(objects, world, world), order)
+    cups, beside = np.flatnonzero(objects.category == 0), {True: [], False: []}
     for seed in range(400):
         seen = example(layout, int(cups[seed % 4]), order, np.random.default_rng(seed))
         there, coming = seen["flags"][:, 1].sum(), np.expm1(seen["row"]).sum()
@@ -115,8 +114,8 @@ def test_the_whole_is_all_that_lies_there_and_else_less_may_come() -> None:
 
 
 def test_shaking_does_not_turn_walls() -> None:
-    things = things_of(graph := room(3, cups=2), VOCABULARY)
-    scene, walls = Scene.of(things, world_matrices(graph)[things.row]), things.category == 4
+    objects = scene_objects(graph := room(3, cups=2), VOCABULARY)
+    scene, walls = Scene.of(objects, world_matrices(graph)[objects.row]), objects.category == 4
     seen = [shaken(scene, np.random.default_rng(seed), 1.0, walls) for seed in range(100)]
     turns, moves = np.abs([one.yaw - scene.yaw for one in seen]), np.abs([one.center - scene.center for one in seen])
     assert turns[:, walls].max() == 0

@@ -8,18 +8,17 @@ import pytest
 
 torch = pytest.importorskip("torch")
 
-from unisg_blender.dataset.assets.asset.shaped_scenes import scenes_with_shapes  # noqa: E402
-from unisg_blender.learn.atiss.network.network import Atiss, AtissSizes  # noqa: E402
-from unisg_blender.learn.atiss.network.training import example_inputs, train, write_atiss  # noqa: E402
-
 from tests.generate.models import shared_dataset  # noqa: E402
 from unisg_blender.dataset import open_dataset  # noqa: E402
+from unisg_blender.dataset.assets.shaped_scenes import scenes_with_shapes  # noqa: E402
 from unisg_blender.experiments.rooms.atiss_proposer import AtissProposer, load_generator  # noqa: E402
 from unisg_blender.experiments.rooms.cases import case_of  # noqa: E402
 from unisg_blender.experiments.rooms.furnishing import ByModel  # noqa: E402
 from unisg_blender.generate.observe.contract import Contract  # noqa: E402
 from unisg_blender.generate.observe.support_priors import Habits  # noqa: E402
 from unisg_blender.generate.place.placeable import box_piece  # noqa: E402
+from unisg_blender.learn.atiss.network import Atiss, AtissSizes  # noqa: E402
+from unisg_blender.learn.atiss.training import example_inputs, train, write_atiss  # noqa: E402
 from unisg_blender.learn.losses.mixtures import logistics_nll  # noqa: E402
 from unisg_blender.learn.settings import Settings  # noqa: E402
 
@@ -38,10 +37,10 @@ def network() -> Atiss:
     return Atiss(AtissSizes(4)).eval()
 
 
-def inputs(things: int = 6) -> dict:
+def inputs(objects: int = 6) -> dict:
     torch.manual_seed(1)
-    found = dict(example_inputs(things))
-    found["category"] = torch.arange(things)[None] % 4
+    found = dict(example_inputs(objects))
+    found["category"] = torch.arange(objects)[None] % 4
     return found
 
 
@@ -98,15 +97,15 @@ def test_rooms_are_furnished_and_the_same_seed_gives_the_same(model: Path) -> No
 def test_drawn_places_are_where_the_density_is_high(model: Path) -> None:
     from unisg_blender.generate.observe.proposals import Scene
     from unisg_blender.scene import world_matrices
-    from unisg_blender.spatial.objects import things_of
+    from unisg_blender.spatial.objects import scene_objects
 
     generator = load_generator(model)
     room = next(iter(scenes_with_shapes(open_dataset(shared_dataset()))))
-    things = things_of(room, generator.categories)
-    scene = Scene.of(things, world_matrices(room)[things.row])
+    objects = scene_objects(room, generator.categories)
+    scene = Scene.of(objects, world_matrices(room)[objects.row])
     proposer, piece = AtissProposer(generator.model), box_piece("Cup", np.array([0.1, 0.1, 0.1]))
     rng = np.random.default_rng(0)
-    drawn = proposer.propose(scene, 0, piece, 40, rng, np.ones(len(things), bool), {})
+    drawn = proposer.propose(scene, 0, piece, 40, rng, np.ones(len(objects), bool), {})
     near = np.mean([proposer.log_density(scene, 0, piece, -1, place) for place in drawn.places])
     far = np.mean([proposer.log_density(scene, 0, piece, -1, place + 30 * np.eye(4)[0]) for place in drawn.places])
     assert near > far + 5

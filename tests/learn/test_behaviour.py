@@ -46,19 +46,19 @@ def ask(network: BehaviourNet, play: Play, kinds: Kinds) -> list[np.ndarray]:
 
 def test_the_order_of_things_and_actions_does_not_matter() -> None:
     kinds, play, network = taught()
-    things, acts = np.random.default_rng(0).permutation(len(play.rows)), np.arange(len(play.kind))[::-1]
-    place = np.argsort(things)
+    objects, acts = np.random.default_rng(0).permutation(len(play.rows)), np.arange(len(play.kind))[::-1]
+    place = np.argsort(objects)
     shuffled = replace(
-        play, rows=play.rows[things], category=play.category[things], new=play.new[things],
-        support=np.where(play.support >= 0, place[play.support], -1)[things], relation=play.relation[things],
-        place=play.place[things], below=play.below[np.ix_(things, things)], kind=play.kind[acts],
+        play, rows=play.rows[objects], category=play.category[objects], new=play.new[objects],
+        support=np.where(play.support >= 0, place[play.support], -1)[objects], relation=play.relation[objects],
+        place=play.place[objects], below=play.below[np.ix_(objects, objects)], kind=play.kind[acts],
         slots=np.where(play.slots >= 0, place[play.slots], -1)[acts], leaf_stage=play.leaf_stage[acts],
         leaf_order=play.leaf_order[acts],
     )  # fmt: skip
     one, two = ask(network, play, kinds), ask(network, shuffled, kinds)
     np.testing.assert_allclose(one[0], two[0], atol=1e-4)
-    np.testing.assert_allclose(one[1][:, things], two[1], atol=1e-3)
-    np.testing.assert_allclose(one[2][:, things][:, :, things], two[2], atol=1e-3)
+    np.testing.assert_allclose(one[1][:, objects], two[1], atol=1e-3)
+    np.testing.assert_allclose(one[2][:, objects][:, :, objects], two[2], atol=1e-3)
 
 
 def test_moving_and_turning_the_room_changes_nothing() -> None:

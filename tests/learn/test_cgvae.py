@@ -11,14 +11,13 @@ import pytest
 torch = pytest.importorskip("torch")
 pytest.importorskip("torch_geometric")
 
-from unisg_blender.learn.cgvae.network.network import Cgvae, CgvaeSizes  # noqa: E402
-from unisg_blender.learn.cgvae.network.training import normalisation, write_cgvae  # noqa: E402
-
 from unisg_blender.dataset import open_dataset  # noqa: E402
 from unisg_blender.generate.observe.contract import Contract  # noqa: E402
 from unisg_blender.generate.observe.support_priors import Habits  # noqa: E402
 from unisg_blender.generate.propose.cgvae_proposer import edges_of, node_features, poses_of  # noqa: E402
 from unisg_blender.generate.trained_model import load_model  # noqa: E402
+from unisg_blender.learn.cgvae.network import Cgvae, CgvaeSizes  # noqa: E402
+from unisg_blender.learn.cgvae.training import normalisation, write_cgvae  # noqa: E402
 from unisg_blender.learn.losses.variational import cgvae_losses  # noqa: E402
 from unisg_blender.learn.training_scenes import load_scenes, vocabulary_of  # noqa: E402
 from unisg_blender.poses import FORMS  # noqa: E402
@@ -121,12 +120,12 @@ def test_features_go_out_and_come_back_in_every_form(form: str) -> None:
     from tests.generate.rooms import room
     from unisg_blender.generate.observe.proposals import relative
     from unisg_blender.scene import world_matrices
-    from unisg_blender.spatial.objects import things_of
+    from unisg_blender.spatial.objects import scene_objects
 
     graphs = [room(seed) for seed in range(4)]
-    things = [things_of(graph, graph.vocabulary) for graph in graphs]
+    objects = [scene_objects(graph, graph.vocabulary) for graph in graphs]
     poses = [
-        relative(world_matrices(graph)[part.row], part.support) for graph, part in zip(graphs, things, strict=True)
+        relative(world_matrices(graph)[part.row], part.support) for graph, part in zip(graphs, objects, strict=True)
     ]
     mean, scale, kept = normalisation(poses, form)
     contract = replace(
@@ -148,4 +147,4 @@ def test_scenes_of_a_dataset_have_the_things_that_went_in(dataset_folder: Path) 
     assert vocabulary == ("Cup", "Floor", "Lamp", "Table", "Wall")
     scene, graph = load_scenes(dataset, vocabulary, quiet=True)[0], room(0)
     np.testing.assert_allclose(scene.world, world_matrices(graph), atol=1e-5)
-    np.testing.assert_array_equal(scene.things.support, graph.parent)
+    np.testing.assert_array_equal(scene.objects.support, graph.parent)

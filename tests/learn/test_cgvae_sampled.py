@@ -7,10 +7,9 @@ import pytest
 torch = pytest.importorskip("torch")
 pytest.importorskip("torch_geometric")
 
-from unisg_blender.learn.cgvae.network.network import Cgvae, CgvaeSizes  # noqa: E402
-from unisg_blender.learn.cgvae.network.sampled_pairs import sample_pairs, sampled_losses  # noqa: E402
-
 from unisg_blender.generate.propose.cgvae_proposer import edges_of  # noqa: E402
+from unisg_blender.learn.cgvae.network import Cgvae, CgvaeSizes  # noqa: E402
+from unisg_blender.learn.cgvae.sampled_pairs import sample_pairs, sampled_losses  # noqa: E402
 from unisg_blender.learn.losses.variational import cgvae_losses  # noqa: E402
 
 PARENT = torch.tensor([-1, 0, 0, 1, 1, -1, 5, 6, 5])

@@ -7,8 +7,7 @@ import pytest
 torch = pytest.importorskip("torch")
 pytest.importorskip("torch_geometric")
 
-from unisg_blender.learn.classifier.network.network import SceneClassifier  # noqa: E402
-
+from unisg_blender.learn.classifier.network import SceneClassifier  # noqa: E402
 from unisg_blender.learn.hetero_sage import HeteroSage, edge_kinds  # noqa: E402
 from unisg_blender.learn.losses.edges import edge_loss  # noqa: E402
 from unisg_blender.learn.paper.gae import GraphAutoencoder, edge_logits, random_pairs  # noqa: E402

@@ -18,7 +18,7 @@ POINTS = np.random.default_rng(0).random((50, 3))
 
 
 def odd_scene() -> SceneGraph:
-    """A thing with a broken corner, a point cloud, an empty mesh, a face without area."""
+    """An object with a broken corner, a point cloud, an empty mesh, a face without area."""
     sound = box()
     faces = [*sound.corners.reshape(-1, 4).tolist(), [0, 1, 8]]
     meshes = {

@@ -27,9 +27,9 @@ def at(x: float, y: float, z: float, linear: np.ndarray | None = None) -> np.nda
     return matrix
 
 
-def scene_of(*things: tuple[str, Mesh, np.ndarray, str]) -> SceneGraph:
+def scene_of(*objects: tuple[str, Mesh, np.ndarray, str]) -> SceneGraph:
     builder = SceneBuilder()
-    for number, (name, mesh, local, category) in enumerate(things):
+    for number, (name, mesh, local, category) in enumerate(objects):
         builder.add(name, uid=f"u{number}", mesh=mesh, local=local, category=category)
     return builder.build()
 

@@ -7,10 +7,9 @@ import pytest
 
 torch = pytest.importorskip("torch")
 
-from unisg_blender.learn.atlasnet.network.network import AtlasNet, PointNetEncoder  # noqa: E402
-from unisg_blender.learn.atlasnet.network.patch_decoder import PatchDecoder, draw_template  # noqa: E402
-from unisg_blender.learn.atlasnet.network.training import MeshTraining, augment, random_rotation, train  # noqa: E402
-
+from unisg_blender.learn.atlasnet.network import AtlasNet, PointNetEncoder  # noqa: E402
+from unisg_blender.learn.atlasnet.patch_decoder import PatchDecoder, draw_template  # noqa: E402
+from unisg_blender.learn.atlasnet.training import MeshTraining, augment, random_rotation, train  # noqa: E402
 from unisg_blender.learn.categories.training import standing_together, temperature  # noqa: E402
 from unisg_blender.learn.losses.chamfer import chamfer  # noqa: E402
 from unisg_blender.meshes.shape_files import Model  # noqa: E402
@@ -93,8 +92,7 @@ def test_training_learns_and_repeats() -> None:
 
 def test_exported_networks_are_the_trained_ones(tmp_path: Path) -> None:
     pytest.importorskip("onnxscript")
-    from unisg_blender.learn.atlasnet.network.export import export
-
+    from unisg_blender.learn.atlasnet.export import export
     from unisg_blender.meshes.atlasnet_sessions import load_network, patch_count
 
     torch.manual_seed(2)

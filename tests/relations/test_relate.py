@@ -51,9 +51,9 @@ def placed(x: float, y: float, z: float, angle: float = 0.0) -> np.ndarray:
     return matrix
 
 
-def scene(**things: tuple[Mesh, np.ndarray]) -> SceneGraph:
+def scene(**objects: tuple[Mesh, np.ndarray]) -> SceneGraph:
     builder = SceneBuilder("Room")
-    for name, (mesh, local) in things.items():
+    for name, (mesh, local) in objects.items():
         builder.add(name, uid=name, mesh=mesh, local=local)
     return builder.build()
 
@@ -72,7 +72,7 @@ def test_on_top_and_its_tolerances() -> None:
 
 
 def test_under_a_table_is_not_on_it() -> None:
-    """A thing between the legs is in the table's box, but neither on nor in the table."""
+    """An object between the legs is in the table's box, but neither on nor in the table."""
     found = told(scene(table=(TABLE, np.eye(4)), ball=(SMALL, placed(0, 0, 0)), cup=(SMALL, placed(0.5, 0, 0.75))))
     assert ("cup", "on_top_of", "table") in found
     assert not {kind for one, kind, two in found if (one, two) == ("ball", "table")} & {"on_top_of", "inside"}

@@ -7,9 +7,9 @@ from hypothesis import strategies as st
 from scipy.optimize import linprog
 from scipy.spatial.transform import Rotation
 
+from unisg_blender.geometry import box_overlap
 from unisg_blender.geometry.box_overlap import nearby_pairs, penetration
 from unisg_blender.scene import Boxes, Mesh, SceneBuilder, mesh_from_faces, oriented_boxes
-from unisg_blender.spatial import part_boxes as overlap
 from unisg_blender.spatial.part_boxes import PART_LIMIT, mesh_parts, part_boxes
 
 CUBE = np.stack(np.meshgrid(*[[-0.5, 0.5]] * 3, indexing="ij"), -1).reshape(-1, 3)
@@ -97,7 +97,7 @@ def test_penetration_does_not_change_under_motions(seed, x, angle):
 @pytest.mark.parametrize("swept", [0, 900])
 @pytest.mark.parametrize("seed", range(4))
 def test_grid_and_sweep_find_exactly_the_pairs_of_brute_force(seed, swept, monkeypatch):
-    monkeypatch.setattr(overlap, "_SWEEP_UP_TO", swept)
+    monkeypatch.setattr(box_overlap, "_SWEEP_UP_TO", swept)
     boxes = random_boxes(900, seed, 6.0)
     sizes = np.random.default_rng(seed).choice([0.02, 1.0, 12.0], (900, 1), p=[0.5, 0.49, 0.01])
     boxes = Boxes(boxes.center, boxes.axes, boxes.half * sizes, boxes.solid)

@@ -229,7 +229,7 @@ def test_failed_writing_leaves_the_old_file(tmp_path: Path) -> None:
     path = tmp_path / "scene.usda"
     write_usd(small_scene().build(), path)
     before = path.read_bytes()
-    bad = small_scene().build().with_component("odd", table([0], thing=[object()]))
+    bad = small_scene().build().with_component("odd", table([0], obj=[object()]))
     with pytest.raises(UniSGError, match="odd"):
         write_usd(bad, path)
     assert path.read_bytes() == before

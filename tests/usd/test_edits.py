@@ -39,7 +39,7 @@ def columns(entries: list[dict[str, Any]]) -> dict[str, Any]:
 
 
 def studio() -> SceneGraph:
-    """Two cameras, a light of each kind, hidden things, a thing that a constraint holds, and instances."""
+    """Two cameras, a light of each kind, hidden objects, an object that a constraint holds, and instances."""
     builder = SceneBuilder("Studio")
     for name in ("Eye", "Ortho", *KINDS):
         builder.add(name, uid=name)

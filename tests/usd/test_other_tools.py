@@ -66,7 +66,8 @@ def stage_boxes(path: Path) -> np.ndarray:
     """The same after USD's own bounding boxes of points, in metres and Z up."""
     require_pxr()
     from pxr import Usd, UsdGeom
-    from unisg_blender.usd.read.stage_reader.stage import stage_frame
+
+    from unisg_blender.usd.read.stage import stage_frame
 
     stage = Usd.Stage.Open(str(path))
     frame, cache, found = stage_frame(stage), UsdGeom.XformCache(), []

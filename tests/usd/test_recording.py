@@ -11,10 +11,9 @@ import pytest
 
 bpy = pytest.importorskip("bpy")
 
-from unisg_blender.blender.motion.motor_keys.scene_recording import Recorder, needed_keys, record_playback, replay  # noqa: E402
-
 from unisg_blender import UniSGError  # noqa: E402
 from unisg_blender.blender import read_scene  # noqa: E402
+from unisg_blender.blender.motion.scene_recording import Recorder, needed_keys, record_playback, replay  # noqa: E402
 from unisg_blender.scene.properties import RELATIONS  # noqa: E402
 from unisg_blender.usd import read_usd, write_usd  # noqa: E402
 

@@ -10,10 +10,10 @@ import pytest
 pytest.importorskip("bpy")
 
 import bpy
-from unisg_blender.blender.authoring.authoring.identities import repair_identities
 
 from tests.blender.helpers import add, box, relative_gap
 from unisg_blender.blender import objects_by_uid, read_scene
+from unisg_blender.blender.authoring.identities import repair_identities
 from unisg_blender.scene import ActionData, SceneGraph, world_matrices
 from unisg_blender.scene.action_data import actions_to_json
 from unisg_blender.usd import write_usd

@@ -20,8 +20,8 @@ def all_assets() -> dict[str, Asset]:
     found = {}
     for furnish in (furnish_theatre, furnish_home):
         for seed in range(8):
-            for thing in furnish(seed).things:
-                found.setdefault(thing.asset.category, thing.asset)
+            for obj in furnish(seed).objects:
+                found.setdefault(obj.asset.category, obj.asset)
     return found
 
 

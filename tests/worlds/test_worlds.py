@@ -43,7 +43,7 @@ def test_nothing_overlaps_floats_or_leaves_the_room(name, seed):
 
 @pytest.mark.parametrize("name", ROOMS)
 def test_whole_boxes_overlap_seldom_and_walls_not_at_all(name):
-    """Also without looking into concave shapes only few pairs of things overlap (a stool under a table)."""
+    """Also without looking into concave shapes only few pairs of objects overlap (a stool under a table)."""
     for seed in SEEDS:
         report = measure_scene(room(name, seed), parts=False)
         assert report.colliding.sum() <= 0.35 * report.counted.sum()

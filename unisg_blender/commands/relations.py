@@ -1,4 +1,4 @@
-"""``unisg relations``: which thing stands on, in, beside which, by geometry; or on which, by a trained network."""
+"""``unisg relations``: which object stands on, in, beside which, by geometry; or on which, by a trained network."""
 
 from __future__ import annotations
 

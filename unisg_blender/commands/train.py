@@ -21,7 +21,7 @@ JOBS = {
     "classifier": "what kind of scene it is, from datasets with labels, or one dataset per kind",
     "meshes": "the mesh feature (AtlasNet) and the model of categories, from folders of mesh files",
 }
-"""What can be trained: ``learn.NAME.training`` with ``EPOCHS`` and ``train(dataset, out, settings)``, not so "meshes"."""
+"""Trained by ``learn.NAME.training`` with ``EPOCHS`` and ``train(dataset, out, settings)``, not so "meshes"."""
 
 SEVERAL = ("topology", "classifier")
 """Jobs whose ``train`` takes a list of datasets."""

@@ -14,7 +14,7 @@ from .. import __version__
 from ..errors import DONE, MissingPackageError, UniSGError
 from ..meshes.shape_files import Model, of_split, read_models, world_models
 
-WORLDS_WITH_THINGS = ("operating-room", "living-room")
+WORLDS_WITH_OBJECTS = ("operating-room", "living-room")
 PACKAGES = ("torch", "onnx", "onnxscript")
 
 
@@ -39,7 +39,7 @@ def run(args: argparse.Namespace) -> int:
     start = time.perf_counter()
     models = read_models(args.data)
     unseen = {model.category for model in of_split(models, "unseen")}
-    rooms = world_models(WORLDS_WITH_THINGS, args.rooms, args.seed)
+    rooms = world_models(WORLDS_WITH_OBJECTS, args.rooms, args.seed)
     models += [model for model in rooms if model.category not in unseen]
     args.out.mkdir(parents=True, exist_ok=True)
     provenance = _provenance(args, models)
@@ -87,7 +87,7 @@ def _fit_labels(args: argparse.Namespace, models: list[Model], provenance: dict[
     from ..worlds import WORLDS
 
     own: Path = args.out / ENCODER_FILE
-    scenes = [WORLDS[name](args.seed + room) for name in WORLDS_WITH_THINGS for room in range(args.rooms)]
+    scenes = [WORLDS[name](args.seed + room) for name in WORLDS_WITH_OBJECTS for room in range(args.rooms)]
     labels = fit_labels(models, scenes, AtlasNetEncoder(own if own.is_file() else None), provenance)
     labels.save(args.out / LABELS_FILE)
     return {"labels": str(args.out / LABELS_FILE), "categories": len(labels.vocabulary)}

@@ -54,7 +54,7 @@ def describe_dataset(path: str | os.PathLike[str]) -> dict[str, Any]:
 
 
 def _shapes(dataset: Dataset) -> dict[str, int]:
-    """How many things, of how many categories, and how many rooms the dataset keeps with their geometry."""
+    """How many objects, of how many categories, and how many rooms the dataset keeps with their geometry."""
     file = dataset.assets()
     kinds = [record["category"] for record in file.index["assets"]] if file is not None else []
     return {
@@ -72,7 +72,7 @@ def _spread(values: np.ndarray) -> tuple[int, float, int]:
 
 
 def _ranked(names: tuple[str, ...], totals: np.ndarray) -> dict[str, int]:
-    """Counts by name, most frequent first; the first total is that of things without a name."""
+    """Counts by name, most frequent first; the first total is that of objects without a name."""
     order = np.argsort(-totals[1:], kind="stable")
     return {names[place]: int(totals[place + 1]) for place in order}
 

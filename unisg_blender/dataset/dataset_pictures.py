@@ -51,7 +51,7 @@ def draw_dataset(path: str | os.PathLike[str], out: str | os.PathLike[str]) -> l
 
 
 def _histograms(figure: Any, dataset: Dataset, record: dict[str, Any]) -> Any:
-    """Entities by category, scenes by number of entities, and sizes of things."""
+    """Entities by category, scenes by number of entities, and sizes of objects."""
     grid = figure.add_gridspec(2, 2)
     counts = dict(list(record["categories"].items())[:CATEGORIES])
     bars = figure.add_subplot(grid[0, :])

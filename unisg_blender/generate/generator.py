@@ -1,4 +1,4 @@
-"""The generator: asks a model where new things could be, settles them and puts them into the scenegraph."""
+"""The generator: asks a model where new objects could be, settles them and puts them into the scenegraph."""
 
 from __future__ import annotations
 
@@ -94,13 +94,13 @@ class Generator:
             Give the new objects actions, and these places in the lesson, as far as a model of behaviour
             lies beside this one.
         on, beside
-            uid or name of a thing of the scene on which, or beside which, all objects are wanted. What finds
+            uid or name of an object of the scene on which, or beside which, all objects are wanted. What finds
             no room there is refused (on), or stands as near as there is room (beside).
 
         Raises
         ------
         UniSGError
-            For a category that the model does not know, a number below 1, nothing to add, or a thing that is not there.
+            For a category that the model does not know, a number below 1, nothing to add, or an object that is missing.
         """
         steps = self.steps(
             scene, counts, seed, bulk=bulk, settle=settle, assets=assets, behaviour=behaviour, on=on, beside=beside

@@ -1,4 +1,4 @@
-"""Where the shape of a new thing comes from: the scene's own, else the assets beside the model, else a plain box."""
+"""Where the shape of a new object comes from: the scene's own, else the assets beside the model, else a plain box."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ..dataset.assets.asset import Asset, thing_of
+from ..dataset.assets.asset import Asset, object_graph
 from ..scene import SceneGraph
 from .place.placeable import Piece, box_piece
 from .trained_model import Model
@@ -48,7 +48,7 @@ class Library:
         return self._known[number]
 
     def of_scene(self, category: str, scene: SceneGraph) -> list[Piece]:
-        """The different things of a category that a scene has already."""
+        """The different objects of a category that a scene has already."""
         if scene is not self._scene:
             self._scene, self._own = scene, {}
         key = (id(scene), category)
@@ -56,7 +56,7 @@ class Library:
             found: dict[tuple[int, ...], Piece] = {}
             if category in scene.vocabulary:
                 for row in np.flatnonzero(scene.category == scene.vocabulary.index(category)):
-                    piece = Piece(thing_of(scene, int(row)))
+                    piece = Piece(object_graph(scene, int(row)))
                     meshes = tuple(id(mesh) for mesh in piece.asset.graph.meshes)
                     if meshes:
                         found.setdefault(meshes, piece)

@@ -38,7 +38,7 @@ def penetration(first: Boxes, second: Boxes) -> NDArray[np.float64]:
 def nearby_pairs(boxes: Boxes, margin: float = 0.0) -> NDArray[np.int64]:
     """Pairs (K, 2) of boxes whose axis-aligned boxes come within ``margin`` metres; first < second, sorted.
 
-    Up to some thousand boxes are swept along one axis. More are O(N log N) for things spread
+    Up to some thousand boxes are swept along one axis. More are O(N log N) for objects spread
     out in space: every box is entered in a grid whose cells are as large as itself, and
     looks among the boxes of its own and of larger size only into the 27 cells around it.
     """

@@ -14,7 +14,7 @@ Triangles = NDArray[np.float64]
 GRID = 8
 SAMPLES = 48
 STEEPEST = 0.5
-"""Surfaces bear things up to the slope whose normal has this upward part: 60 degrees."""
+"""Surfaces bear objects up to the slope whose normal has this upward part: 60 degrees."""
 
 
 class Surfaces:
@@ -25,13 +25,13 @@ class Surfaces:
         self._world = world_matrices(graph)
         self._made: dict[int, Triangles] = {}
 
-    def of(self, thing: int) -> Triangles:
+    def of(self, obj: int) -> Triangles:
         """Triangles of one group, those with points that are no numbers left out."""
-        if thing not in self._made:
-            parts = [self._row(int(row)) for row in self._rows_of[thing]]
+        if obj not in self._made:
+            parts = [self._row(int(row)) for row in self._rows_of[obj]]
             corners = np.concatenate([np.zeros((0, 3, 3)), *parts])
-            self._made[thing] = corners[np.isfinite(corners).all(axis=(1, 2))]
-        return self._made[thing]
+            self._made[obj] = corners[np.isfinite(corners).all(axis=(1, 2))]
+        return self._made[obj]
 
     def _row(self, row: int) -> Triangles:
         mesh, matrix = self._graph.meshes[self._graph.mesh[row]], self._world[row]

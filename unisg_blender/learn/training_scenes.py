@@ -16,7 +16,7 @@ from ..dataset.format.reader import Dataset
 from ..errors import UniSGError
 from ..generate.observe.proposals import relative
 from ..scene import world_matrices
-from ..spatial.objects import Things, things_of
+from ..spatial.objects import SceneObjects, scene_objects
 
 FEWEST_SCENES = 4
 FEW_SCENES = 50
@@ -25,9 +25,9 @@ HELD_OUT = 0.1
 
 @dataclass(frozen=True, eq=False)
 class TrainingScene:
-    """Things of a scene and their poses (K, 4, 4) in the world and relative to their supports."""
+    """Objects of a scene and their poses (K, 4, 4) in the world and relative to their supports."""
 
-    things: Things
+    objects: SceneObjects
     world: NDArray[np.float64]
     local: NDArray[np.float64]
 
@@ -54,14 +54,14 @@ def vocabulary_of(dataset: Dataset) -> tuple[str, ...]:
 
 
 def load_scenes(dataset: Dataset, vocabulary: Sequence[str], quiet: bool = False) -> list[TrainingScene]:
-    """All scenes of a dataset; those without a thing of a known category are left out."""
+    """All scenes of a dataset; those without an object of a known category are left out."""
     scenes = []
     bar = tqdm(scenes_with_shapes(dataset), total=len(dataset), desc="reading scenes", disable=quiet, unit="scene")
     for graph in bar:
-        things = things_of(graph, vocabulary)
-        if (things.category >= 0).sum() >= 2:
-            world = world_matrices(graph)[things.row]
-            scenes.append(TrainingScene(things, world, relative(world, things.support)))
+        objects = scene_objects(graph, vocabulary)
+        if (objects.category >= 0).sum() >= 2:
+            world = world_matrices(graph)[objects.row]
+            scenes.append(TrainingScene(objects, world, relative(world, objects.support)))
     if len(scenes) < FEWEST_SCENES:
         raise UniSGError(
             f"only {len(scenes)} scenes of {dataset.path} have two categorised objects: too few to train on"

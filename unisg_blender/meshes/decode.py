@@ -79,7 +79,7 @@ def patch_areas(vector: NDArray[np.floating], path: str | Path | None = None) ->
 
 
 def allot(total: int, weights: NDArray[np.floating], least: int) -> NDArray[np.int64]:
-    """Share out ``total`` things by weight, exactly, ``least`` to each at least; int64, as many as weights."""
+    """Share out ``total`` objects by weight, exactly, ``least`` to each at least; int64, as many as weights."""
     spare = total - least * len(weights)
     bounds = np.round(np.cumsum(weights) / max(weights.sum(), 1e-300) * spare).astype(np.int64)
     bounds[-1] = spare

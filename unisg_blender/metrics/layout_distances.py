@@ -19,7 +19,7 @@ from .scene_validity import counted_objects
 
 CAP = 1.0
 FAR_OFF = 1e4
-"""Metres at which things are that a room does not have: farther than any cap."""
+"""Metres at which objects are that a room does not have: farther than any cap."""
 
 COPIED = 0.05
 """Share of real unseen rooms that lie nearer to a training room than the limit of novelty."""

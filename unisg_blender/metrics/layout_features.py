@@ -32,14 +32,14 @@ OBJECT = {
     "distance to its like": LENGTH, "x of its like": LENGTH, "y of its like": LENGTH, "turn of its like": ANGLE,
     "x from the middle thing": LENGTH, "y from the middle thing": LENGTH, "turn to the middle thing": ANGLE,
 }  # fmt: skip
-"""Features of one object and their kinds; the neighbour is the nearest thing on the same support."""
+"""Features of one object and their kinds; the neighbour is the nearest object on the same support."""
 
 PAIR = {
     "category": PLAIN, "other category": PLAIN, "support category": PLAIN, "width": PLAIN, "depth": PLAIN,
     "other width": PLAIN, "other depth": PLAIN, "distance": LENGTH, "gap": LENGTH, "x of other": LENGTH,
     "y of other": LENGTH, "turn of other": ANGLE, "x seen from other": LENGTH, "y seen from other": LENGTH,
 }  # fmt: skip
-"""Features of an object and one of its two nearest things on the same support."""
+"""Features of an object and one of its two nearest objects on the same support."""
 
 BY_CATEGORY = (
     "distance to wall", "turn to wall", "distance to neighbour", "gap to neighbour", "x from the middle thing",
@@ -78,18 +78,18 @@ class _Objects:
 
 def scene_features(graph: SceneGraph, vocabulary: tuple[str, ...], rng: np.random.Generator) -> Features:
     """The features of a scene whose categories are numbered as in ``vocabulary``; ``rng`` draws objects and pairs."""
-    things = _objects(graph, vocabulary)
-    count = len(things.category)
+    rows = _objects(graph, vocabulary)
+    count = len(rows.category)
     if not count:
         return Features(np.zeros((0, len(OBJECT))), np.zeros((0, len(PAIR))), np.zeros(scene_width(vocabulary)))
-    walls = _to_wall(graph, things)
-    apart = _apart(things)
-    objects = _object_features(things, walls, apart)
-    first, second = _pairs_of(things, apart[0])
+    walls = _to_wall(graph, rows)
+    apart = _apart(rows)
+    objects = _object_features(rows, walls, apart)
+    first, second = _pairs_of(rows, apart[0])
     some = rng.permutation(count)[:SAMPLED]
     few = rng.permutation(len(first))[:SAMPLED]
-    pairs = _pair_features(things, first[few], second[few], apart)
-    return Features(objects[some], pairs, _scene_vector(things, objects, len(vocabulary)))
+    pairs = _pair_features(rows, first[few], second[few], apart)
+    return Features(objects[some], pairs, _scene_vector(rows, objects, len(vocabulary)))
 
 
 def scene_width(vocabulary: tuple[str, ...]) -> int:
@@ -124,45 +124,45 @@ def _objects(graph: SceneGraph, vocabulary: tuple[str, ...]) -> _Objects:
     )  # fmt: skip
 
 
-def _to_wall(graph: SceneGraph, things: _Objects) -> NDArray[np.float64]:
+def _to_wall(graph: SceneGraph, rows: _Objects) -> NDArray[np.float64]:
     """Distance of each centre to the nearest edge of the room, and the turn against that edge, (K, 2)."""
     if FLOOR not in graph.vocabulary:
-        return np.tile([FAR, 0.0], (len(things.category), 1))
+        return np.tile([FAR, 0.0], (len(rows.category), 1))
     outline = room_outline(graph)
     edge = np.roll(outline, -1, axis=0) - outline
-    offset = things.center[:, None, :2] - outline
+    offset = rows.center[:, None, :2] - outline
     along = np.clip((offset * edge).sum(-1) / (edge**2).sum(-1), 0, 1)
     distance = np.linalg.norm(offset - along[..., None] * edge, axis=-1)
     nearest = distance.argmin(axis=1)
     direction = np.arctan2(edge[nearest, 1], edge[nearest, 0])
-    return np.column_stack([distance[np.arange(len(nearest)), nearest], wrapped(things.yaw - direction)])
+    return np.column_stack([distance[np.arange(len(nearest)), nearest], wrapped(rows.yaw - direction)])
 
 
-def _apart(things: _Objects) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+def _apart(rows: _Objects) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
     """Of all pairs: horizontal distance, gap of footprints, and offset of j in the frame of i (K, K, 2)."""
-    offset = things.center[None, :, :2] - things.center[:, None, :2]
-    cos, sin = np.cos(things.yaw)[:, None], np.sin(things.yaw)[:, None]
+    offset = rows.center[None, :, :2] - rows.center[:, None, :2]
+    cos, sin = np.cos(rows.yaw)[:, None], np.sin(rows.yaw)[:, None]
     seen = np.stack([cos * offset[..., 0] + sin * offset[..., 1], cos * offset[..., 1] - sin * offset[..., 0]], -1)
-    turn = things.yaw[None] - things.yaw[:, None]
+    turn = rows.yaw[None] - rows.yaw[:, None]
     c, s = np.abs(np.cos(turn)), np.abs(np.sin(turn))
-    half = things.half[None, :, :2]
+    half = rows.half[None, :, :2]
     reach = np.stack([c * half[..., 0] + s * half[..., 1], s * half[..., 0] + c * half[..., 1]], axis=-1)
-    gap = (np.abs(seen) - things.half[:, None, :2] - reach).max(axis=-1)
+    gap = (np.abs(seen) - rows.half[:, None, :2] - reach).max(axis=-1)
     return np.linalg.norm(offset, axis=-1), np.maximum(gap, gap.T), seen
 
 
-def _object_features(things: _Objects, walls: NDArray[np.float64], apart: tuple[NDArray[np.float64], ...]) -> NDArray:
+def _object_features(rows: _Objects, walls: NDArray[np.float64], apart: tuple[NDArray[np.float64], ...]) -> NDArray:
     distance, gap, seen = apart
-    count, each = len(things.category), np.arange(len(things.category))
-    same_support = (things.support[:, None] == things.support) & ~np.eye(count, dtype=bool)
-    alike = (things.category[:, None] == things.category) & ~np.eye(count, dtype=bool)
+    count, each = len(rows.category), np.arange(len(rows.category))
+    same_support = (rows.support[:, None] == rows.support) & ~np.eye(count, dtype=bool)
+    alike = (rows.category[:, None] == rows.category) & ~np.eye(count, dtype=bool)
     columns = {
-        "category": things.category, "width": things.half[:, 0], "depth": things.half[:, 1],
-        "height": things.half[:, 2], "support category": things.support_category,
+        "category": rows.category, "width": rows.half[:, 0], "depth": rows.half[:, 1],
+        "height": rows.half[:, 2], "support category": rows.support_category,
         "things on the support": same_support.sum(axis=1) + 1,
-        **dict(zip(("x on support", "y on support"), _in_frame(things.center[:, :2], things.frame).T, strict=True)),
-        "bottom over support": things.center[:, 2] - things.half[:, 2] - things.frame[:, 2],
-        "turn on support": wrapped(things.yaw - things.frame[:, 3]),
+        **dict(zip(("x on support", "y on support"), _in_frame(rows.center[:, :2], rows.frame).T, strict=True)),
+        "bottom over support": rows.center[:, 2] - rows.half[:, 2] - rows.frame[:, 2],
+        "turn on support": wrapped(rows.yaw - rows.frame[:, 3]),
         "distance to wall": walls[:, 0], "turn to wall": walls[:, 1],
     }  # fmt: skip
     for name, mask in (("neighbour", same_support), ("its like", alike)):
@@ -172,20 +172,20 @@ def _object_features(things: _Objects, walls: NDArray[np.float64], apart: tuple[
         columns[f"gap to {name}"] = np.where(there, gap[each, other], FAR)
         columns[f"x of {name}"] = np.where(there, seen[each, other, 0], FAR)
         columns[f"y of {name}"] = np.where(there, seen[each, other, 1], FAR)
-        columns[f"turn of {name}"] = np.where(there, wrapped(things.yaw[other] - things.yaw), 0.0)
-    middle = _middle_thing(things)
+        columns[f"turn of {name}"] = np.where(there, wrapped(rows.yaw[other] - rows.yaw), 0.0)
+    middle = _middle_object(rows)
     columns["x from the middle thing"], columns["y from the middle thing"] = seen[middle].T
-    columns["turn to the middle thing"] = wrapped(things.yaw - things.yaw[middle])
+    columns["turn to the middle thing"] = wrapped(rows.yaw - rows.yaw[middle])
     return np.column_stack([columns[name] for name in OBJECT])
 
 
-def _middle_thing(things: _Objects) -> int:
+def _middle_object(rows: _Objects) -> int:
     """The largest footprint within a metre of what lies most central of what stands on the floor."""
-    low = np.flatnonzero(things.level == things.level.min())
-    middle = (things.center[low, :2].min(axis=0) + things.center[low, :2].max(axis=0)) / 2
-    far = np.linalg.norm(things.center[low, :2] - middle, axis=1)
+    low = np.flatnonzero(rows.level == rows.level.min())
+    middle = (rows.center[low, :2].min(axis=0) + rows.center[low, :2].max(axis=0)) / 2
+    far = np.linalg.norm(rows.center[low, :2] - middle, axis=1)
     near = low[far <= far.min() + 1.0]
-    return int(near[(things.half[near, 0] * things.half[near, 1]).argmax()])
+    return int(near[(rows.half[near, 0] * rows.half[near, 1]).argmax()])
 
 
 def _in_frame(points: NDArray[np.float64], frame: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -193,9 +193,9 @@ def _in_frame(points: NDArray[np.float64], frame: NDArray[np.float64]) -> NDArra
     return np.column_stack([cos * offset[:, 0] + sin * offset[:, 1], cos * offset[:, 1] - sin * offset[:, 0]])
 
 
-def _pairs_of(things: _Objects, distance: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Each thing with its two nearest on the same support."""
-    same = (things.support[:, None] == things.support) & ~np.eye(len(distance), dtype=bool)
+def _pairs_of(rows: _Objects, distance: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Each object with its two nearest on the same support."""
+    same = (rows.support[:, None] == rows.support) & ~np.eye(len(distance), dtype=bool)
     order = np.where(same, distance, np.inf).argsort(axis=1, kind="stable")[:, :2]
     first = np.repeat(np.arange(len(order)), order.shape[1])
     second = order.reshape(-1)
@@ -204,24 +204,24 @@ def _pairs_of(things: _Objects, distance: NDArray[np.float64]) -> tuple[NDArray[
 
 
 def _pair_features(
-    things: _Objects, first: NDArray[np.int64], second: NDArray[np.int64], apart: tuple[NDArray[np.float64], ...]
+    rows: _Objects, first: NDArray[np.int64], second: NDArray[np.int64], apart: tuple[NDArray[np.float64], ...]
 ) -> NDArray[np.float64]:
     distance, gap, seen = apart
     columns = [
-        things.category[first], things.category[second], things.support_category[first], *things.half[first, :2].T,
-        *things.half[second, :2].T, distance[first, second], gap[first, second], *seen[first, second].T,
-        wrapped(things.yaw[second] - things.yaw[first]), *seen[second, first].T,
+        rows.category[first], rows.category[second], rows.support_category[first], *rows.half[first, :2].T,
+        *rows.half[second, :2].T, distance[first, second], gap[first, second], *seen[first, second].T,
+        wrapped(rows.yaw[second] - rows.yaw[first]), *seen[second, first].T,
     ]  # fmt: skip
     return np.column_stack(columns)
 
 
-def _scene_vector(things: _Objects, objects: NDArray[np.float64], categories: int) -> NDArray[np.float64]:
+def _scene_vector(rows: _Objects, objects: NDArray[np.float64], categories: int) -> NDArray[np.float64]:
     places = [list(OBJECT).index(name) for name in BY_CATEGORY]
     values = objects[:, places]
     turn = BY_CATEGORY.index("turn to wall")
     values[:, turn] = np.abs(values[:, turn])  # headings of -180 and 180 degrees are one
-    level = np.minimum(things.level - things.level.min(), LEVELS - 1)
-    groups = np.concatenate([things.category, categories + level])
+    level = np.minimum(rows.level - rows.level.min(), LEVELS - 1)
+    groups = np.concatenate([rows.category, categories + level])
     total, count = np.zeros((categories + LEVELS, len(places))), np.bincount(groups, minlength=categories + LEVELS)
     np.add.at(total, groups, np.concatenate([values, values]))
     mean = total / np.maximum(count, 1)[:, None]

@@ -1,7 +1,7 @@
-"""Requested relations: a thing is asked for on top of, or beside, a certain other thing. Is it there?
+"""Requested relations: an object is asked for on top of, or beside, a certain other object. Is it there?
 
-on top of: it was put on the thing asked for, or on what covers that (a drape), and its bottom is within 2 cm of that
-thing's top where it stands (or within that thing, see
+on top of: it was put on the object asked for, or on what covers that (a drape), and its bottom is within 2 cm of that
+object's top where it stands (or within that object, see
 :func:`~.support_gaps.support_gaps`). beside: the gap between the two footprints
 is at most half a metre, and they share at least a quarter of the lower one's height.
 """
@@ -49,6 +49,6 @@ def is_beside(graph: SceneGraph, row: int, target: str) -> bool:
 
 def half_of(graph: SceneGraph, row: int) -> NDArray[np.float64]:
     """Half extents (3,) of an entity's upright box, metres."""
-    from ..dataset.assets.asset import thing_of
+    from ..dataset.assets.asset import object_graph
 
-    return Piece(thing_of(graph, row)).half
+    return Piece(object_graph(graph, row)).half

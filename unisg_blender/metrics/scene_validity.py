@@ -1,9 +1,9 @@
-"""Is a scene possible: collisions, floating and sunk things, things outside the room; per object, scene and set.
+"""Is a scene possible: collisions, floating and sunk objects, objects outside the room; per object, scene and set.
 
 Formulas and limits follow the table of the project's generator benchmark: a
 collision is deeper than 2 cm, or 1 cm where one of the two is smaller than 10
 cm; floating or sunk is more than 2 cm off the support. Beside the collisions
-stands a stricter count, in which flat things collide from half their thickness
+stands a stricter count, in which flat objects collide from half their thickness
 on. Structure (:data:`STRUCTURE`) is what others stand on or bump into; it is not
 counted itself.
 """
@@ -29,7 +29,7 @@ STRUCTURE = frozenset({"Floor", "Wall", "Ceiling", "Door", "Window"})
 """Categories that make up the room."""
 
 DEEP, DEEP_SMALL, SMALL = 0.02, 0.01, 0.10
-"""Collision limits in metres: for most things, where one is small, and how small that is (longest edge)."""
+"""Collision limits in metres: for most objects, where one is small, and how small that is (longest edge)."""
 
 OFF_SUPPORT = 0.02
 OUTSIDE = 0.02
@@ -39,7 +39,7 @@ CategoryPair = tuple[str, str]
 @dataclass(frozen=True, eq=False)
 class Collisions:
     """Pairs (K, 2) of rows that overlap, first < second, how deep each does, metres (K,), and which do beyond the
-    plain limits, bool (K,): the others are flat things.
+    plain limits, bool (K,): the others are flat objects.
     """
 
     pairs: NDArray[np.int64]
@@ -78,10 +78,10 @@ def counted_objects(graph: SceneGraph) -> NDArray[np.bool_]:
 def find_collisions(
     graph: SceneGraph, *, parts: bool = True, allowed: Iterable[CategoryPair] = (), boxes: PartBoxes | None = None
 ) -> Collisions:
-    """All pairs of things that overlap deeper than the limits, in metres.
+    """All pairs of objects that overlap deeper than the limits, in metres.
 
     The depth of a pair is the largest penetration (separating axes, exact) over the
-    boxes of their connected parts, or of the whole things with ``parts=False``. The
+    boxes of their connected parts, or of the whole objects with ``parts=False``. The
     plain limit is 2 cm, and 1 cm if either's longest edge is under 10 cm; pairs
     beyond it are ``deep``. The stricter limit, which all pairs exceed, is also never
     more than half the thinnest edge of the two boxes that meet, since two scalpels
@@ -153,7 +153,7 @@ def _is_among(pairs: NDArray[np.int64], known: NDArray[np.int64], count: int) ->
 def outside_room(
     graph: SceneGraph, boxes: PartBoxes | None = None, outline: NDArray[np.float64] | None = None
 ) -> NDArray[np.float64]:
-    """How far each thing reaches out of the room's outline seen from above, float64 (N,) metres, 0 inside.
+    """How far each object reaches out of the room's outline seen from above, float64 (N,) metres, 0 inside.
 
     The largest distance of a corner of its part boxes to the outline, or the depth
     to which a corner of the room that points inwards reaches into one of them. NaN
@@ -189,13 +189,13 @@ def _poked(boxes: Boxes, outline: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def support_levels(graph: SceneGraph) -> NDArray[np.int64]:
-    """On how many things an entity stands, one on another, int64 (N,): floor 0, table 1, tray 2, tool 3.
+    """On how many objects an entity stands, one on another, int64 (N,): floor 0, table 1, tray 2, tool 3.
 
     The longest way down over what carries it, see :func:`~.support_gaps.find_supports`.
     """
     found = find_supports(graph)
     level = np.zeros(len(graph), np.int64)
-    for _ in range(len(graph)):  # things that carry each other in a circle end this
+    for _ in range(len(graph)):  # objects that carry each other in a circle end this
         higher = level.copy()
         np.maximum.at(higher, found.row, level[found.on] + 1)
         if (higher == level).all():

@@ -1,4 +1,4 @@
-"""What carries what, and how far off its support each thing is."""
+"""What carries what, and how far off its support each object is."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ SUPPORT_KINDS = ("on_top_of", "inside", "hangs_from")
 """Relations to what carries an entity."""
 
 _FOOT = 0.02
-"""Parts whose bottom is no more than this above the lowest one are what a thing stands on, metres."""
+"""Parts whose bottom is no more than this above the lowest one are what an object stands on, metres."""
 
 
 @dataclass(frozen=True, eq=False)

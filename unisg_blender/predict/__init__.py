@@ -1,1 +1,1 @@
-"""What a trained network says about a scene: which thing stands on which, and what kind of scene it is. No torch."""
+"""What a trained network says about a scene: which object stands on which, and what kind of scene it is. No torch."""

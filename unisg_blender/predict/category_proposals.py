@@ -102,7 +102,7 @@ def accept(graph: SceneGraph, proposals: Sequence[Proposal], threshold: float = 
 def beside(graph: SceneGraph) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """Pairs of rows with meshes that stand beside each other, in both directions: at most twelve of a row.
 
-    Things larger than three metres (floors, walls) are nobody's neighbours.
+    Objects larger than three metres (floors, walls) are nobody's neighbours.
     """
     boxes = oriented_boxes(graph)
     size = 2 * boxes.half.max(axis=1)

@@ -1,4 +1,4 @@
-"""Things as oriented boxes, pairs of them that may touch, and what a network is told about a pair."""
+"""Objects as oriented boxes, pairs of them that may touch, and what a network is told about a pair."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from ..geometry.boxes import Boxes
 from ..poses import FORMS
 from ..scene.graph import SceneGraph
 from ..scene.hierarchy import world_matrices
-from ..spatial.relation_objects import find_things
+from ..spatial.relation_objects import find_relation_objects
 
 NEAREST = 12
 LARGE = 4.0
 """A box that is this many times as long as the median one is compared with all others: floors, walls, tables."""
 
 REACH = 0.25
-"""Metres between the axis-aligned boxes of two things from which on a large one is no candidate."""
+"""Metres between the axis-aligned boxes of two objects from which on a large one is no candidate."""
 
 FLOOR_SIZE = 1e-3
 POSE_FORM = "sixd"
@@ -31,27 +31,27 @@ PAIR_CHANNELS = (
 )  # fmt: skip
 
 
-def thing_boxes(graph: SceneGraph) -> tuple[NDArray[np.int64], Boxes]:
-    """Rows of the things of a scene and their boxes in the world, along the things' own axes."""
-    things = find_things(graph)
+def object_boxes(graph: SceneGraph) -> tuple[NDArray[np.int64], Boxes]:
+    """Rows of the objects of a scene and their boxes in the world, along the objects' own axes."""
+    objects = find_relation_objects(graph)
     world = world_matrices(graph)
-    count = len(things.rows)
+    count = len(objects.rows)
     center, half = np.zeros((count, 3)), np.zeros((count, 3))
-    for place, rows in enumerate(things.meshes):
+    for place, rows in enumerate(objects.meshes):
         low, high = np.full(3, np.inf), np.full(3, -np.inf)
         for row in rows:
             points = graph.meshes[graph.mesh[row]].points @ world[row, :3, :3].T + world[row, :3, 3]
-            seen = points[np.isfinite(points).all(axis=1)] @ things.axes[place]
+            seen = points[np.isfinite(points).all(axis=1)] @ objects.axes[place]
             if len(seen):
                 low, high = np.minimum(low, seen.min(axis=0)), np.maximum(high, seen.max(axis=0))
         middle = np.where(np.isfinite(low), (low + high) / 2, 0.0)
-        center[place] = things.axes[place] @ middle
+        center[place] = objects.axes[place] @ middle
         half[place] = np.where(np.isfinite(low), (high - low) / 2, 0.0)
-    return things.rows, Boxes(center, things.axes, half, np.ones(count, bool))
+    return objects.rows, Boxes(center, objects.axes, half, np.ones(count, bool))
 
 
 def candidate_pairs(boxes: Boxes, nearest: int = NEAREST) -> NDArray[np.int64]:
-    """Ordered pairs (P, 2), subject and target, of things near each other; sorted, both ways.
+    """Ordered pairs (P, 2), subject and target, of objects near each other; sorted, both ways.
 
     The ``nearest`` by the distance of the middles, and all large ones within reach: O(N log N) in time, O(N) in memory.
     """

@@ -1,4 +1,4 @@
-"""Which thing stands on which, by a trained network over pairs of things near each other."""
+"""Which object stands on which, by a trained network over pairs of objects near each other."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from ..errors import UniSGError
 from ..geometry.boxes import Boxes
 from ..scene import components
 from ..scene.graph import SceneGraph, table
-from .object_pairs import PAIR_CHANNELS, candidate_pairs, in_chunks, pair_features, thing_boxes
+from .object_pairs import PAIR_CHANNELS, candidate_pairs, in_chunks, object_boxes, pair_features
 from .prediction_session import Network, load_network
 
 KIND = "on_top_of"
@@ -41,7 +41,7 @@ class TopologyModel:
 
     def find(self, graph: SceneGraph, threshold: float | None = None) -> list[Found]:
         """Relations of a scene: row of the subject, "on_top_of", row of the target, and the chance; sorted by rows."""
-        rows, boxes = thing_boxes(graph)
+        rows, boxes = object_boxes(graph)
         pairs = candidate_pairs(boxes)
         chance = self.chances(boxes, pairs)
         kept = chance >= (self.threshold if threshold is None else threshold)

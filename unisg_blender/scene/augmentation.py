@@ -42,7 +42,7 @@ def pose_noise(
     Parameters
     ----------
     upright
-        Noise in the plane of the parent only: x, y and yaw, as things on a level support move.
+        Noise in the plane of the parent only: x, y and yaw, as objects on a level support move.
     fixed
         Categories that stay.
     """

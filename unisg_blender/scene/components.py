@@ -78,7 +78,7 @@ EMPTY = "empty"
 
 INSTANCES = "instances"
 """Copies that are drawn but are no entities. ``prototype`` object: a whole :class:`~.graph.SceneGraph`, the same
-object for every entry that instances the same thing, its meshes shared with other graphs; it may have instances
+object for every entry that instances the same object, its meshes shared with other graphs; it may have instances
 itself; ``matrix`` (K, 4, 4): prototype's world to the frame of the entity; ``source`` object (str): "COLLECTION"
 for a whole collection, "GEOMETRY" for what geometry nodes, particles or duplication make; several per entity.
 :func:`~.realize_instances.realize` turns them into entities."""
@@ -88,7 +88,7 @@ ANIMATION = "animation"
 the local matrix at these times (child to parent); one entry per moving entity."""
 
 RECORDING = "recording"
-"""Motion that was recorded while a user moved things: columns as in :data:`ANIMATION`."""
+"""Motion that was recorded while a user moved objects: columns as in :data:`ANIMATION`."""
 
 LIBRARY = "library"
 """Entities that come from another file: ``path`` object (str) as the file has it."""

@@ -15,7 +15,7 @@ from .properties import ObjectProperties
 from .relation import Relation
 
 SAME_PLACE = 1e-4
-"""Metres (and matrix entries) within which two things stand to each other as their originals do."""
+"""Metres (and matrix entries) within which two objects stand to each other as their originals do."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,4 +1,4 @@
-"""Relations of place between things that do not touch: above, beside, left, right, in front, behind."""
+"""Relations of place between objects that do not touch: above, beside, left, right, in front, behind."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ..geometry.box_overlap import nearby_pairs
 from ..geometry.boxes import Boxes
-from .relation_objects import Things
+from .relation_objects import RelationObjects
 
 if TYPE_CHECKING:
     from .relations import RelationTolerances
@@ -18,28 +18,28 @@ OPPOSITE = {"left_of": "right_of", "in_front_of": "behind", "above": "below", "b
 
 
 def directions(
-    things: Things, tolerances: RelationTolerances, joined: set[tuple[int, int]]
+    objects: RelationObjects, tolerances: RelationTolerances, joined: set[tuple[int, int]]
 ) -> list[tuple[int, str, int]]:
-    """Relations of place, both ways: (subject, kind, target) as numbers of things.
+    """Relations of place, both ways: (subject, kind, target) as numbers of objects.
 
     Pairs in ``joined`` (smaller number first) are left out: they rest on each other,
     lie in each other or are connected.
     """
     found = []
-    for kind, subject, target in _vertical(things, tolerances) + _horizontal(things, tolerances):
+    for kind, subject, target in _vertical(objects, tolerances) + _horizontal(objects, tolerances):
         if (min(subject, target), max(subject, target)) not in joined:
             found += [(subject, kind, target), (target, OPPOSITE[kind], subject)]
     return found
 
 
-def _grown(things: Things, horizontal: float, vertical: float) -> Boxes:
-    boxes = things.boxes
+def _grown(objects: RelationObjects, horizontal: float, vertical: float) -> Boxes:
+    boxes = objects.boxes
     return Boxes(boxes.center, boxes.axes, boxes.half + np.array([horizontal, horizontal, vertical]) / 2, boxes.solid)
 
 
-def _vertical(things: Things, tolerances: RelationTolerances) -> list[tuple[str, int, int]]:
-    pairs = nearby_pairs(_grown(things, 0.0, tolerances.above))
-    low, high = things.low[pairs], things.high[pairs]
+def _vertical(objects: RelationObjects, tolerances: RelationTolerances) -> list[tuple[str, int, int]]:
+    pairs = nearby_pairs(_grown(objects, 0.0, tolerances.above))
+    low, high = objects.low[pairs], objects.high[pairs]
     common = np.minimum(high[:, 0, :2], high[:, 1, :2]) - np.maximum(low[:, 0, :2], low[:, 1, :2])
     smaller = np.minimum(high[:, 0, :2] - low[:, 0, :2], high[:, 1, :2] - low[:, 1, :2])
     over = (common > 0).all(axis=1) & (common.prod(axis=1) >= tolerances.shared * smaller.prod(axis=1))
@@ -50,16 +50,16 @@ def _vertical(things: Things, tolerances: RelationTolerances) -> list[tuple[str,
     ]
 
 
-def _horizontal(things: Things, tolerances: RelationTolerances) -> list[tuple[str, int, int]]:
-    pairs = nearby_pairs(_grown(things, tolerances.beside, 0.0))
-    low, high = things.low[pairs], things.high[pairs]
+def _horizontal(objects: RelationObjects, tolerances: RelationTolerances) -> list[tuple[str, int, int]]:
+    pairs = nearby_pairs(_grown(objects, tolerances.beside, 0.0))
+    low, high = objects.low[pairs], objects.high[pairs]
     common = np.minimum(high[:, 0, 2], high[:, 1, 2]) - np.maximum(low[:, 0, 2], low[:, 1, 2])
     lower = np.minimum(high[:, 0, 2] - low[:, 0, 2], high[:, 1, 2] - low[:, 1, 2])
     space = np.maximum(low[:, 0, :2], low[:, 1, :2]) - np.minimum(high[:, 0, :2], high[:, 1, :2])
     distance = np.linalg.norm(np.maximum(space, 0), axis=1)
     apart = (space >= -tolerances.overlap).any(axis=1) & (distance <= tolerances.beside)
     level = apart & (common >= tolerances.shared * lower) & (common > 0)
-    pairs, offset = pairs[level], _seen(things, pairs[level], tolerances.heading)
+    pairs, offset = pairs[level], _seen(objects, pairs[level], tolerances.heading)
     sideways = np.abs(offset[:, 0]) >= np.abs(offset[:, 1])
     found = [("beside", one, two) for one, two in pairs.tolist()]
     for kind, axis, chosen in (("left_of", 0, sideways), ("in_front_of", 1, ~sideways)):
@@ -69,8 +69,8 @@ def _horizontal(things: Things, tolerances: RelationTolerances) -> list[tuple[st
     return found
 
 
-def _seen(things: Things, pairs: NDArray[np.int64], heading: float) -> NDArray[np.float64]:
+def _seen(objects: RelationObjects, pairs: NDArray[np.int64], heading: float) -> NDArray[np.float64]:
     """From the first's middle to the second's, (K, 2): to the viewer's right, and away from the viewer."""
-    offset = things.boxes.center[pairs[:, 1], :2] - things.boxes.center[pairs[:, 0], :2]
+    offset = objects.boxes.center[pairs[:, 1], :2] - objects.boxes.center[pairs[:, 0], :2]
     cosine, sine = np.cos(heading), np.sin(heading)
     return offset @ np.array([[cosine, -sine], [sine, cosine]])

@@ -1,4 +1,4 @@
-"""Oriented boxes around entities: the size of things, for relations, metrics and generation."""
+"""Oriented boxes around entities: the size of objects, for relations, metrics and generation."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Level surfaces on which things can stand: the upper sides of boxes, and what several of them make together."""
+"""Level surfaces on which objects can stand: the upper sides of boxes, and what several of them make together."""
 
 from __future__ import annotations
 

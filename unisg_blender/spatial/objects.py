@@ -1,4 +1,4 @@
-"""What a generator sees of a scene: things, their upright boxes, and what each of them stands on."""
+"""What a generator sees of a scene: objects, their upright boxes, and what each of them stands on."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ CONTACT = 0.02
 
 
 @dataclass(frozen=True, eq=False)
-class Things:
-    """The things of a scene, K of them with P parts: entities with their uncategorised descendants.
+class SceneObjects:
+    """The objects of a scene, K of them with P parts: entities with their uncategorised descendants.
 
     Attributes
     ----------
@@ -29,7 +29,7 @@ class Things:
     category
         int64 (K,): position in the vocabulary asked for, -1 for others.
     support
-        int64 (K,): the thing that it is parented to or else rests on, -1 for none.
+        int64 (K,): the object that it is parented to or else rests on, -1 for none.
     center, half
         (K, 3): middle and half extents of the upright box turned by ``yaw``, metres.
     yaw
@@ -63,17 +63,17 @@ class Things:
         """Heights of the highest points, (K,)."""
         return self.center[:, 2] + self.half[:, 2]
 
-    def parts_of(self, thing: int) -> Boxes:
-        """The parts of one thing."""
-        return self.parts.take(np.arange(*np.searchsorted(self.owner, (thing, thing + 1))))
+    def parts_of(self, obj: int) -> Boxes:
+        """The parts of one object."""
+        return self.parts.take(np.arange(*np.searchsorted(self.owner, (obj, obj + 1))))
 
 
-def things_of(graph: SceneGraph, vocabulary: Sequence[str]) -> Things:
-    """The things of a scene, categories numbered as in ``vocabulary``."""
-    thing_at = thing_rows(graph)
-    rows, place = np.unique(thing_at[thing_at >= 0], return_inverse=True)
+def scene_objects(graph: SceneGraph, vocabulary: Sequence[str]) -> SceneObjects:
+    """The objects of a scene, categories numbered as in ``vocabulary``."""
+    object_at = object_rows(graph)
+    rows, place = np.unique(object_at[object_at >= 0], return_inverse=True)
     number = np.full(len(graph) + 1, -1, np.int64)
-    number[np.flatnonzero(thing_at >= 0)] = place
+    number[np.flatnonzero(object_at >= 0)] = place
     shapes = part_boxes(graph)
     owner = number[shapes.owner]
     order = np.argsort(owner, kind="stable")
@@ -86,9 +86,9 @@ def things_of(graph: SceneGraph, vocabulary: Sequence[str]) -> Things:
     above = graph.parent[rows]
     parent = np.where(above >= 0, number[above], -1)
     category = codes[graph.category[rows]]
-    support = _with_supports(Things(rows, category, parent, center, half, yaw, parts, owner, ()))
+    support = _with_supports(SceneObjects(rows, category, parent, center, half, yaw, parts, owner, ()))
     relation = _relations(graph, rows, number, support)
-    return Things(rows, category, support, center, half, yaw, parts, owner, relation)
+    return SceneObjects(rows, category, support, center, half, yaw, parts, owner, relation)
 
 
 def _relations(
@@ -98,19 +98,19 @@ def _relations(
     table = graph.components.get("relations")
     if table is not None:
         for row, kind, uid in zip(table.rows, table.columns["kind"], table.columns["target"], strict=True):
-            thing, target = number[row], number[graph.row_of_uid.get(uid, -1)]
-            if thing >= 0 and rows[thing] == row and target >= 0 and target == support[thing]:
-                found[thing] = str(kind)
+            obj, target = number[row], number[graph.row_of_uid.get(uid, -1)]
+            if obj >= 0 and rows[obj] == row and target >= 0 and target == support[obj]:
+                found[obj] = str(kind)
     return tuple(found)
 
 
-def find_thing(graph: SceneGraph, uids: Sequence[str], text: str) -> int:
-    """The number of the thing with a uid or name, among things with these uids.
+def find_object(graph: SceneGraph, uids: Sequence[str], text: str) -> int:
+    """The number of the object with a uid or name, among objects with these uids.
 
     Raises
     ------
     UniSGError
-        If it is not there, there are several, or it is no thing.
+        If it is not there, there are several, or it is no object.
     """
     if text in uids:
         return list(uids).index(text)
@@ -119,18 +119,18 @@ def find_thing(graph: SceneGraph, uids: Sequence[str], text: str) -> int:
         raise UniSGError(f"nothing in the scene is called {text!r}: give the name of an object")
     if len(rows) > 1:
         raise UniSGError(f"{len(rows)} objects are called {text!r}: give the uid of one ('unisg inspect' shows it)")
-    thing = int(thing_rows(graph)[rows[0]])
-    if thing < 0:
+    obj = int(object_rows(graph)[rows[0]])
+    if obj < 0:
         raise UniSGError(f"{text!r} has neither a mesh nor a category: take another object or assign a category")
-    if thing != rows[0]:
-        raise UniSGError(f"{text!r} is a part of {graph.name[thing]!r}: take that")
-    return list(uids).index(graph.uid[thing])
+    if obj != rows[0]:
+        raise UniSGError(f"{text!r} is a part of {graph.name[obj]!r}: take that")
+    return list(uids).index(graph.uid[obj])
 
 
-def thing_rows(graph: SceneGraph) -> NDArray[np.int64]:
-    """int64 (N,): for each entity the row of the thing that it is or belongs to, -1 for none.
+def object_rows(graph: SceneGraph) -> NDArray[np.int64]:
+    """int64 (N,): for each entity the row of the object that it is or belongs to, -1 for none.
 
-    A thing is an entity with a category, or one with a mesh that hangs under none.
+    An object is an entity with a category, or one with a mesh that hangs under none.
     """
     category, mesh = graph.category.tolist(), graph.mesh.tolist()
     found: list[int] = []
@@ -146,7 +146,7 @@ def thing_rows(graph: SceneGraph) -> NDArray[np.int64]:
 def _upright(
     parts: Boxes, owner: NDArray[np.int64], yaw: NDArray[np.float64], origin: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Centres and half extents of the things' boxes; things without geometry have a point at their origin."""
+    """Centres and half extents of the objects' boxes; objects without geometry have a point at their origin."""
     corners = parts.center[:, None] + (_CORNERS * parts.half[:, None]) @ np.swapaxes(parts.axes, 1, 2)
     seen = turned(corners, -yaw[owner][:, None])
     low, high = np.full((len(yaw), 3), np.inf), np.full((len(yaw), 3), -np.inf)
@@ -159,23 +159,23 @@ def _upright(
     return turned((low + high) / 2, yaw), (high - low) / 2
 
 
-def _with_supports(things: Things) -> NDArray[np.int64]:
-    """The supports, where roots and what hangs under something without geometry get the thing that they rest on."""
-    support = things.support.copy()
-    bare = things.half.max(axis=1) <= 0
-    for thing in np.flatnonzero((support < 0) | bare[np.maximum(support, 0)]):
-        below = resting_on(things, int(thing))
+def _with_supports(objects: SceneObjects) -> NDArray[np.int64]:
+    """The supports, where roots and what hangs under something without geometry get the object that they rest on."""
+    support = objects.support.copy()
+    bare = objects.half.max(axis=1) <= 0
+    for obj in np.flatnonzero((support < 0) | bare[np.maximum(support, 0)]):
+        below = resting_on(objects, int(obj))
         if below >= 0:
-            support[thing] = below
+            support[obj] = below
     return support
 
 
-def resting_on(things: Things, thing: int) -> int:
-    """The thing on one of whose parts the bottom of ``thing`` rests, the highest one; -1 for none."""
-    own = things.owner == thing
-    tops = part_tops(things.parts)
-    near = (np.abs(tops - things.bottom[thing]) <= CONTACT) & ~own
+def resting_on(objects: SceneObjects, obj: int) -> int:
+    """The object on one of whose parts the bottom of ``obj`` rests, the highest one; -1 for none."""
+    own = objects.owner == obj
+    tops = part_tops(objects.parts)
+    near = (np.abs(tops - objects.bottom[obj]) <= CONTACT) & ~own
     if not near.any() or not own.any():
         return -1
-    under = np.flatnonzero(near & covers(things.parts, things.center[thing, :2]))
-    return int(things.owner[under[np.argmax(tops[under])]]) if len(under) else -1
+    under = np.flatnonzero(near & covers(objects.parts, objects.center[obj, :2]))
+    return int(objects.owner[under[np.argmax(tops[under])]]) if len(under) else -1

@@ -1,4 +1,4 @@
-"""Do things overlap, and how deep: exact tests between oriented boxes, and the boxes of a mesh's parts."""
+"""Do objects overlap, and how deep: exact tests between oriented boxes, and the boxes of a mesh's parts."""
 
 from __future__ import annotations
 

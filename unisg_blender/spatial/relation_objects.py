@@ -1,4 +1,4 @@
-"""The things of a scene: what relations are told of."""
+"""The objects of a scene: what relations are told of."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from ..scene.hierarchy import world_matrices
 
 
 @dataclass(frozen=True, eq=False)
-class Things:
+class RelationObjects:
     """Entities with meshes of their own or of uncategorised entities below them.
 
-    ``rows`` int64 (T,); ``of_row`` int64 (N,): the thing that a row's mesh belongs to,
-    -1 for none; ``meshes``: rows of the meshes of each thing; ``low``, ``high`` (T, 3): exact
+    ``rows`` int64 (T,); ``of_row`` int64 (N,): the object that a row's mesh belongs to,
+    -1 for none; ``meshes``: rows of the meshes of each object; ``low``, ``high`` (T, 3): exact
     axis-aligned boxes in the world; ``axes`` (T, 3, 3): their own axes; ``parts``: (row, row of
-    the thing) of meshes that only belong to a thing; ``above`` int64 (T,): the next thing up the
+    the object) of meshes that only belong to an object; ``above`` int64 (T,): the next object up the
     hierarchy, -1 for none.
     """
 
@@ -40,18 +40,18 @@ class Things:
         return Boxes((self.low + self.high) / 2, eyes, (self.high - self.low) / 2, np.ones(count, bool))
 
     def is_below(self, one: int, two: int) -> bool:
-        """True if thing ``one`` hangs under thing ``two`` in the hierarchy."""
+        """True if object ``one`` hangs under object ``two`` in the hierarchy."""
         place = int(self.above[one])
         while place >= 0 and place != two:
             place = int(self.above[place])
         return place == two
 
 
-def find_things(graph: SceneGraph) -> Things:
-    """Group the meshes of a scene into things.
+def find_relation_objects(graph: SceneGraph) -> RelationObjects:
+    """Group the meshes of a scene into objects.
 
     A mesh belongs to the nearest entity at or above it that has a category; without
-    one it is a thing by itself.
+    one it is an object by itself.
     """
     named = np.where(graph.category >= 0, np.arange(len(graph)), -1)
     for row, above in enumerate(graph.parent.tolist()):  # parents come first
@@ -67,11 +67,11 @@ def find_things(graph: SceneGraph) -> Things:
     lowest, highest = np.full((len(rows), 3), np.inf), np.full((len(rows), 3), -np.inf)
     np.minimum.at(lowest, of_row[shown], low[shown])
     np.maximum.at(highest, of_row[shown], high[shown])
-    by_thing = np.flatnonzero(shown)[np.argsort(of_row[shown], kind="stable")]
-    meshes = np.split(by_thing, np.cumsum(np.bincount(of_row[shown], minlength=len(rows)))[:-1])
+    by_object = np.flatnonzero(shown)[np.argsort(of_row[shown], kind="stable")]
+    meshes = np.split(by_object, np.cumsum(np.bincount(of_row[shown], minlength=len(rows)))[:-1])
     parts = [(int(row), int(owner[row])) for row in np.flatnonzero(shown & (owner != np.arange(len(graph))))]
     axes = orthonormal_axes(world_matrices(graph)[rows, :3, :3])
-    return Things(rows, of_row, meshes if len(rows) else [], lowest, highest, axes, parts, _above(graph, rows))
+    return RelationObjects(rows, of_row, meshes if len(rows) else [], lowest, highest, axes, parts, _above(graph, rows))
 
 
 def _world_bounds(graph: SceneGraph, shown: NDArray[np.bool_]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -1,4 +1,4 @@
-"""Relations between things, computed from their geometry."""
+"""Relations between objects, computed from their geometry."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ..scene import components
 from ..scene.graph import SceneGraph, table
 from .directions import directions
 from .part_boxes import part_boxes
-from .relation_objects import Things, find_things
+from .relation_objects import RelationObjects, find_relation_objects
 
 KINDS = (
     "on_top_of", "inside", "above", "below", "left_of", "right_of", "in_front_of", "behind", "beside", "part_of",
@@ -33,18 +33,18 @@ class RelationTolerances:
     gap, overlap
         Largest distance, and largest depth, at which surfaces touch.
     beside
-        Largest horizontal distance of things that stand beside each other.
+        Largest horizontal distance of objects that stand beside each other.
     above
-        Largest height of one thing over another that it hangs above.
+        Largest height of one object over another that it hangs above.
     shared
         Least share of the smaller one's footprint (for above and below) or height
         (for beside and the directions) that both have in common.
     walls
-        In how many of six directions a thing that is inside another meets it at least;
+        In how many of six directions an object that is inside another meets it at least;
         where nothing is over it, on all sides and below.
     hollow
-        Least depth of something open at the top that things can be inside of, as a
-        share of its narrower inner width: things lie in a bowl, but on a tray.
+        Least depth of something open at the top that objects can be inside of, as a
+        share of its narrower inner width: objects lie in a bowl, but on a tray.
     heading
         Direction in which the viewer looks, radians counter-clockwise from +Y: it
         decides what is left, right, in front and behind.
@@ -81,11 +81,11 @@ def relate(graph: SceneGraph, tolerances: RelationTolerances = RelationTolerance
 
 
 def find_relations(graph: SceneGraph, tolerances: RelationTolerances = RelationTolerances()) -> list[Found]:
-    """All relations between the things of a scene, sorted.
+    """All relations between the objects of a scene, sorted.
 
-    A thing is an entity with a mesh, or with a category and meshes below it. Oriented
+    An object is an entity with a mesh, or with a category and meshes below it. Oriented
     boxes of the meshes' parts say which pairs can meet; the surfaces themselves say
-    which do. Time grows as O(N log N) for things that are spread out in space.
+    which do. Time grows as O(N log N) for objects that are spread out in space.
 
     Returns
     -------
@@ -93,26 +93,26 @@ def find_relations(graph: SceneGraph, tolerances: RelationTolerances = RelationT
         ``kind`` is one of :data:`KINDS`; "beside" and "connected_to" hold both ways, "above" and "below",
         "left_of" and "right_of", "in_front_of" and "behind" come in pairs.
     """
-    things = find_things(graph)
-    surfaces = Surfaces(graph, things.meshes)
-    found = _touching(things, _close_pairs(graph, things, tolerances), surfaces, tolerances)
+    objects = find_relation_objects(graph)
+    surfaces = Surfaces(graph, objects.meshes)
+    found = _touching(objects, _close_pairs(graph, objects, tolerances), surfaces, tolerances)
     found = _direct(found)
     joined = {(min(subject, target), max(subject, target)) for subject, _, target in found}
-    found += directions(things, tolerances, joined)
-    rows = [(int(things.rows[subject]), kind, int(things.rows[target])) for subject, kind, target in found]
-    return sorted(rows + [(row, "part_of", above) for row, above in things.parts])
+    found += directions(objects, tolerances, joined)
+    rows = [(int(objects.rows[subject]), kind, int(objects.rows[target])) for subject, kind, target in found]
+    return sorted(rows + [(row, "part_of", above) for row, above in objects.parts])
 
 
-def _close_pairs(graph: SceneGraph, things: Things, tolerances: RelationTolerances) -> NDArray[np.int64]:
-    """Pairs (K, 2) of things of which some parts' oriented boxes touch, or one stands in the other's box."""
+def _close_pairs(graph: SceneGraph, objects: RelationObjects, tolerances: RelationTolerances) -> NDArray[np.int64]:
+    """Pairs (K, 2) of objects of which some parts' oriented boxes touch, or one stands in the other's box."""
     parts = part_boxes(graph)
     pairs = nearby_pairs(parts.boxes, tolerances.gap)
-    owners = things.of_row[parts.owner[pairs]].reshape(-1, 2)
+    owners = objects.of_row[parts.owner[pairs]].reshape(-1, 2)
     pairs, owners = pairs[owners[:, 0] != owners[:, 1]], owners[owners[:, 0] != owners[:, 1]]
     depth = penetration(parts.boxes.take(pairs[:, 0]), parts.boxes.take(pairs[:, 1]))
     touching = np.sort(owners[depth >= -tolerances.gap], axis=1)
-    near = nearby_pairs(things.boxes)
-    low, high = things.low[near], things.high[near] + tolerances.gap
+    near = nearby_pairs(objects.boxes)
+    low, high = objects.low[near], objects.high[near] + tolerances.gap
     nested = (low[:, 0] >= low[:, 1] - tolerances.gap).all(axis=1) & (high[:, 0] <= high[:, 1] + tolerances.gap).all(
         axis=1
     )
@@ -123,23 +123,23 @@ def _close_pairs(graph: SceneGraph, things: Things, tolerances: RelationToleranc
 
 
 def _touching(
-    things: Things, pairs: NDArray[np.int64], surfaces: Surfaces, tolerances: RelationTolerances
+    objects: RelationObjects, pairs: NDArray[np.int64], surfaces: Surfaces, tolerances: RelationTolerances
 ) -> list[Found]:
     """What rests on, lies in, belongs to or is joined with what."""
     found: list[Found] = []
     for one, two in pairs.tolist():
         between: list[Found] = []
         for subject, target in ((one, two), (two, one)):
-            if _lies_inside(things, subject, target, surfaces, tolerances):
+            if _lies_inside(objects, subject, target, surfaces, tolerances):
                 between.append((subject, "inside", target))
-            elif _rests(things, subject, target, surfaces, tolerances):
+            elif _rests(objects, subject, target, surfaces, tolerances):
                 between.append((subject, "on_top_of", target))
         if len(between) > 1:  # both ways: what reaches lower bears the other
-            between = [max(between, key=lambda entry: (entry[1] == "inside", things.low[entry[0], 2]))]
-        if not between and _meets(things, one, two, surfaces, tolerances):
-            if things.is_below(one, two):
+            between = [max(between, key=lambda entry: (entry[1] == "inside", objects.low[entry[0], 2]))]
+        if not between and _meets(objects, one, two, surfaces, tolerances):
+            if objects.is_below(one, two):
                 between = [(one, "part_of", two)]
-            elif things.is_below(two, one):
+            elif objects.is_below(two, one):
                 between = [(two, "part_of", one)]
             else:
                 between = [(one, "connected_to", two), (two, "connected_to", one)]
@@ -148,7 +148,7 @@ def _touching(
 
 
 def _direct(found: list[Found]) -> list[Found]:
-    """Without what rests on something only through a thin thing between, as a cup on a cloth on a table."""
+    """Without what rests on something only through a thin object between, as a cup on a cloth on a table."""
     bearers: dict[int, set[int]] = {}
     for subject, kind, target in found:
         if kind in ("on_top_of", "inside"):
@@ -160,36 +160,40 @@ def _direct(found: list[Found]) -> list[Found]:
     ]
 
 
-def _rests(things: Things, subject: int, target: int, surfaces: Surfaces, tolerances: RelationTolerances) -> bool:
+def _rests(
+    objects: RelationObjects, subject: int, target: int, surfaces: Surfaces, tolerances: RelationTolerances
+) -> bool:
     """Contacts below the subject's middle, and not only at the brim of a side that it touches."""
-    low = np.maximum(things.low[subject], things.low[target])
-    high = np.minimum(things.high[subject], things.high[target])
-    if ((high - low)[:2] <= 0).any() or things.low[subject, 2] < things.low[target, 2] - tolerances.overlap:
+    low = np.maximum(objects.low[subject], objects.low[target])
+    high = np.minimum(objects.high[subject], objects.high[target])
+    if ((high - low)[:2] <= 0).any() or objects.low[subject, 2] < objects.low[target, 2] - tolerances.overlap:
         return False
     low[2], high[2] = low[2] - tolerances.gap - tolerances.overlap, high[2] + tolerances.gap + tolerances.overlap
     contacts = contact_heights(surfaces.of(subject), surfaces.of(target), low, high, tolerances.gap, tolerances.overlap)
-    middle = (things.low[subject, 2] + things.high[subject, 2]) / 2
+    middle = (objects.low[subject, 2] + objects.high[subject, 2]) / 2
     return bool((contacts <= middle).any()) if len(contacts) else False
 
 
-def _lies_inside(things: Things, subject: int, target: int, surfaces: Surfaces, tolerances: RelationTolerances) -> bool:
+def _lies_inside(
+    objects: RelationObjects, subject: int, target: int, surfaces: Surfaces, tolerances: RelationTolerances
+) -> bool:
     """The subject's box lies in the target's, and the target's surface stands around its middle."""
-    low, high = things.low[target] - tolerances.gap, things.high[target] + tolerances.gap
-    middle = (things.low[subject] + things.high[subject]) / 2
-    footprint = (things.low[subject, :2] >= low[:2]).all() and (things.high[subject, :2] <= high[:2]).all()
+    low, high = objects.low[target] - tolerances.gap, objects.high[target] + tolerances.gap
+    middle = (objects.low[subject] + objects.high[subject]) / 2
+    footprint = (objects.low[subject, :2] >= low[:2]).all() and (objects.high[subject, :2] <= high[:2]).all()
     if not footprint or not (low <= middle).all() or not (middle <= high).all():
         return False
-    walls = walls_around(middle, surfaces.of(target), things.axes[target])
-    upward = int(np.argmax(np.abs(things.axes[target][2])))
+    walls = walls_around(middle, surfaces.of(target), objects.axes[target])
+    upward = int(np.argmax(np.abs(objects.axes[target][2])))
     if np.isfinite(walls[upward]).all():
         return bool(np.isfinite(walls).sum() >= tolerances.walls)
     across = np.delete(walls.sum(axis=1), upward)
-    depth = things.high[target, 2] - middle[2] + walls[upward].min()
+    depth = objects.high[target, 2] - middle[2] + walls[upward].min()
     return bool(np.isfinite(walls).sum() == 5 and depth >= tolerances.hollow * across.min())
 
 
-def _meets(things: Things, one: int, two: int, surfaces: Surfaces, tolerances: RelationTolerances) -> bool:
-    low = np.maximum(things.low[one], things.low[two]) - tolerances.gap
-    high = np.minimum(things.high[one], things.high[two]) + tolerances.gap
+def _meets(objects: RelationObjects, one: int, two: int, surfaces: Surfaces, tolerances: RelationTolerances) -> bool:
+    low = np.maximum(objects.low[one], objects.low[two]) - tolerances.gap
+    high = np.minimum(objects.high[one], objects.high[two]) + tolerances.gap
     parts = within(surfaces.of(one), low, high), within(surfaces.of(two), low, high)
     return surface_gap(*parts) <= tolerances.gap

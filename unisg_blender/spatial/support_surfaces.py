@@ -1,4 +1,4 @@
-"""Boards: the level surfaces of a thing on which others can stand, such as those of a shelf or a trolley."""
+"""Boards: the level surfaces of an object on which others can stand, such as those of a shelf or a trolley."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from ..scene import Boxes
 from .objects import CONTACT
 
 MOST = 8
-"""Boards kept of one thing, the largest ones."""
+"""Boards kept of one object, the largest ones."""
 
 SHARE = 0.12
 """A level that has less than this share of the largest one's area is an edge and no board."""
@@ -21,13 +21,13 @@ SAME = 0.01
 """Metres in height within which surfaces make one board."""
 
 OPEN = 2.0
-"""Metres of headroom told where nothing of the thing itself is above."""
+"""Metres of headroom told where nothing of the object itself is above."""
 
 
 def boards_of(parts: Boxes, bottom: float) -> NDArray[np.float64]:
-    """The boards of a thing (S, 3), lowest first: height above its bottom, area (m2) and headroom, metres.
+    """The boards of an object (S, 3), lowest first: height above its bottom, area (m2) and headroom, metres.
 
-    Headroom is the clear height up to the next part of the thing that covers a quarter of the board.
+    Headroom is the clear height up to the next part of the object that covers a quarter of the board.
     """
     if not len(parts.center):
         return np.zeros((0, 3))
@@ -59,7 +59,7 @@ def _headroom(
 
 
 def board_at(boards: NDArray[np.float64], height: float) -> int:
-    """Which board (S, 3) something stands on whose bottom is at a height above the thing's bottom; -1 for none."""
+    """Which board (S, 3) something stands on whose bottom is at a height above the object's bottom; -1 for none."""
     if not len(boards):
         return -1
     off = np.abs(boards[:, 0] - height)

@@ -1,4 +1,4 @@
-"""A room while it is being furnished: places things, remembers who stands on what, makes the scenegraph."""
+"""A room while it is being furnished: places objects, remembers who stands on what, makes the scenegraph."""
 
 from __future__ import annotations
 
@@ -61,12 +61,12 @@ class Placed:
 
 @dataclass
 class Layout:
-    """The things placed so far in a world with a random generator of its own."""
+    """The objects placed so far in a world with a random generator of its own."""
 
     title: str
     rng: np.random.Generator
     outline: NDArray[np.float64]
-    things: list[Placed] = field(default_factory=list)
+    objects: list[Placed] = field(default_factory=list)
     taken: Occupancy = field(default_factory=Occupancy)
     _names: Counter[str] = field(default_factory=Counter)
 
@@ -78,10 +78,10 @@ class Layout:
         self._names[asset.category] += 1
         name = f"{asset.category}.{count:03d}" if count else asset.category
         pose = np.asarray(pose, np.float64)
-        thing = Placed(len(self.things), name, derived_uid(self.title, name), asset, pose, parent, relation)
-        self.things.append(thing)
-        self.taken.add(asset.shapes, pose, thing.number)
-        return thing
+        obj = Placed(len(self.objects), name, derived_uid(self.title, name), asset, pose, parent, relation)
+        self.objects.append(obj)
+        self.taken.add(asset.shapes, pose, obj.number)
+        return obj
 
     def keep_out(self, size: Sequence[float], pose: Sequence[float] | Pose) -> None:
         """Keep a box free (``size`` x, y, z; ``pose`` of the centre of its bottom)."""
@@ -107,7 +107,7 @@ class Layout:
         clearance: float = 0.0, relation: str = "on_top_of", tries: int = TRIES,
     ) -> Placed | None:  # fmt: skip
         """Put the asset at the first of some proposed poses where it fits; None if there is none."""
-        for count in (FIRST_TRIES, tries - FIRST_TRIES):  # most things fit at once
+        for count in (FIRST_TRIES, tries - FIRST_TRIES):  # most objects fit at once
             poses = np.array([propose() for _ in range(count)], np.float64)
             for pose in poses[self.fits(asset, poses, parent, clearance)]:
                 return self.add(asset, pose, parent, relation)
@@ -152,8 +152,8 @@ class Layout:
         return poses[(room >= 0).all(axis=1)]
 
     def named(self, category: str) -> list[Placed]:
-        """All things of a category, in the order in which they were placed."""
-        return [thing for thing in self.things if thing.asset.category == category]
+        """All objects of a category, in the order in which they were placed."""
+        return [obj for obj in self.objects if obj.asset.category == category]
 
     def build(
         self,
@@ -162,18 +162,18 @@ class Layout:
         relations: dict[str, list[Relation]] | None = None,
     ) -> SceneGraph:
         """The scenegraph; ``actions`` and further ``relations`` by the uid of the entity that they belong to."""
-        builder = SceneBuilder(self.title, used_by(thing.asset.mesh for thing in self.things))
-        for thing in self.things:
-            own = () if thing.parent is None else (Relation(thing.relation, thing.parent.uid),)
+        builder = SceneBuilder(self.title, used_by(obj.asset.mesh for obj in self.objects))
+        for obj in self.objects:
+            own = () if obj.parent is None else (Relation(obj.relation, obj.parent.uid),)
             builder.add(
-                thing.name,
-                uid=thing.uid,
-                parent=-1 if thing.parent is None else thing.parent.number,
-                local=matrix_of(thing.pose if thing.parent is None else thing.parent.seen(thing.pose)),
-                mesh=thing.asset.mesh,
-                category=thing.asset.category,
-                actions=tuple((actions or {}).get(thing.uid, ())),
-                relations=(*own, *(relations or {}).get(thing.uid, ())),
+                obj.name,
+                uid=obj.uid,
+                parent=-1 if obj.parent is None else obj.parent.number,
+                local=matrix_of(obj.pose if obj.parent is None else obj.parent.seen(obj.pose)),
+                mesh=obj.asset.mesh,
+                category=obj.asset.category,
+                actions=tuple((actions or {}).get(obj.uid, ())),
+                relations=(*own, *(relations or {}).get(obj.uid, ())),
             )
         if operation is not None:
             builder.add("Operation", uid=derived_uid(self.title, "Operation"), lsa=operation)
@@ -192,5 +192,5 @@ def matrix_of(pose: Sequence[float] | Pose) -> NDArray[np.float64]:
 
 
 def facing(start: NDArray[np.float64], target: NDArray[np.float64]) -> float:
-    """The yaw with which a thing at ``start`` turns its front (-y) to ``target`` (both (2+,), metres)."""
+    """The yaw with which an object at ``start`` turns its front (-y) to ``target`` (both (2+,), metres)."""
     return float(np.arctan2(target[0] - start[0], start[1] - target[1]))

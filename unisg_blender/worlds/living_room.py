@@ -1,4 +1,4 @@
-"""Living rooms: a seating group before a television, a place to eat, books, plants and small things."""
+"""Living rooms: a seating group before a television, a place to eat, books, plants and small objects."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def living_room(seed: int) -> SceneGraph:
 
 
 def furnish(seed: int) -> Layout:
-    """The room's things, before they become a scenegraph."""
+    """The room's objects, before they become a scenegraph."""
     rng = np.random.default_rng((seed, 2))
     layout = Layout(f"Living Room {seed}", rng, _outline(rng))
     floor, sides = _shell(layout)

@@ -72,8 +72,8 @@ def _bookshelf(layout: Layout, floor: Placed, sides: list[Side], wood: str) -> N
                 layout.add(book, pose, shelf, "inside")
                 x += thick + rng.uniform(0.0005, 0.004)
         if rng.random() < 0.5:
-            thing = living.ornament(pick(rng, ["globe", "box", "figure"]))
-            layout.place_on(thing, shelf, board, yaw=0.0, spread=0.2, area=(0.45, 0, 1, 1), relation="inside")
+            obj = living.ornament(pick(rng, ["globe", "box", "figure"]))
+            layout.place_on(obj, shelf, board, yaw=0.0, spread=0.2, area=(0.45, 0, 1, 1), relation="inside")
 
 
 def _plants(layout: Layout, floor: Placed) -> None:

@@ -48,7 +48,7 @@ class Occupancy:
     ) -> NDArray[np.bool_]:
         """At which poses (T, 4: x, y, z, yaw) the parts meet nothing, bool (T,).
 
-        ``ignore`` is an owner that may be met (what the thing stands in or on);
+        ``ignore`` is an owner that may be met (what the object stands in or on);
         ``clearance`` is kept free around, horizontally, metres.
         """
         if not len(poses):

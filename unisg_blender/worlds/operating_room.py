@@ -33,7 +33,7 @@ def operating_room(seed: int) -> SceneGraph:
 
 
 def furnish(seed: int) -> Layout:
-    """The room's things, before they become a scenegraph."""
+    """The room's objects, before they become a scenegraph."""
     rng = np.random.default_rng((seed, 1))
     layout = Layout(f"Operating Room {seed}", rng, _outline(rng))
     floor, sides = _shell(layout)

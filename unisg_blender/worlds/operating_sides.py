@@ -170,12 +170,12 @@ def _airway(layout: Layout, machine: Placed, trolley: Placed | None) -> None:
     """Bag mask and laryngoscope; on the machine's shelf or on the trolley, with tubes, syringes and vials."""
     rng = layout.rng
     places = [(machine, "shelf")] + ([(trolley, "top")] if trolley else [])
-    things = [anaesthesia.bag_mask(), anaesthesia.laryngoscope()]
-    for thing in things:
+    objects = [anaesthesia.bag_mask(), anaesthesia.laryngoscope()]
+    for obj in objects:
         order = rng.permutation(len(places)) if rng.random() < 0.4 else range(len(places))[::-1]
         for index in order:
             support, surface = places[index]
-            if layout.place_on(thing, support, surface, yaw=pick(rng, [0, np.pi / 2, np.pi]), spread=0.2, tries=24):
+            if layout.place_on(obj, support, surface, yaw=pick(rng, [0, np.pi / 2, np.pi]), spread=0.2, tries=24):
                 break
     if trolley is None:
         return

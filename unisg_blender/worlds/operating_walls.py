@@ -15,7 +15,7 @@ BOX_COLORS = ["blue", "green", "cream", "white", "teal"]
 
 
 def along_the_walls(layout: Layout, floor: Placed, sides: list[Side]) -> None:
-    """Cabinets, shelves, desk, bins and spare things, big ones first; then what hangs on the walls."""
+    """Cabinets, shelves, desk, bins and spare objects, big ones first; then what hangs on the walls."""
     rng = layout.rng
     much = sum(side.length for side in sides) / 28  # a longer wall holds more
     for _ in range(round(much * rng.integers(1, 4))):

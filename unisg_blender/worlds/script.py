@@ -1,4 +1,4 @@
-"""Write the behaviour of a world: actions on its things, gathered in stages and lessons."""
+"""Write the behaviour of a world: actions on its objects, gathered in stages and lessons."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ..scene.lesson_node import LessonNode
 from .layout import Layout, Placed
 
 Thing = Placed | None
-"""What an action is about; an action on a thing that found no place in the room is left out."""
+"""What an action is about; an action on an object that found no place in the room is left out."""
 
 
 class Script:
@@ -25,23 +25,23 @@ class Script:
         self._count = 0
 
     def insert(
-        self, name: str, thing: Thing, frame: Thing, at: NDArray[np.float64], distance: float, degrees: float,
+        self, name: str, obj: Thing, frame: Thing, at: NDArray[np.float64], distance: float, degrees: float,
         hold: float | None = None,
     ) -> str:  # fmt: skip
-        """Bring a thing to the pose ``at`` (4x4) in the frame of another, within metres and degrees."""
-        if thing is None or frame is None:
+        """Bring an object to the pose ``at`` (4x4) in the frame of another, within metres and degrees."""
+        if obj is None or frame is None:
             return ""
         limits = Thresholds(distance=distance, angle=round(float(np.radians(degrees)), 6), hold=hold)
         reference = tuple(np.round(at, 9).reshape(-1).tolist())
         return self._add(
-            thing, "Insert", name, targets=(thing.uid,), reference=reference, frame=frame.uid, thresholds=limits
+            obj, "Insert", name, targets=(obj.uid,), reference=reference, frame=frame.uid, thresholds=limits
         )
 
-    def remove(self, name: str, thing: Thing, distance: float) -> str:
-        """Take a thing away from where it lies, so many metres."""
-        if thing is None:
+    def remove(self, name: str, obj: Thing, distance: float) -> str:
+        """Take an object away from where it lies, so many metres."""
+        if obj is None:
             return ""
-        return self._add(thing, "Remove", name, targets=(thing.uid,), thresholds=Thresholds(distance=distance))
+        return self._add(obj, "Remove", name, targets=(obj.uid,), thresholds=Thresholds(distance=distance))
 
     def use(
         self, name: str, tool: Thing, target: Thing, hold: float, *, distance: float | None = None,

@@ -24,7 +24,7 @@ class Side:
     openings: list[tuple[float, float, float]]
 
     def blocked(self, x: float, half: float, height: float) -> bool:
-        """Is there an opening behind a thing at x, ``half`` as wide to each side, that is ``height`` high?"""
+        """Is there an opening behind an object at x, ``half`` as wide to each side, that is ``height`` high?"""
         return any(start < x + half and x - half < stop and height > sill for start, stop, sill in self.openings)
 
 
@@ -129,7 +129,7 @@ def keep_door_free(layout: Layout, sides: list[Side], depth: float = 0.9) -> Non
 
 
 def beside_wall(layout: Layout, sides: list[Side], asset: Asset) -> NDArray[np.float64]:
-    """A pose near some wall, turned any way: where things are pushed that are not needed."""
+    """A pose near some wall, turned any way: where objects are pushed that are not needed."""
     reach = float(np.hypot(*asset.size[:2]) / 2)
     pose = against(layout, sides, asset, (reach, reach + 0.35))
     pose[3] = layout.rng.uniform(-np.pi, np.pi)

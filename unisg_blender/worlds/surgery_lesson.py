@@ -11,7 +11,7 @@ from .script import Script, Thing, choices, turned
 
 
 class Cast:
-    """Who plays in the lesson: things of the room by their part in it, None where the room has none."""
+    """Who plays in the lesson: objects of the room by their part in it, None where the room has none."""
 
     def __init__(self, layout: Layout) -> None:
         self.layout = layout
@@ -34,12 +34,12 @@ class Cast:
         return bool(self.patient.seen(self.knee.pose)[0] < 0)
 
     def first(self, category: str) -> Thing:
-        """The first thing of a category."""
+        """The first object of a category."""
         found = self.layout.named(category)
         return found[0] if found else None
 
     def last(self, category: str) -> Thing:
-        """The last thing of a category."""
+        """The last object of a category."""
         found = self.layout.named(category)
         return found[-1] if found else None
 
@@ -160,12 +160,12 @@ def _doff(script: Script, cast: Cast) -> LessonNode:
     return script.stage("Doff", [script.group("Clear the table", cast.table, kept, mode)])
 
 
-def _put_back(script: Script, name: str, thing: Thing) -> str:
+def _put_back(script: Script, name: str, obj: Thing) -> str:
     """Back to where it lay, in the frame of what it lay on."""
-    if thing is None or thing.parent is None:
+    if obj is None or obj.parent is None:
         return ""
-    x, y, z, yaw = thing.parent.seen(thing.pose)
-    return script.insert(name, thing, thing.parent, turned(x, y, z, yaw), 0.06, 45.0)
+    x, y, z, yaw = obj.parent.seen(obj.pose)
+    return script.insert(name, obj, obj.parent, turned(x, y, z, yaw), 0.06, 45.0)
 
 
 def _limit(rng: np.random.Generator, around: float) -> float:

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from ..play.hand import Hand
 
 Gesture = Callable[["Hand", Batch], None]
-"""How a rehearsal performs an action: it moves things with the hand; the batch holds that one action."""
+"""How a rehearsal performs an action: it moves objects with the hand; the batch holds that one action."""
 
 OWN_CONDITIONS: dict[str, Condition] = {}
 OWN_GESTURES: dict[str, Gesture] = {}

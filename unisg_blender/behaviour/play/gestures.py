@@ -1,4 +1,4 @@
-"""Where a hand would bring things to perform an action: goals in world space."""
+"""Where a hand would bring objects to perform an action: goals in world space."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A hand that moves things, presses triggers and answers while a lesson is played along."""
+"""A hand that moves objects, presses triggers and answers while a lesson is played along."""
 
 from __future__ import annotations
 

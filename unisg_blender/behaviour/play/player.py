@@ -137,7 +137,7 @@ def begin(lesson: Lesson) -> PlayState:
 def play(lesson: Lesson, state: PlayState, moment: Moment) -> tuple[PlayState, tuple[Event, ...]]:
     """One moment: actions whose turn it is are checked, then the lesson moves on.
 
-    What opens in this moment can be performed from the next one on, so that things
+    What opens in this moment can be performed from the next one on, so that objects
     happen one after another even where all their conditions already hold.
     """
     leaves = np.flatnonzero(lesson.task >= 0)

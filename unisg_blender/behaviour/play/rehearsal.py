@@ -24,7 +24,7 @@ from .snapshot import moment
 def rehearse(lesson: Lesson, rate: float = 10.0) -> Motion:
     """A motion in which every action is performed, optional ones too, in the order of the lesson.
 
-    Things move straight to where they belong, through each other if need be: a proof
+    Objects move straight to where they belong, through each other if need be: a proof
     that the lesson can be done, no model of a hand. :func:`~..record.motion_tracks.moments` and
     :func:`~.timeline.simulate` play it.
 

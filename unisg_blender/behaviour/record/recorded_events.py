@@ -1,4 +1,4 @@
-"""Events of a recording: what a lesson made of it, and what the user did besides moving things."""
+"""Events of a recording: what a lesson made of it, and what the user did besides moving objects."""
 
 from __future__ import annotations
 
@@ -91,7 +91,7 @@ def recorded_motion(graph: SceneGraph, rate: float = 30.0) -> Motion:
 
 
 def recorded_inputs(graph: SceneGraph) -> tuple[Input, ...]:
-    """What the user did while a recording was made, besides moving things."""
+    """What the user did while a recording was made, besides moving objects."""
     found = graph.components.get(EVENTS)
     if found is None:
         return ()

@@ -27,7 +27,7 @@ class Session:
 
     ``pressed`` are the uids of tools whose trigger is held, ``force`` in newtons goes
     with them, ``chosen`` the answers ticked so far by uid of the Question. ``inputs`` is
-    what the user did besides moving things, ``started`` the clock (``time.monotonic``)
+    what the user did besides moving objects, ``started`` the clock (``time.monotonic``)
     at the lesson's time 0.
     """
 
@@ -92,7 +92,7 @@ class Session:
         return found
 
     def message(self) -> Event | None:
-        """The last thing that a learner should hear."""
+        """The last object that a learner should hear."""
         return next((event for event in reversed(self.events) if event.kind in MESSAGES), None)
 
 

@@ -1,7 +1,7 @@
-"""The geometry that a generator needs: real things to instance, and the rooms that things stand in.
+"""The geometry that a generator needs: real objects to instance, and the rooms that objects stand in.
 
 The shards of a dataset hold no geometry. Its assets file (see :mod:`.asset_file`)
-holds for each category a few whole things (an entity with its uncategorised
+holds for each category a few whole objects (an entity with its uncategorised
 descendants) and for each of some scenes the room they stand in. A trained model
 has a file of the same make beside it (``MODEL.assets.safetensors``).
 """
@@ -22,17 +22,17 @@ from ...spatial.structure import STRUCTURE, owners
 
 @dataclass(frozen=True, eq=False)
 class Asset:
-    """A thing that can be put into a scene.
+    """An object that can be put into a scene.
 
     Attributes
     ----------
     category
         What it is; "" for a room shell.
     graph
-        The thing: entity 0 with its uncategorised descendants, at the origin and
+        The object: entity 0 with its uncategorised descendants, at the origin and
         without turn about the vertical; for a shell all its entities where they stand.
     targets
-        Category of each entity, by uid, that the thing's actions refer to.
+        Category of each entity, by uid, that the object's actions refer to.
     """
 
     category: str
@@ -41,7 +41,7 @@ class Asset:
 
     @property
     def key(self) -> str:
-        """Checksums of its meshes: things with the same key have the same shape."""
+        """Checksums of its meshes: objects with the same key have the same shape."""
         return "".join(mesh.checksum for mesh in self.graph.meshes)
 
     @property
@@ -50,7 +50,7 @@ class Asset:
         return sum(len(mesh.offsets) - 1 for mesh in self.graph.meshes)
 
 
-def thing_of(
+def object_graph(
     graph: SceneGraph, row: int, owner: NDArray[np.int64] | None = None, world: NDArray[np.float64] | None = None
 ) -> Asset:
     """The entity at ``row`` and its uncategorised descendants, as an asset.
@@ -74,7 +74,7 @@ _SCENE_WIDE = ("world", "relations", "lsa", "animation", "recording", "channels"
 
 
 def shell_of(graph: SceneGraph, owner: NDArray[np.int64] | None = None) -> Asset | None:
-    """The room that a scene stands in: its things of the categories in :data:`STRUCTURE`; None without a floor."""
+    """The room that a scene stands in: its objects of the categories in :data:`STRUCTURE`; None without a floor."""
     if FLOOR not in graph.vocabulary:
         return None
     owner = owners(graph) if owner is None else owner

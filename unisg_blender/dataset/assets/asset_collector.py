@@ -15,29 +15,29 @@ from ...scene import Mesh, SceneGraph, world_matrices
 from ...spatial.floor_plan import FLOOR, mesh_outline
 from ...spatial.part_boxes import mesh_parts
 from ...spatial.structure import STRUCTURE, owners
-from .asset import Asset, shell_of, thing_of
+from .asset import Asset, object_graph, shell_of
 from .asset_file import Assets, pack_assets
 
 PER_CATEGORY = 8
 SHELLS = 48
 MOST_FACES = 20_000
-"""Faces of a thing that is kept; where its category has none yet, up to :data:`LARGEST`."""
+"""Faces of an object that is kept; where its category has none yet, up to :data:`LARGEST`."""
 
 LARGEST = 250_000
 REMEMBERED = 20_000
 BUDGET = 4_000_000
-"""Faces of all that is kept together, the first thing of each category apart: some 300 MB at most."""
+"""Faces of all that is kept together, the first object of each category apart: some 300 MB at most."""
 
 
 class AssetCollector:
-    """Keeps the first few different things of each category, the first rooms, and the boxes of every mesh's parts.
+    """Keeps the first few different objects of each category, the first rooms, and the boxes of every mesh's parts.
 
     What is kept depends on the scenes and their order only. ``source`` says where
     a scene comes from.
     """
 
     def __init__(self) -> None:
-        self.things: dict[str, dict[str, tuple[Asset, str]]] = {}
+        self.objects: dict[str, dict[str, tuple[Asset, str]]] = {}
         self.shells: list[tuple[Asset, str]] = []
         self.parts: dict[str, NDArray[np.float32]] = {}
         self.outlines: dict[str, NDArray[np.float32]] = {}
@@ -50,8 +50,8 @@ class AssetCollector:
                 self.parts[mesh.checksum] = _boxes(mesh)
         self._add_outlines(graph)
         owner, world = owners(graph), world_matrices(graph)
-        for row, key, faces in _things(graph, owner):
-            make = partial(thing_of, graph, row, owner, world)
+        for row, key, faces in _scene_objects(graph, owner):
+            make = partial(object_graph, graph, row, owner, world)
             self._offer(graph.category_name(row), key, faces, source, make)
         if len(self.shells) < SHELLS and (shell := shell_of(graph, owner)) is not None:
             self._offer_shell(shell.faces, source, lambda: shell)
@@ -73,14 +73,14 @@ class AssetCollector:
                 self._offer_shell(record["faces"], source, make)
 
     def _offer(self, category: str, key: str, faces: int, source: str, make: Callable[[], Asset]) -> None:
-        """Keep a thing if there is room for it and none of that shape yet."""
-        known = self.things.get(category, {})
+        """Keep an object if there is room for it and none of that shape yet."""
+        known = self.objects.get(category, {})
         if key in known or len(known) >= PER_CATEGORY or faces > (MOST_FACES if known else LARGEST):
             return
         if known and self._faces + faces > BUDGET:
             return
         self._faces += faces
-        self.things.setdefault(category, {})[key] = (make(), source)
+        self.objects.setdefault(category, {})[key] = (make(), source)
 
     def _offer_shell(self, faces: int, source: str, make: Callable[[], Asset]) -> None:
         if len(self.shells) < SHELLS and 0 < faces <= LARGEST and self._faces + faces <= BUDGET:
@@ -98,7 +98,7 @@ class AssetCollector:
 
     def pack(self) -> tuple[dict[str, NDArray[Any]], dict[str, Any]]:
         """What is kept, as arrays and an index for an assets file."""
-        kept = [entry for _, group in sorted(self.things.items()) for entry in group.values()] + self.shells
+        kept = [entry for _, group in sorted(self.objects.items()) for entry in group.values()] + self.shells
         return pack_assets([asset for asset, _ in kept], self.parts, self.outlines, [source for _, source in kept])
 
     def __bool__(self) -> bool:
@@ -117,8 +117,8 @@ def _boxes(mesh: Mesh) -> NDArray[np.float32]:
 _boxes_of: dict[str, NDArray[np.float32]] = {}
 
 
-def _things(graph: SceneGraph, owner: NDArray[np.int64]) -> Iterator[tuple[int, str, int]]:
-    """Row, key and number of faces of the things with geometry that could be instanced."""
+def _scene_objects(graph: SceneGraph, owner: NDArray[np.int64]) -> Iterator[tuple[int, str, int]]:
+    """Row, key and number of faces of the objects with geometry that could be instanced."""
     rows = np.flatnonzero((owner >= 0) & (graph.mesh >= 0))
     rows = rows[np.argsort(owner[rows], kind="stable")]
     faces = np.array([len(mesh.offsets) - 1 for mesh in graph.meshes], np.int64)

@@ -49,7 +49,8 @@ class Child:
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=self._errors,
-            env=os.environ | dict.fromkeys(("TMPDIR", "TMP", "TEMP"), self._folder.name),  # Blender leaves things there
+            env=os.environ
+            | dict.fromkeys(("TMPDIR", "TMP", "TEMP"), self._folder.name),  # Blender leaves objects there
             encoding="utf-8",
             errors="replace",
         )

@@ -1,14 +1,14 @@
-"""How well new things get their behaviour: things of real scenes lose their actions and get them again.
+"""How well new objects get their behaviour: objects of real scenes lose their actions and get them again.
 
-A thing is taken that plays in actions (as target, tool or frame). All actions in
+An object is taken that plays in actions (as target, tool or frame). All actions in
 which it plays are taken out of the scene with their leaves, groups lose them as
-members, parts of the lesson that hold nothing more go too; the thing itself stays
+members, parts of the lesson that hold nothing more go too; the object itself stays
 where it is, with a new uid. Then behaviour is generated for it and compared:
 
 - *right*: an action of the same type, name and stage, whose target, tool and
-  frame have the same categories; ``entities``: are the same things;
+  frame have the same categories; ``entities``: are the same objects;
 - *recall* = right / actions taken out, *precision* = right / actions made, *exact* = share
-  of the things with all of them right and none too many;
+  of the objects with all of them right and none too many;
 - *usual recall*: the same over kinds that at least nine in ten training scenes with
   their parts have: what remains is not decided by a toss of the world's coins;
 - *stage*: right actions whose leaf is in the stage it was in; *order*: share of the pairs of a right action's leaf
@@ -29,7 +29,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...behaviour import check_scene, moments, operations, prepare, rehearse, simulate
-from ...dataset.assets.asset import thing_of
+from ...dataset.assets.asset import object_graph
 from ...errors import UniSGError
 from ...generate.behaviour.action_kinds import Kinds
 from ...generate.behaviour.action_policy import Chooser
@@ -50,7 +50,7 @@ RATE = 2.0
 
 
 def behaviour_cases(graphs: Iterable[SceneGraph], seed: int, acting: bool = True) -> list[BehaviourCase]:
-    """A case of each scene: a thing drawn among those that play in actions (or, without ``acting``, among those that
+    """A case of each scene: an object drawn among those that play in actions (or, without ``acting``, among those that
     do not although others of their category do)."""
     rng, cases = np.random.default_rng(seed), []
     for graph in graphs:
@@ -67,14 +67,14 @@ def behaviour_cases(graphs: Iterable[SceneGraph], seed: int, acting: bool = True
 
 
 Make = Callable[[BehaviourCase, int], tuple[SceneGraph, str]]
-"""Gives the thing of a case its behaviour, with a seed: the scene and the thing's uid there."""
+"""Gives the object of a case its behaviour, with a seed: the scene and the object's uid there."""
 
 
 def by_chooser(chooser: Chooser, draws: bool = False) -> Make:
-    """The thing stays where it is and gets the actions that a chooser wants; rarer ones by draw, as when generating."""
+    """The object stays where it is and gets the actions that a chooser wants; rarer ones by draw."""
 
     def make(case: BehaviourCase, seed: int) -> tuple[SceneGraph, str]:
-        """The case's scene with behaviour by the chooser, and the uid of its thing."""
+        """The case's scene with behaviour by the chooser, and the uid of its object."""
         rng = np.random.default_rng(seed) if draws else None
         return add_behaviour(case.bare, [case.uid], chooser, uid_maker(case.bare, seed), rng).scene, case.uid
 
@@ -82,15 +82,15 @@ def by_chooser(chooser: Chooser, draws: bool = False) -> Make:
 
 
 def by_generator(generator: Generator) -> Make:
-    """The thing goes, and the generator adds one of its category with the same shape where it thinks fit.
+    """The object goes, and the generator adds one of its category with the same shape where it thinks fit.
 
-    For things on which nothing stands; where it is refused, the scene comes back without it.
+    For objects on which nothing stands; where it is refused, the scene comes back without it.
     """
 
     def make(case: BehaviourCase, seed: int) -> tuple[SceneGraph, str]:
-        """The case's scene with its thing placed and given behaviour by the generator, and the thing's new uid."""
+        """The case's scene with its object placed and given behaviour by the generator, and the object's new uid."""
         row = case.bare.row_of_uid[case.uid]
-        name, asset = case.bare.category_name(row), thing_of(case.bare, row)
+        name, asset = case.bare.category_name(row), object_graph(case.bare, row)
         left = take(case.bare, np.setdiff1d(np.arange(len(case.bare)), subtree(case.bare, row)))
         made = generator.add(left, {name: 1}, seed, assets={name: [asset]})
         return made.scene, made.objects[0].uid
@@ -143,7 +143,7 @@ def count_right(generator: Generator, graphs: Sequence[SceneGraph], seed: int = 
 
 
 def _is_free(case: BehaviourCase, generator: Generator) -> bool:
-    """Whether the generator knows the thing, nothing with a category hangs below it, and it is no part of the shell."""
+    """If the generator knows the object, nothing with a category hangs below it, and it is no part of the shell."""
     row = case.bare.row_of_uid[case.uid]
     name, below = case.bare.category_name(row), subtree(case.bare, row)
     return name in generator.categories and name not in STRUCTURE and (case.bare.category[below] >= 0).sum() == 1
@@ -152,7 +152,7 @@ def _is_free(case: BehaviourCase, generator: Generator) -> bool:
 def measure_behaviour(
     name: str, cases: Sequence[BehaviourCase], make: Make, kinds: Kinds, seed: int = 0, play: int | None = None
 ) -> BehaviourRow:
-    """Give the thing of each case its behaviour and compare; ``play`` limits the cases that are played."""
+    """Give the object of each case its behaviour and compare; ``play`` limits the cases that are played."""
     tally, spent = Tally(kinds), []
     for number, case in enumerate(cases):
         start = time.process_time()

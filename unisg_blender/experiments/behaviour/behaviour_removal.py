@@ -1,4 +1,4 @@
-"""Takes the behaviour of one thing out of a scene, as if nobody had written it yet."""
+"""Takes the behaviour of one object out of a scene, as if nobody had written it yet."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from ...scene.identity import derived_uid
 
 
 def without_behaviour(graph: SceneGraph, row: int) -> tuple[SceneGraph, str]:
-    """The scene without the actions in which the thing at ``row`` plays, and the thing's new uid.
+    """The scene without the actions in which the object at ``row`` plays, and the object's new uid.
 
     Their leaves go, and parts of the lesson that hold nothing more; groups lose them as
-    members; a group that the thing carried is carried by what carries its first
+    members; a group that the object carried is carried by what carries its first
     member left; relations and parents stay.
     """
     old, uid = graph.uid[row], derived_uid(graph.uid[row], "again")

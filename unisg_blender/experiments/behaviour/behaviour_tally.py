@@ -1,4 +1,4 @@
-"""Counts how much of the behaviour that things had was made again, as :mod:`.behaviour_benchmark` defines it."""
+"""Counts how much of the behaviour that objects had was made again, as :mod:`.behaviour_benchmark` defines it."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ USUAL = 0.9
 
 @dataclass(frozen=True)
 class BehaviourRow:
-    """Measures of one chooser, see :mod:`.behaviour_benchmark`; shares in 0..1, median processor milliseconds per thing.
+    """Measures of one chooser, see :mod:`.behaviour_benchmark`; shares in 0..1, processor ms per object (median).
 
     ``played`` is NaN (None in the record) where nothing was played.
     """
@@ -49,7 +49,7 @@ class BehaviourRow:
 
 @dataclass(frozen=True, eq=False)
 class BehaviourCase:
-    """A scene without the actions of one thing: ``bare``, with the thing's uid there; ``real`` is the scene before."""
+    """A scene without the actions of one object; ``bare``, with its uid there; ``real`` is the scene before."""
 
     real: SceneGraph
     bare: SceneGraph
@@ -76,8 +76,8 @@ class Tally:
         moved = {uid: next(iter(set(real.uid) - set(case.bare.uid)), uid)}
         wanted, got = Counter(_cast(real, act) for act in case.gone), Counter(_cast(scene, act) for act in made)
         right = sum((wanted & got).values())
-        exact = Counter(_things(real, act, {}) for act in case.gone) & Counter(
-            _things(scene, act, moved) for act in made
+        exact = Counter(_scene_objects(real, act, {}) for act in case.gone) & Counter(
+            _scene_objects(scene, act, moved) for act in made
         )
         usual = Counter(cast for act in case.gone if self._usual(act) for cast in [_cast(real, act)])
         self.counts += Counter(
@@ -148,8 +148,8 @@ def _cast(graph: SceneGraph, act: Act) -> tuple[object, ...]:
     return *act.key[:3], *(graph.category_name(row) if row >= 0 else "" for row in act.slots)
 
 
-def _things(graph: SceneGraph, act: Act, moved: dict[str, str]) -> tuple[object, ...]:
-    """The same with the things themselves."""
+def _scene_objects(graph: SceneGraph, act: Act, moved: dict[str, str]) -> tuple[object, ...]:
+    """The same with the objects themselves."""
     uids = (graph.uid[row] if row >= 0 else "" for row in act.slots)
     return *act.key[:3], *(moved.get(uid, uid) for uid in uids)
 

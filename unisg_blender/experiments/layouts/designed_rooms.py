@@ -44,7 +44,7 @@ class DesignedRoom:
 
 @dataclass(frozen=True, eq=False)
 class _Box:
-    """A thing: the ``key`` by which the source refers to it, the pose (4, 4) of its bottom's middle, and its size."""
+    """An object: the ``key`` by which the source refers to it, the pose (4, 4) of its bottom's middle, and its size."""
 
     key: str
     category: str

@@ -3,7 +3,7 @@
 Average precision = sum over the ranks of true pairs of the precision up to there,
 divided by their number (ties are resolved by the mean over their block: precision
 is taken at its end); F1 = 2 TP / (2 TP + FP + FN) at the stated threshold. All
-ordered pairs of different things count, except those that the source tells in another way.
+ordered pairs of different objects count, except those that the source tells in another way.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from ...generate.observe.proposals import Scene
 from ...generate.propose.anchor_proposer import AnchorProposer
 from ...scene import SceneGraph, world_matrices
-from ...spatial.objects import things_of
+from ...spatial.objects import scene_objects
 from ...spatial.relations import find_relations
 from .designed_rooms import DesignedRoom
 
@@ -48,7 +48,7 @@ class SupportRow:
 
     room: str
     method: str
-    things: int
+    objects: int
     pairs: int
     average_precision: float
     f1: float
@@ -119,14 +119,14 @@ def by_model(generator: Generator) -> Scores:
     def scores(graph: SceneGraph) -> NDArray[np.float64]:
         """Chances (N, N) that a row stands on another by the generator's choice of supports."""
         renamed = graph.replace(vocabulary=tuple(OURS.get(name, name) for name in graph.vocabulary))
-        things = things_of(renamed, generator.categories)
-        scene = Scene.of(things, world_matrices(graph)[things.row])
+        objects = scene_objects(renamed, generator.categories)
+        scene = Scene.of(objects, world_matrices(graph)[objects.row])
         scene.support = np.full(len(scene.support), -1)  # nothing is known of what stands on what
-        found, each = np.zeros((len(graph), len(graph))), np.arange(len(things))
-        for thing in range(len(things)):
-            category = int(scene.category[thing]) if scene.category[thing] >= 0 else len(generator.categories)
-            chances = proposer.support_chances(scene, category, scene.half[thing], each != thing)
-            found[things.row[thing], things.row] = chances
+        found, each = np.zeros((len(graph), len(graph))), np.arange(len(objects))
+        for obj in range(len(objects)):
+            category = int(scene.category[obj]) if scene.category[obj] >= 0 else len(generator.categories)
+            chances = proposer.support_chances(scene, category, scene.half[obj], each != obj)
+            found[objects.row[obj], objects.row] = chances
         return found
 
     return scores
@@ -169,14 +169,14 @@ def support_table(rooms: Sequence[DesignedRoom], methods: Sequence[tuple[str, Sc
             values_of.append(values)
             truth_of.append(true[asked])
             rows.append(_row(room.name, name, count, values, true[asked], least))
-    things = sum(len(room.graph) for room in told)
+    objects = sum(len(room.graph) for room in told)
     for (name, _, least), (values_of, truth_of) in zip(methods, pooled, strict=True):
         if told:
-            rows.append(_row("all", name, things, np.concatenate(values_of), np.concatenate(truth_of), least))
+            rows.append(_row("all", name, objects, np.concatenate(values_of), np.concatenate(truth_of), least))
     return rows
 
 
 def _row(
-    room: str, name: str, things: int, values: NDArray[np.float64], true: NDArray[np.bool_], least: float
+    room: str, name: str, objects: int, values: NDArray[np.float64], true: NDArray[np.bool_], least: float
 ) -> SupportRow:
-    return SupportRow(room, name, things, int(true.sum()), average_precision(values, true), f1(values >= least, true))
+    return SupportRow(room, name, objects, int(true.sum()), average_precision(values, true), f1(values >= least, true))

@@ -24,7 +24,7 @@ from .meshes_benchmark import (
 from .meshes_figure import draw_meshes
 from .meshes_scenes import measure_labelled_rooms, measure_unknown
 
-WORLDS_WITH_THINGS = ("operating-room", "living-room")
+WORLDS_WITH_OBJECTS = ("operating-room", "living-room")
 PICTURED = ("Chair", "Sofa", "Table Lamp", "Bed", "Plant", "Cabinet")
 """Categories of which a held-out model is drawn."""
 ROOMS = 12
@@ -47,7 +47,7 @@ def write_meshes_report(args: argparse.Namespace, folder: Path, progress: Callab
         raise UniSGError("the meshes benchmark needs --data FOLDER... with mesh files, as 'unisg train meshes' does")
     models = read_models(args.data)
     unseen = {model.category for model in of_split(models, "unseen")}
-    rooms = [m for m in world_models(WORLDS_WITH_THINGS, ROOMS, args.seed) if m.category not in unseen]
+    rooms = [m for m in world_models(WORLDS_WITH_OBJECTS, ROOMS, args.seed) if m.category not in unseen]
     tables = measure_all(models, rooms, args.repeats, progress)
     report = {"machine": machine(), "settings": {"seed": args.seed, "repeats": args.repeats}, "tables": tables}
     folder.mkdir(parents=True, exist_ok=True)
@@ -76,7 +76,7 @@ def measure_all(
     tables["stability"] = measure_stability(of_split(models, "test") + of_split(models, "unseen"))
     progress("categories")
     tables["categories"] = measure_categories(training, of_split(models, "test"))
-    tables["rooms"] = measure_labelled_rooms(WORLDS_WITH_THINGS)
+    tables["rooms"] = measure_labelled_rooms(WORLDS_WITH_OBJECTS)
     tables["confidence"] = measure_unknown(of_split(models, "test"), of_split(models, "unseen"))
     tables["reconstruction"] = measure_reconstruction(training, sets, progress)
     return tables

@@ -1,4 +1,4 @@
-"""Measures category proposals in whole rooms, and for things of no known category."""
+"""Measures category proposals in whole rooms, and for objects of no known category."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def _hits(graph: SceneGraph, use: Sequence[str]) -> tuple[int, int, int]:
 
 
 def measure_unknown(known: Sequence[Model], unknown: Sequence[Model]) -> list[dict[str, Any]]:
-    """Confidence of the best proposal, without names: right, wrong, and for things of no category in the model."""
+    """Confidence of the best proposal, without names: right, wrong, and for objects of no category in the model."""
     vocabulary = set(LabelModel.load().vocabulary)
     groups: dict[str, list[float]] = {"right": [], "wrong": [], "thing of an unknown category": []}
     for model in [*known, *unknown]:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ...geometry.boxes import Boxes
 from ...metrics.edges import f1_score
-from ...predict.object_pairs import candidate_pairs, thing_boxes
+from ...predict.object_pairs import candidate_pairs, object_boxes
 from ...predict.support_prediction import TopologyModel
 from ...worlds.cubes import cube_pairs
 
@@ -27,7 +27,7 @@ def field(count: int) -> tuple[Boxes, NDArray[np.bool_]]:
     A scene of 500 pairs is laid side by side as often as needed.
     """
     graph = cube_pairs(0, PAIRS_MADE)
-    rows, boxes = thing_boxes(graph)
+    rows, boxes = object_boxes(graph)
     cubes = boxes.take(np.flatnonzero([graph.category_name(int(row)) == "Cube" for row in rows]))
     copies = -(-count // len(cubes.center))
     side, width = int(np.ceil(np.sqrt(copies))), float(np.ptp(cubes.center[:, 0])) + 2.0

@@ -23,7 +23,7 @@ from .baselines import carrier_of
 
 KIND = "atiss"
 TOKENS = 256
-"""Things that the network looks at, at most: the first ones."""
+"""Objects that the network looks at, at most: the first ones."""
 
 
 def load_generator(path: str | os.PathLike[str]) -> Generator:

@@ -1,4 +1,4 @@
-"""Simple ways to place things, to compare a model with."""
+"""Simple ways to place objects, to compare a model with."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _NOWHERE = (np.zeros(4), np.ones(4))
 class GaussianProposer:
     """One Gaussian per category and kind of support over the offset in the support's frame and the heading.
 
-    The support is drawn by how often the category stands on things of its kind;
+    The support is drawn by how often the category stands on objects of its kind;
     the heading is normal around its circular mean. ``spread=0`` predicts the mean.
 
     Parameters
@@ -36,9 +36,9 @@ class GaussianProposer:
         found: dict[tuple[int, int], list[NDArray[np.float64]]] = defaultdict(list)
         for scene in scenes:
             kinds = np.append(scene.category, -2)[scene.support]
-            for thing, offset in enumerate(offsets(scene)):
-                if scene.category[thing] >= 0:
-                    found[int(scene.category[thing]), int(kinds[thing])].append(offset)
+            for obj, offset in enumerate(offsets(scene)):
+                if scene.category[obj] >= 0:
+                    found[int(scene.category[obj]), int(kinds[obj])].append(offset)
         self.fits = {key: _fit(np.array(values)) for key, values in found.items()}
         self.counts = {key: len(values) for key, values in found.items()}
         self.spread = spread
@@ -50,19 +50,19 @@ class GaussianProposer:
         """See :class:`~unisg_blender.generate.observe.proposals.Proposer`."""
         if not allowed.any():
             return Proposals(np.full(count, -1, np.int64), rng.normal(0, 1, (count, 4)))
-        things = np.flatnonzero(allowed)
-        kinds = scene.category[things]
+        objects = np.flatnonzero(allowed)
+        kinds = scene.category[objects]
         same = np.array([(kinds == kind).sum() for kind in kinds])
         chance = np.array([self.counts.get((category, int(kind)), 0.1) for kind in kinds]) / same
-        supports = things[rng.choice(len(things), count, p=chance / chance.sum())]
+        supports = objects[rng.choice(len(objects), count, p=chance / chance.sum())]
         places = np.zeros((count, 4))
-        for row, thing in enumerate(supports):
-            mean, deviation = self.fits.get((category, int(scene.category[thing])), _NOWHERE)
+        for row, obj in enumerate(supports):
+            mean, deviation = self.fits.get((category, int(scene.category[obj])), _NOWHERE)
             offset = mean + self.spread * deviation * rng.standard_normal(4)
-            cos, sin = np.cos(scene.yaw[thing]), np.sin(scene.yaw[thing])
+            cos, sin = np.cos(scene.yaw[obj]), np.sin(scene.yaw[obj])
             x, y = offset[:2]
             places[row] = (cos * x - sin * y, sin * x + cos * y, offset[2], offset[3])
-            places[row] += (*scene.center[thing, :2], scene.center[thing, 2] - scene.half[thing, 2], scene.yaw[thing])
+            places[row] += (*scene.center[obj, :2], scene.center[obj, 2] - scene.half[obj, 2], scene.yaw[obj])
         return Proposals(supports.astype(np.int64), places)
 
     def log_density(self, scene: Scene, category: int, piece: Piece, support: int, place: NDArray[np.float64]) -> float:
@@ -81,7 +81,7 @@ class GaussianProposer:
 class WorldGaussianProposer:
     """One Gaussian per category over position and heading in the room, whose middle is the origin.
 
-    What carries the thing is found afterwards, see :func:`carrier_of`.
+    What carries the object is found afterwards, see :func:`carrier_of`.
     """
 
     def __init__(self, scenes: Sequence[Scene]) -> None:
@@ -89,8 +89,8 @@ class WorldGaussianProposer:
         for scene in scenes:
             origin = np.array([*room_middle(scene), ground_of(scene)])
             bottom = scene.center - scene.half * (0, 0, 1)
-            for thing in np.flatnonzero(scene.category >= 0):
-                found[int(scene.category[thing])].append(np.append(bottom[thing] - origin, scene.yaw[thing]))
+            for obj in np.flatnonzero(scene.category >= 0):
+                found[int(scene.category[obj])].append(np.append(bottom[obj] - origin, scene.yaw[obj]))
         self.fits = {key: _fit(np.array(values)) for key, values in found.items()}
 
     def propose(
@@ -110,20 +110,20 @@ class WorldGaussianProposer:
 
 
 def carrier_of(scene: Scene, place: NDArray[np.float64], allowed: NDArray[np.bool_]) -> int:
-    """Which of the allowed things a bottom at a place (4,) is nearest to: apart from its top, and beside it, metres.
+    """Which of the allowed objects a bottom at a place (4,) is nearest to: apart from its top, and beside it, metres.
 
     -1 where none is allowed.
     """
-    things = np.flatnonzero(allowed)
-    if not len(things):
+    objects = np.flatnonzero(allowed)
+    if not len(objects):
         return -1
-    offset = place[:2] - scene.center[things, :2]
-    cos, sin = np.cos(scene.yaw[things]), np.sin(scene.yaw[things])
+    offset = place[:2] - scene.center[objects, :2]
+    cos, sin = np.cos(scene.yaw[objects]), np.sin(scene.yaw[objects])
     local = np.column_stack([cos * offset[:, 0] + sin * offset[:, 1], cos * offset[:, 1] - sin * offset[:, 0]])
-    aside = np.linalg.norm(np.maximum(np.abs(local) - scene.half[things, :2], 0), axis=1)
-    low, high = scene.center[things, 2] - scene.half[things, 2], scene.center[things, 2] + scene.half[things, 2]
+    aside = np.linalg.norm(np.maximum(np.abs(local) - scene.half[objects, :2], 0), axis=1)
+    low, high = scene.center[objects, 2] - scene.half[objects, 2], scene.center[objects, 2] + scene.half[objects, 2]
     apart = np.maximum(place[2] - high, 0) + np.maximum(low - place[2], 0) + 0.1 * np.abs(place[2] - high)
-    return int(things[np.argmin(aside + apart)])
+    return int(objects[np.argmin(aside + apart)])
 
 
 def offsets(scene: Scene) -> NDArray[np.float64]:

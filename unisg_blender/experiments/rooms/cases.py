@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ...dataset.assets.asset import Asset, thing_of
+from ...dataset.assets.asset import Asset, object_graph
 from ...geometry.planar import heading
 from ...metrics.support_gaps import find_supports
 from ...scene import SceneGraph, take, world_matrices
@@ -17,7 +17,7 @@ from ...spatial.structure import STRUCTURE, owners
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """A room to furnish: the real one, its shell, and the things to put in, by category."""
+    """A room to furnish: the real one, its shell, and the objects to put in, by category."""
 
     real: SceneGraph
     shell: SceneGraph
@@ -27,20 +27,20 @@ class Case:
 
 @dataclass(frozen=True, eq=False)
 class Hole:
-    """A room of which half was taken out, and one thing of it that is to come back.
+    """A room of which half was taken out, and one object of it that is to come back.
 
     Attributes
     ----------
     real, rest
         The room as it was, and what is left of it.
     asset
-        The thing's shape.
+        The object's shape.
     support
         uid of what it stood on, which is still there.
     neighbour
-        uid of the nearest thing on the same support that is still there, "" for none.
+        uid of the nearest object on the same support that is still there, "" for none.
     places
-        (K, 4): x, y, bottom and turn of the things of its category that were taken out, its own first.
+        (K, 4): x, y, bottom and turn of the objects of its category that were taken out, its own first.
     supports
         uids of what those stood on.
     """
@@ -55,7 +55,7 @@ class Hole:
 
     @property
     def category(self) -> str:
-        """Category of the thing."""
+        """Category of the object."""
         return self.asset.category
 
 
@@ -67,15 +67,15 @@ def case_of(graph: SceneGraph, known: Sequence[str]) -> Case | None:
     assets: dict[str, list[Asset]] = {}
     owner, world = owners(graph), world_matrices(graph)
     for row in np.flatnonzero(movable):
-        assets.setdefault(graph.category_name(row), []).append(thing_of(graph, int(row), owner, world))
+        assets.setdefault(graph.category_name(row), []).append(object_graph(graph, int(row), owner, world))
     shell = without(graph, movable)
     return Case(graph, shell, assets, {name: len(group) for name, group in assets.items()})
 
 
 def hole_of(graph: SceneGraph, known: Sequence[str], seed: int) -> Hole | None:
-    """A room without a random half of its things and what stands on them, and one of these; None if none is left.
+    """A room without a random half of its objects and what stands on them, and one of these; None if none is left.
 
-    The thing asked for is drawn among the categories first, so that rare ones count as much as common ones.
+    The object asked for is drawn among the categories first, so that rare ones count as much as common ones.
     """
     rng = np.random.default_rng((seed, 77))
     movable = _movable(graph, known)
@@ -98,7 +98,7 @@ def hole_of(graph: SceneGraph, known: Sequence[str], seed: int) -> Hole | None:
     near = beside[np.linalg.norm(world[beside] - world[row], axis=1).argsort()]
     places = np.array([place_of(graph, int(other)) for other in alike])
     return Hole(
-        graph, without(graph, gone), thing_of(graph, row), graph.uid[on[row]],
+        graph, without(graph, gone), object_graph(graph, row), graph.uid[on[row]],
         graph.uid[near[0]] if len(near) else "", places, tuple(graph.uid[on[other]] for other in alike),
     )  # fmt: skip
 
@@ -123,7 +123,7 @@ def place_of(graph: SceneGraph, row: int) -> NDArray[np.float64]:
     from ...generate.place.placeable import Piece
 
     world = world_matrices(graph)
-    x, y, z = Piece(thing_of(graph, row, world=world)).foot
+    x, y, z = Piece(object_graph(graph, row, world=world)).foot
     yaw = float(heading(world[row, :3, :3]))
     cos, sin = np.cos(yaw), np.sin(yaw)
     return np.array([*(world[row, :3, 3] + (cos * x - sin * y, sin * x + cos * y, z)), yaw])

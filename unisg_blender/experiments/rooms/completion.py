@@ -1,8 +1,8 @@
-"""Completion: a thing is put back into a half-emptied room. How far from where it was does it come to stand?
+"""Completion: an object is put back into a half-emptied room. How far from where it was does it come to stand?
 
 Error of a draw: the horizontal distance of its middle from the place of that
-removed thing of its category which is nearest (they are interchangeable), in
-centimetres, and the turn against that thing, in degrees. Best of :data:`DRAWS`
+removed object of its category which is nearest (they are interchangeable), in
+centimetres, and the turn against that object, in degrees. Best of :data:`DRAWS`
 draws; rows are compared by Wilcoxon's signed-rank test on the same holes.
 """
 
@@ -19,7 +19,7 @@ from ...generate.place.placeable import Piece
 from ...metrics.layout_features import wrapped
 from ...metrics.requested_relations import is_beside, is_on
 from ...scene import SceneGraph, world_matrices
-from ...spatial.objects import thing_rows, things_of
+from ...spatial.objects import object_rows, scene_objects
 from .cases import Hole, place_of
 from .furnishing import ByCopying, ByModel
 
@@ -37,7 +37,7 @@ class Completed:
         Of the best of :data:`DRAWS` draws.
     same_support, same_kind
         Whether the support that the model ranks first (or, where it ranks none, names most often in the draws) is that
-        of a removed thing, or of its category, 0 or 1.
+        of a removed object, or of its category, 0 or 1.
     on_top, beside
         Whether a request was satisfied, 0 or 1.
     nll
@@ -120,7 +120,7 @@ def most_common(names: Sequence[str]) -> str:
 
 
 def _requests(way: ByModel, hole: Hole, seed: int) -> tuple[float, float]:
-    """Whether the thing comes to stand on its old support, and beside its old neighbour, when that is asked for."""
+    """Whether the object comes to stand on its old support, and beside its old neighbour, when that is asked for."""
     there, found = set(_uids(hole.rest)), []
     for target, test in ((hole.support, is_on), (hole.neighbour, is_beside)):
         if target not in there:
@@ -133,21 +133,21 @@ def _requests(way: ByModel, hole: Hole, seed: int) -> tuple[float, float]:
 
 
 def _uids(graph: SceneGraph) -> list[str]:
-    """uids of the scene's things."""
-    rows = thing_rows(graph)
+    """uids of the scene's objects."""
+    rows = object_rows(graph)
     return [graph.uid[row] for row in np.unique(rows[rows >= 0])]
 
 
 def _seen(hole: Hole, vocabulary: tuple[str, ...]) -> tuple[Scene, list[str]]:
-    """The half-emptied room as a proposer sees it, and the uids of its things."""
-    things = things_of(hole.rest, vocabulary)
-    return Scene.of(things, world_matrices(hole.rest)[things.row]), [hole.rest.uid[row] for row in things.row]
+    """The half-emptied room as a proposer sees it, and the uids of its objects."""
+    objects = scene_objects(hole.rest, vocabulary)
+    return Scene.of(objects, world_matrices(hole.rest)[objects.row]), [hole.rest.uid[row] for row in objects.row]
 
 
 def log_density(
     proposer: Proposer, vocabulary: tuple[str, ...], hole: Hole, scene: Scene, uids: Sequence[str]
 ) -> float:
-    """Log-density of where the thing was, given what it stood on, nats; NaN for proposers without a density.
+    """Log-density of where the object was, given what it stood on, nats; NaN for proposers without a density.
 
     ``scene`` and ``uids`` are the half-emptied room as the proposer sees it.
     """

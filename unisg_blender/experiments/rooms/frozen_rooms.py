@@ -131,7 +131,7 @@ def file_sums(folder: Path) -> dict[str, str]:
 
 
 def scenes_digest(folder: Path) -> str:
-    """A digest of where which things stand in the scenes of a dataset.
+    """A digest of where which objects stand in the scenes of a dataset.
 
     Of names, categories, hierarchy, matrices and boxes of meshes, lengths to a
     micrometre; so rounded, it is the same on all machines, of which the last bit of

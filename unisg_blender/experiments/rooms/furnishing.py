@@ -14,14 +14,14 @@ from ...generate.observe.proposals import Proposer
 from ...generate.place.placeable import Piece
 from ...generate.place.scene_extension import Addition, Names, extend, uid_maker
 from ...scene import SceneGraph
-from ...spatial.objects import Things, things_of
+from ...spatial.objects import SceneObjects, scene_objects
 from .baselines import nearest_room, signature
 from .cases import Case, Hole
 
 
 @dataclass(frozen=True, eq=False)
 class Furnished:
-    """A furnished room, how many things were refused, and milliseconds of processor time per thing (NaN: none)."""
+    """A furnished room, how many objects were refused, and milliseconds of processor time per object (NaN: none)."""
 
     scene: SceneGraph
     refused: int
@@ -36,15 +36,15 @@ class ByModel:
         self.settle = settle
 
     def furnish(self, case: Case, seed: int) -> Furnished:
-        """The whole room, thing by thing."""
+        """The whole room, object by object."""
         start = time.process_time()
         made = self.generator.add(
             case.shell, case.wanted, seed, settle=self.settle, assets=case.assets, behaviour=False
         )
-        return Furnished(made.scene, len(made.refused), _per_thing(start, case))
+        return Furnished(made.scene, len(made.refused), _per_object(start, case))
 
     def fill(self, hole: Hole, seed: int, on: str = "", beside: str = "") -> tuple[SceneGraph, int]:
-        """One thing back into a half-emptied room: the scene and the row, -1 if it was refused.
+        """One object back into a half-emptied room: the scene and the row, -1 if it was refused.
 
         ``on`` and ``beside`` are uids of what it is asked for on or beside, "" for anything.
         """
@@ -59,7 +59,7 @@ class ByModel:
 class ByCopying:
     """Furnish as the most similar training room: its k-th scalpel's place for the k-th scalpel here.
 
-    Things that it has fewer of are refused; ``jitter`` metres of normal noise are added to x and y.
+    Objects that it has fewer of are refused; ``jitter`` metres of normal noise are added to x and y.
     """
 
     def __init__(self, training: Sequence[SceneGraph], vocabulary: Sequence[str], jitter: float = 0.0) -> None:
@@ -71,20 +71,20 @@ class ByCopying:
         start, rng = time.process_time(), np.random.default_rng(seed)
         best = int(self._order(case.real)[0])
         graph, refused = _copied(case, self.training[best], self.jitter, rng)
-        return Furnished(graph, refused, _per_thing(start, case))
+        return Furnished(graph, refused, _per_object(start, case))
 
     def places(self, hole: Hole, draws: int, seed: int) -> list[tuple[NDArray[np.float64], str]]:
-        """Places (4,) of one thing of the category in each of the most similar rooms, and what it stands on there."""
+        """Places (4,) of one object of the category in each of the most similar rooms, and what it stands on there."""
         rng, found = np.random.default_rng(seed), []
         for number in self._order(hole.rest):
             graph = self.training[number]
-            things = things_of(graph, graph.vocabulary)
-            rows = _of_category(things, graph, hole.category)
+            objects = scene_objects(graph, graph.vocabulary)
+            rows = _of_category(objects, graph, hole.category)
             if len(rows):
-                thing = int(rng.choice(rows))
-                place = _place(things, thing, rng.normal(0, self.jitter, 2) if self.jitter else np.zeros(2))
-                above = int(things.support[thing])
-                found.append((place, graph.category_name(int(things.row[above])) if above >= 0 else ""))
+                obj = int(rng.choice(rows))
+                place = _place(objects, obj, rng.normal(0, self.jitter, 2) if self.jitter else np.zeros(2))
+                above = int(objects.support[obj])
+                found.append((place, graph.category_name(int(objects.row[above])) if above >= 0 else ""))
             if len(found) == draws:
                 break
         return found
@@ -93,45 +93,45 @@ class ByCopying:
         return nearest_room(signature(graph, self.vocabulary), self.signatures)
 
 
-def _of_category(things: Things, graph: SceneGraph, name: str) -> NDArray[np.int64]:
+def _of_category(objects: SceneObjects, graph: SceneGraph, name: str) -> NDArray[np.int64]:
     return (
-        np.flatnonzero(things.category == graph.vocabulary.index(name))
+        np.flatnonzero(objects.category == graph.vocabulary.index(name))
         if name in graph.vocabulary
         else np.zeros(0, np.int64)
     )
 
 
-def _place(things: Things, thing: int, shift: NDArray[np.float64]) -> NDArray[np.float64]:
-    return np.array([*(things.center[thing, :2] + shift), things.bottom[thing], things.yaw[thing]])
+def _place(objects: SceneObjects, obj: int, shift: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.array([*(objects.center[obj, :2] + shift), objects.bottom[obj], objects.yaw[obj]])
 
 
 def _copied(case: Case, model: SceneGraph, jitter: float, rng: np.random.Generator) -> tuple[SceneGraph, int]:
-    things = things_of(model, model.vocabulary)
+    objects = scene_objects(model, model.vocabulary)
     names, make_uid = Names(case.shell.name), uid_maker(case.shell, 0)
     floor = next((uid for row, uid in enumerate(case.shell.uid) if case.shell.category_name(row) == "Floor"), "")
     additions, refused = [], 0
     made: dict[int, str] = {}
     for name, shapes in case.assets.items():
-        rows = _of_category(things, model, name)
+        rows = _of_category(objects, model, name)
         refused += max(len(shapes) - len(rows), 0)
-        for thing, shape in zip(rows, shapes, strict=False):
-            made[int(thing)] = make_uid(name)
-            place = _place(things, thing, rng.normal(0, jitter, 2) if jitter else np.zeros(2))
+        for obj, shape in zip(rows, shapes, strict=False):
+            made[int(obj)] = make_uid(name)
+            place = _place(objects, obj, rng.normal(0, jitter, 2) if jitter else np.zeros(2))
             world, own = Piece(shape).world(place), names.new(name)
-            relation = things.relation[thing]
-            additions.append((int(thing), Addition(shape, made[int(thing)], own, "", world, name, relation)))
-    order = np.argsort([_depth(things.support, thing) for thing, _ in additions], kind="stable")
+            relation = objects.relation[obj]
+            additions.append((int(obj), Addition(shape, made[int(obj)], own, "", world, name, relation)))
+    order = np.argsort([_depth(objects.support, obj) for obj, _ in additions], kind="stable")
     parented = []
     for position in order:
-        thing, addition = additions[position]
-        above = made.get(int(things.support[thing]), floor)
+        obj, addition = additions[position]
+        above = made.get(int(objects.support[obj]), floor)
         parented.append(replace(addition, parent=above))
     return extend(case.shell, parented, names, make_uid), refused
 
 
-def _depth(support: NDArray[np.int64], thing: int) -> int:
+def _depth(support: NDArray[np.int64], obj: int) -> int:
     depth = 0
-    while (thing := int(support[thing])) >= 0 and depth < 32:
+    while (obj := int(support[obj])) >= 0 and depth < 32:
         depth += 1
     return depth
 
@@ -144,7 +144,7 @@ class Real:
         return Furnished(case.real, 0, float("nan"))
 
 
-def _per_thing(start: float, case: Case) -> float:
+def _per_object(start: float, case: Case) -> float:
     return 1e3 * (time.process_time() - start) / max(sum(case.wanted.values()), 1)
 
 

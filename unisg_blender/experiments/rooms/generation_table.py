@@ -1,7 +1,7 @@
 """The generator's table: rooms furnished anew and completed by a model, by other models and by simple rules.
 
 Every test room is emptied down to its structure (floor, walls, doors, windows)
-and furnished again with the same things in the same shapes; see :mod:`.room_measures`
+and furnished again with the same objects in the same shapes; see :mod:`.room_measures`
 for what is measured, :mod:`.table_rows` for the lines.
 """
 

@@ -17,7 +17,7 @@ from ...generate.observe.proposals import Scene
 from ...generate.observe.support_priors import Habits, learn_habits
 from ...generate.trained_model import Model
 from ...scene import SceneGraph, world_matrices
-from ...spatial.objects import things_of
+from ...spatial.objects import scene_objects
 from ...spatial.structure import STRUCTURE
 from .atiss_proposer import load_generator
 from .baselines import GaussianProposer, WorldGaussianProposer
@@ -106,11 +106,11 @@ def _rooms(path: str, most: int) -> tuple[SceneGraph, ...]:
 def _baseline(kind: str, data: Data) -> Generator:
     """A generator without a network: what is usual for the categories, and the Gaussians, from the training rooms."""
     vocabulary = vocabulary_of(data)
-    things = [things_of(graph, vocabulary) for graph in training_rooms(data)]
+    objects = [scene_objects(graph, vocabulary) for graph in training_rooms(data)]
     contract = Contract("anchors", vocabulary, _habits(data))
     scenes = [
         Scene.of(found, world_matrices(graph)[found.row])
-        for found, graph in zip(things, training_rooms(data), strict=True)
+        for found, graph in zip(objects, training_rooms(data), strict=True)
     ]
     proposer = GaussianProposer(scenes, 0.0 if kind == "mean" else 1.0) if kind != "world" else None
     return Generator(Model(Path("baseline.onnx"), _NoNetwork(), contract), proposer or WorldGaussianProposer(scenes))
@@ -127,7 +127,7 @@ class _NoNetwork:
 @cache
 def _habits(data: Data) -> Habits:
     vocabulary = vocabulary_of(data)
-    return learn_habits((things_of(graph, vocabulary) for graph in training_rooms(data)), vocabulary)
+    return learn_habits((scene_objects(graph, vocabulary) for graph in training_rooms(data)), vocabulary)
 
 
 @cache

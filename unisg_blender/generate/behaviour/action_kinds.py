@@ -41,7 +41,7 @@ class Reference:
 class Right:
     """Which answer of a Question is right, by a rule that held in all training scenes.
 
-    ``rule`` "count": the number of things ``of`` a category (or "category|relation"); "always": the answer
+    ``rule`` "count": the number of objects ``of`` a category (or "category|relation"); "always": the answer
     ``of``; "side": the first of ``answers`` where the target's coordinate ``of`` ("x", "y", "z") in the frame
     of what holds it is positive, else the second.
     """
@@ -60,7 +60,7 @@ class Kind:
     slots
         For target, tool and frame: how often each category played that part; empty where there is none.
     roles
-        "slot|category": share of the things of the category that play the part.
+        "slot|category": share of the objects of the category that play the part.
     chance
         Share of the scenes with all its usual parts in which it occurs.
     most

@@ -20,7 +20,7 @@ SURE, NEVER = 0.5, 0.1
 
 @dataclass(frozen=True, eq=False)
 class Scores:
-    """What a chooser thinks of a scene with E things, for K kinds of actions.
+    """What a chooser thinks of a scene with E objects, for K kinds of actions.
 
     ``wanted`` (K,): the probability that (another) action of the kind is to be made;
     ``target`` (K, E), ``tool`` and ``frame`` (K, E, E), by target first: log probabilities or the like, to be added up.
@@ -34,7 +34,7 @@ class Scores:
 
 @dataclass(frozen=True)
 class Choice:
-    """An action to make: its kind, which things play target, tool and frame in it (-1: nobody), and its probability."""
+    """An action to make: its kind, which objects play target, tool and frame in it (-1: none), its probability."""
 
     kind: int
     slots: Slots
@@ -67,7 +67,7 @@ class Casting:
                 self.allowed[number, slot, [place[name] for name in names if name in place]] = True
 
     def candidates(self, play: Play, kind: int, slot: int) -> NDArray[np.int64]:
-        """The things that may play a part, [-1] where the kind has no such part."""
+        """The objects that may play a part, [-1] where the kind has no such part."""
         if not self.used[kind, slot]:
             return np.array([-1])
         return np.flatnonzero(self.allowed[kind, slot, play.category])

@@ -146,7 +146,7 @@ def _mostly(flags: Sequence[bool]) -> bool:
 
 
 def _chance(one: _Seen, counts: Sequence[Counter[str]]) -> float:
-    """Share of the scenes with a thing for each part in which the kind occurs."""
+    """Share of the scenes with an object for each part in which the kind occurs."""
     parts = [set(found) for found in one.slots if found]
     able = sum(all(any(count[name] for name in part) for part in parts) for count in counts)
     return round(min(len(one.per_scene) / max(able, 1), 1.0), 4)

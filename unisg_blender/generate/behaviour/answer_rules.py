@@ -21,7 +21,7 @@ AXES = "xyz"
 
 @dataclass(frozen=True, eq=False)
 class Asked:
-    """A question of a training scene: the right answer, the things there, and where the target is in what holds it."""
+    """A question of a training scene: the right answer, the objects there, and where the target is in what holds it."""
 
     answers: tuple[str, ...]
     right: str
@@ -33,11 +33,11 @@ def asked_of(graph: SceneGraph, act: Act) -> Asked:
     """What there is to learn from a question with one right answer ("" for the right one otherwise)."""
     correct = act.action.correct
     right = act.action.answers[correct[0]] if len(correct) == 1 and correct[0] < len(act.action.answers) else ""
-    return Asked(act.action.answers, right, thing_counts(graph), _place(graph, act.slots[0]))
+    return Asked(act.action.answers, right, object_counts(graph), _place(graph, act.slots[0]))
 
 
-def thing_counts(graph: SceneGraph) -> Counter[str]:
-    """How many things there are by "category", and by "category|relation to what holds them"."""
+def object_counts(graph: SceneGraph) -> Counter[str]:
+    """How many objects there are by "category", and by "category|relation to what holds them"."""
     kinds, counts = relation_kinds(graph), Counter[str]()
     for row in np.flatnonzero(graph.category >= 0).tolist():
         name = graph.category_name(row)
@@ -85,6 +85,6 @@ def answers_of(kind: Kind, graph: SceneGraph, target: int) -> tuple[tuple[str, .
     if right.rule == "side":
         first = right.answers[0] if _place(graph, target)[AXES.index(right.of)] > 0 else right.answers[1]
         return kind.answers, kind.answers.index(first)
-    count = thing_counts(graph)[right.of]
+    count = object_counts(graph)[right.of]
     low = max(count - 1, 0)
     return tuple(str(number) for number in range(low, low + max(len(kind.answers), 2))), count - low

@@ -1,4 +1,4 @@
-"""Gives new things behaviour: one action after another, as long as the lesson can be played to its end."""
+"""Gives new objects behaviour: one action after another, as long as the lesson can be played to its end."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ Cast = tuple[int, Slots]
 
 @dataclass(frozen=True, eq=False)
 class Behaviour:
-    """A ``scene`` with new behaviour; names of the new ``actions``, and ``notes``, by uid of the new thing."""
+    """A ``scene`` with new behaviour; names of the new ``actions``, and ``notes``, by uid of the new object."""
 
     scene: SceneGraph
     actions: dict[str, list[str]]
@@ -40,9 +40,9 @@ def add_behaviour(
     graph: SceneGraph, new: Collection[str], chooser: Chooser, make_uid: UidMaker,
     rng: np.random.Generator | None = None,
 ) -> Behaviour:  # fmt: skip
-    """Give actions to the things with the uids ``new``, and places in the lesson to the actions.
+    """Give actions to the objects with the uids ``new``, and places in the lesson to the actions.
 
-    Nothing that was there is changed: an action belongs to a new thing, an existing
+    Nothing that was there is changed: an action belongs to a new object, an existing
     lesson is extended by leaves and stages, a scene without one gets a lesson of its own. An action is only made if
     it adds no complaint to ``check_scene`` and can be performed (rehearsed with the
     other new ones, in the order of the lesson); else the next best cast is tried, at
@@ -129,11 +129,11 @@ class _Work:
         return False
 
     def _new_of(self, slots: Slots) -> list[str]:
-        """Uids of the new things that play."""
+        """Uids of the new objects that play."""
         return [self.graph.uid[self.play.rows[slot]] for slot in slots if slot >= 0 and self.play.new[slot]]
 
     def names(self) -> dict[str, list[str]]:
-        """Names of the actions by uid of the new things that play in them."""
+        """Names of the actions by uid of the new objects that play in them."""
         found: dict[str, list[str]] = defaultdict(list)
         for act, (_, slots) in zip(self.made, self.casts, strict=True):
             for uid in self._new_of(slots):

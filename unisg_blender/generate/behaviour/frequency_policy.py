@@ -1,4 +1,4 @@
-"""Actions by simple rules: what is usual for the category, with the nearest thing of the usual category."""
+"""Actions by simple rules: what is usual for the category, with the nearest object of the usual category."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ FAR = 1e3
 
 
 class FrequencyChooser:
-    """What most things of the category have: the commonest other category, and the nearest thing of it.
+    """What most objects of the category have: the commonest other category, and the nearest object of it.
 
-    An action is made for a new thing if at least half of the training things of its category play that part in an
+    An action is made for a new object if at least half of the training objects of its category play that part in an
     action of the kind, whatever the lesson has already.
     """
 
@@ -45,7 +45,7 @@ class FrequencyChooser:
         return Scores(wanted, usual[:, 0], tool, frame)
 
     def _wanted(self, play: Play, kind: int, plays: NDArray[np.float64]) -> float:
-        """The largest share that speaks for an action with a new thing that has none of the kind yet."""
+        """The largest share that speaks for an action with a new object that has none of the kind yet."""
         busy = play.slots[play.kind == kind]
         for slot in range(3):
             there = busy[:, slot]
@@ -58,7 +58,7 @@ class FrequencyChooser:
 
 
 class LackingChooser(FrequencyChooser):
-    """What the lesson lacks: kinds that most rooms with these things have, with things that play in it already,
+    """What the lesson lacks: kinds that most rooms with these objects have, with objects that play in it already,
     else of the commonest category, else the nearest."""
 
     def scores(self, play: Play) -> Scores:

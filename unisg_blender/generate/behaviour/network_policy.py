@@ -19,11 +19,11 @@ Run = Callable[[dict[str, NDArray[Any]]], list[NDArray[np.float32]]]
 
 def play_arrays(play: Play, kinds: Kinds) -> dict[str, NDArray[Any]]:
     """Inputs of the network for one scene, without the dimension of the batch; names as in the network's forward."""
-    things, acts = len(play.rows), len(play.kind)
-    holds = np.zeros((things, things), np.float32)
+    objects, acts = len(play.rows), len(play.kind)
+    holds = np.zeros((objects, objects), np.float32)
     held = np.flatnonzero(play.support >= 0)
     holds[held, play.support[held]] = 1
-    plays = np.zeros((acts, 3, things), np.float32)
+    plays = np.zeros((acts, 3, objects), np.float32)
     act, slot = np.nonzero(play.slots >= 0)
     plays[act, slot, play.slots[act, slot]] = 1
     return {
@@ -32,7 +32,7 @@ def play_arrays(play: Play, kinds: Kinds) -> dict[str, NDArray[Any]]:
         "relation": play.relation.astype(np.int64),
         "holds": holds,
         "place": play.place.astype(np.float32),
-        "mask": np.ones(things, np.float32),
+        "mask": np.ones(objects, np.float32),
         "kind": np.where(play.kind < 0, len(kinds.kinds), play.kind).astype(np.int64),
         "stage": np.where(play.leaf_stage < 0, len(kinds.stages), play.leaf_stage).astype(np.int64),
         "order": play.leaf_order.astype(np.float32),

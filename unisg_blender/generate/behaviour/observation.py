@@ -1,4 +1,4 @@
-"""A scene as a model of behaviour sees it: its things as arrays, and the actions that there are already."""
+"""A scene as a model of behaviour sees it: its objects as arrays, and the actions that there are already."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from .action_kinds import Kinds
 from .roled_actions import Act, read_acts, relation_kinds, support_rows
 
 RELATIONS = ("", "on_top_of", "inside", "hangs_from")
-"""How a thing is held; others count as the first."""
+"""How an object is held; others count as the first."""
 
 Slots = tuple[int, int, int]
 
 
 @dataclass(frozen=True, eq=False)
 class Play:
-    """The things that may play in actions and what holds them, E of them, and the actions, A of them.
+    """The objects that may play in actions and what holds them, E of them, and the actions, A of them.
 
     Attributes
     ----------
@@ -31,13 +31,13 @@ class Play:
     new
         bool (E,): whether an action is wanted for it.
     support, relation
-        int64 (E,): which of the things holds it (-1: none), and how, as in :data:`RELATIONS`.
+        int64 (E,): which of the objects holds it (-1: none), and how, as in :data:`RELATIONS`.
     place
         (E, 3): origins in the world, metres.
     below
         bool (E, E): the second hangs below the first in the hierarchy, or is the same.
     kind, slots
-        int64 (A,), (A, 3): kind of each action (-1 for others), and which things are its target, tool and frame (-1).
+        int64 (A,), (A, 3): kind of each action (-1 for others), and which objects are its target, tool and frame (-1).
     leaf_stage, leaf_order
         int64 (A,): stage by the kinds' numbers (-1 for others), and place in it (-1 for members of groups).
     """
@@ -74,7 +74,7 @@ class Play:
 
 
 def read_play(graph: SceneGraph, kinds: Kinds, new: Collection[str] = (), acts: Iterable[Act] | None = None) -> Play:
-    """The things and actions of a scene; ``new`` are the uids of the things that actions are wanted for."""
+    """The objects and actions of a scene; ``new`` are the uids of the objects that actions are wanted for."""
     above = support_rows(graph)
     rows = _cast(graph, kinds, above)
     number = np.full(len(graph) + 1, -1, np.int64)
@@ -124,5 +124,5 @@ def _below(graph: SceneGraph) -> NDArray[np.bool_]:
 
 
 def distances(play: Play) -> NDArray[np.float64]:
-    """Distances (E, E) between the things' origins, metres."""
+    """Distances (E, E) between the objects' origins, metres."""
     return np.linalg.norm(play.place[:, None] - play.place[None], axis=2)

@@ -1,8 +1,8 @@
-"""In which order things are placed: what holds others first, large before small, and rows from one end to the other.
+"""In which order objects are placed: what holds others first, large before small, and rows from one end to the other.
 
 What holds others is placed first, level by level. Within a level the supports of
-all things are chosen, and then support by support is filled: the floor with what
-leads others and then large things first, others along their length, things of one category together, as one
+all objects are chosen, and then support by support is filled: the floor with what
+leads others and then large objects first, others along their length, objects of one category together, as one
 lays a row of instruments.
 """
 
@@ -19,7 +19,7 @@ from .proposals import Scene
 from .support_priors import Habits
 
 DEEPEST = 8
-"""Supports under one another that are told apart; where things of two kinds may stand on each other there is no end."""
+"""Supports under one another told apart; where objects of two kinds may stand on each other there is no end."""
 
 ORDERS = 24
 """Positions of a category on a kind of support that are remembered."""
@@ -57,7 +57,7 @@ def holders(habits: Habits) -> set[str]:
 
 
 def groups(vocabulary: Sequence[str], habits: Habits) -> NDArray[np.int64]:
-    """By category number: the level at which things are placed (C + 1,); -1 for unknown ones, which are there."""
+    """By category number: the level at which objects are placed (C + 1,); -1 for unknown ones, which are there."""
     level = levels(habits)
     return np.array([level.get(name, 0) for name in vocabulary] + [-1], np.int64)
 
@@ -69,24 +69,24 @@ def ranks(vocabulary: Sequence[str], habits: Habits) -> NDArray[np.int64]:
 
 
 def along(scene: Scene) -> NDArray[np.float64]:
-    """How far along its support each thing stands, board after board, in 0..1 (K,); 0 without a support."""
+    """How far along its support each object stands, board after board, in 0..1 (K,); 0 without a support."""
     found = np.zeros(len(scene.category))
-    for thing in np.flatnonzero(scene.support >= 0):
-        support = int(scene.support[thing])
-        offset, yaw, half = scene.center[thing] - scene.center[support], scene.yaw[support], scene.half[support]
+    for obj in np.flatnonzero(scene.support >= 0):
+        support = int(scene.support[obj])
+        offset, yaw, half = scene.center[obj] - scene.center[support], scene.yaw[support], scene.half[support]
         side = int(half[1] > half[0])
         axis = (np.cos(yaw), np.sin(yaw)) if side == 0 else (-np.sin(yaw), np.cos(yaw))
         share = (np.dot(axis, offset[:2]) / max(half[side], 1e-6) + 1) / 2
         boards = max(len(scene.boards(support)), 1)
-        found[thing] = (max(scene.board[thing], 0) + np.clip(share, 0, 1)) / boards
+        found[obj] = (max(scene.board[obj], 0) + np.clip(share, 0, 1)) / boards
     return found
 
 
 def middles(scene: Scene, share: NDArray[np.float64]) -> dict[tuple[int, int], float]:
-    """The mean of :func:`along` of the things of one category on one support, by (support, category)."""
+    """The mean of :func:`along` of the objects of one category on one support, by (support, category)."""
     found: dict[tuple[int, int], list[float]] = defaultdict(list)
-    for thing in np.flatnonzero(scene.support >= 0):
-        found[int(scene.support[thing]), int(scene.category[thing])].append(float(share[thing]))
+    for obj in np.flatnonzero(scene.support >= 0):
+        found[int(scene.support[obj]), int(scene.category[obj])].append(float(share[obj]))
     return {key: float(np.mean(values)) for key, values in found.items()}
 
 
@@ -101,7 +101,7 @@ def learn_orders(scenes: Iterable[Scene], vocabulary: Sequence[str]) -> dict[str
 
 
 def row_order(names: Sequence[str], kind: str, floor: bool, habits: Habits, rng: np.random.Generator) -> list[int]:
-    """In which order things of some categories are put on a support of a kind: positions in ``names``."""
+    """In which order objects of some categories are put on a support of a kind: positions in ``names``."""
     if floor:
         place = {name: number for number, name in enumerate(in_order(dict.fromkeys(names, 1), habits))}
         return sorted(range(len(names)), key=lambda number: place[names[number]])

@@ -10,27 +10,27 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...scene import Boxes
-from ...spatial.objects import Things
+from ...spatial.objects import SceneObjects
 from ...spatial.support_surfaces import board_at, boards_of
 from ..place.placeable import Piece
 
 
 @dataclass(eq=False)
 class Scene:
-    """The things of a scene that is growing, K of them.
+    """The objects of a scene that is growing, K of them.
 
     Attributes
     ----------
     category, support
-        int64 (K,): number in the model's vocabulary (-1 for others), and the thing that holds it (-1: none).
+        int64 (K,): number in the model's vocabulary (-1 for others), and the object that holds it (-1: none).
     world
-        (K, 4, 4): matrices of the things' entities in the world.
+        (K, 4, 4): matrices of the objects' entities in the world.
     center, half, yaw
-        (K, 3), (K, 3), (K,): the upright boxes, as in :class:`~...spatial.objects.Things`.
+        (K, 3), (K, 3), (K,): the upright boxes, as in :class:`~...spatial.objects.SceneObjects`.
     board
         int64 (K,): which of its support's boards each stands on, -1 for none of them.
     parts
-        Gives the world boxes of a thing's parts by its number.
+        Gives the world boxes of an object's parts by its number.
     room
         What :func:`~.scene_tokens.room_of` found out about the scene, None when that is to be done again.
     """
@@ -48,29 +48,29 @@ class Scene:
     _pieces: dict[int, Piece] = field(default_factory=dict)
 
     @staticmethod
-    def of(things: Things, world: NDArray[np.float64]) -> Scene:
-        """The scene of some things whose entities have ``world`` (K, 4, 4) matrices."""
-        none = np.full(len(things), -1, np.int64)
+    def of(objects: SceneObjects, world: NDArray[np.float64]) -> Scene:
+        """The scene of some objects whose entities have ``world`` (K, 4, 4) matrices."""
+        none = np.full(len(objects), -1, np.int64)
         scene = Scene(
-            things.category, things.support, world, things.center, things.half, things.yaw, none, things.parts_of
+            objects.category, objects.support, world, objects.center, objects.half, objects.yaw, none, objects.parts_of
         )
-        held = np.flatnonzero(things.support >= 0)
-        none[held] = [scene.board_of(things.bottom[thing], things.support[thing]) for thing in held]
+        held = np.flatnonzero(objects.support >= 0)
+        none[held] = [scene.board_of(objects.bottom[obj], objects.support[obj]) for obj in held]
         return scene
 
     @property
     def local(self) -> NDArray[np.float64]:
-        """Matrices (K, 4, 4) relative to the things' supports."""
+        """Matrices (K, 4, 4) relative to the objects' supports."""
         return relative(self.world, self.support)
 
-    def boards(self, thing: int) -> NDArray[np.float64]:
-        """The boards of a thing, see :func:`~...spatial.support_surfaces.boards_of`."""
-        if thing in self._pieces:
-            return self._pieces[thing].boards
-        if thing not in self._boards:
-            bottom = float(self.center[thing, 2] - self.half[thing, 2])
-            self._boards[thing] = boards_of(self.parts(thing), bottom)
-        return self._boards[thing]
+    def boards(self, obj: int) -> NDArray[np.float64]:
+        """The boards of an object, see :func:`~...spatial.support_surfaces.boards_of`."""
+        if obj in self._pieces:
+            return self._pieces[obj].boards
+        if obj not in self._boards:
+            bottom = float(self.center[obj, 2] - self.half[obj, 2])
+            self._boards[obj] = boards_of(self.parts(obj), bottom)
+        return self._boards[obj]
 
     def board_of(self, bottom: float, support: int) -> int:
         """Which board of a support carries something whose bottom is at a height, metres; -1 for none."""
@@ -79,7 +79,7 @@ class Scene:
     def add(
         self, category: int, support: int, world: NDArray[np.float64], piece: Piece, place: NDArray[np.float64]
     ) -> int:
-        """A further thing at a place (4,); returns its number."""
+        """A further object at a place (4,); returns its number."""
         number, self.room = len(self.category), None
         center = place[:3] + np.array([0, 0, piece.half[2]])
         board = self.board_of(float(place[2]), support) if support >= 0 else -1
@@ -132,7 +132,7 @@ class Proposals:
 
 
 class Proposer(Protocol):
-    """A model that proposes where a new thing could be."""
+    """A model that proposes where a new object could be."""
 
     def propose(
         self,
@@ -146,6 +146,6 @@ class Proposer(Protocol):
     ) -> Proposals:
         """``count`` proposals for a piece of a category.
 
-        ``allowed`` bool (K,) says which things may hold it, ``coming`` how many things of
+        ``allowed`` bool (K,) says which objects may hold it, ``coming`` how many objects of
         which categories are still to be placed after it.
         """

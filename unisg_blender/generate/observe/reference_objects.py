@@ -1,4 +1,4 @@
-"""Leaders: the things from which one can tell where others are, such as an operating table or a sofa; they come first.
+"""Leaders: the objects from which one can tell where others are, such as an operating table or a sofa; they come first.
 
 A category leads another as far as the other's places spread less in its frame than
 in the room: the logarithm of the ratio of the spreads, nats, times how often the two
@@ -13,7 +13,7 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ...spatial.objects import Things
+from ...spatial.objects import SceneObjects
 
 FEWEST = 12
 """Pairs that a spread is measured from, at least."""
@@ -24,12 +24,12 @@ GAIN = 1.0
 Offsets = dict[tuple[int, int], list[NDArray[np.float64]]]
 
 
-def find_leaders(scenes: Iterable[Things], vocabulary: Sequence[str]) -> list[str]:
+def find_leaders(scenes: Iterable[SceneObjects], vocabulary: Sequence[str]) -> list[str]:
     """The leading categories of what stands on the floor, the most telling one first."""
     offsets: Offsets = defaultdict(list)
     count = 0
-    for things in scenes:
-        _collect(things, offsets)
+    for objects in scenes:
+        _collect(objects, offsets)
         count += 1
     spread = {key: _spread(values) for key, values in offsets.items() if len(values) >= FEWEST}
     gains: dict[int, dict[int, float]] = defaultdict(dict)
@@ -40,15 +40,15 @@ def find_leaders(scenes: Iterable[Things], vocabulary: Sequence[str]) -> list[st
     return [vocabulary[number] for number in _greedy(gains)]
 
 
-def _collect(things: Things, offsets: Offsets) -> None:
-    """Add where the floor's things are in the room (-1, category), and seen from those that are alone of their kind."""
-    held = np.flatnonzero(things.support >= 0)
-    on_floor = held[things.support[things.support[held]] < 0]
-    rows = on_floor[(things.category[on_floor] >= 0) & (things.half[on_floor].max(axis=1) > 0)]
+def _collect(objects: SceneObjects, offsets: Offsets) -> None:
+    """Add where the floor's objects are in the room (-1, category), and from those that are alone of their kind."""
+    held = np.flatnonzero(objects.support >= 0)
+    on_floor = held[objects.support[objects.support[held]] < 0]
+    rows = on_floor[(objects.category[on_floor] >= 0) & (objects.half[on_floor].max(axis=1) > 0)]
     if not len(rows):
         return
-    kind, place, yaw = things.category[rows], things.center[rows, :2], things.yaw[rows]
-    middle = things.center[things.support[rows[0]], :2]
+    kind, place, yaw = objects.category[rows], objects.center[rows, :2], objects.yaw[rows]
+    middle = objects.center[objects.support[rows[0]], :2]
     for number, offset in zip(kind.tolist(), place - middle, strict=True):
         offsets[-1, number].append(offset)
     known, times = np.unique(kind, return_counts=True)

@@ -11,16 +11,16 @@ from numpy.typing import NDArray
 from .proposals import Scene
 
 TOKENS = 32
-"""Things that the model looks at, at most: the support with what holds it and what it holds, then what is near."""
+"""Objects that the model looks at, at most: the support with what holds it and what it holds, then what is near."""
 
 NEAR, MOST_NEAR, OTHER_LEVEL = 1.0, 8, 0.15
-"""What is near but on something else: within so many metres of the support, and so many things at most.
+"""What is near but on something else: within so many metres of the support, and so many objects at most.
 
 What is above or below the target counts as so much farther away: a lamp has to see the table.
 """
 
 WIDE = 1.0
-"""Something whose half extent is more than this, such as a ceiling rail, sees the largest things wherever they are."""
+"""Something whose half extent is more than this, such as a ceiling rail, sees the largest objects wherever they are."""
 
 THIN, LONG, TALL = 0.15, 0.5, 0.6
 """Half extents in metres: what is thinner, longer and taller counts as a wall."""
@@ -35,7 +35,7 @@ Arrays = dict[str, NDArray[np.float32] | NDArray[np.int64]]
 
 
 def levels_of(support: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Number of supports under each thing, (K,)."""
+    """Number of supports under each object, (K,)."""
     level = np.zeros(len(support), np.int64)
     above = support.copy()
     for _ in range(16):
@@ -47,18 +47,18 @@ def levels_of(support: NDArray[np.int64]) -> NDArray[np.int64]:
     return level
 
 
-def chain(support: NDArray[np.int64], thing: int) -> list[int]:
-    """What holds a thing, and what holds that, and so on."""
+def chain(support: NDArray[np.int64], obj: int) -> list[int]:
+    """What holds an object, and what holds that, and so on."""
     found: list[int] = []
-    while thing >= 0 and (thing := int(support[thing])) >= 0 and thing not in found:
-        found.append(thing)
+    while obj >= 0 and (obj := int(support[obj])) >= 0 and obj not in found:
+        found.append(obj)
     return found
 
 
 def tokens_for(
     scene: Scene, seen: NDArray[np.bool_], parent: int, board: int, bottom: float, target: NDArray[np.float64]
 ) -> NDArray[np.int64]:
-    """The things that matter for a target on a board of ``parent``: at most :data:`TOKENS`, the parent first.
+    """The objects that matter for a target on a board of ``parent``: at most :data:`TOKENS`, the parent first.
 
     ``seen`` bool (K,) says what is there; ``target`` (3,) are half extents, its bottom is at ``bottom``, metres.
     """
@@ -87,7 +87,7 @@ def tokens_for(
 
 
 def _apart(scene: Scene, parent: int) -> NDArray[np.float64]:
-    """How far each thing's middle is from the parent's footprint, or the parent's from the thing's, metres (K,)."""
+    """How far each object's middle is from the parent's footprint, or the parent's from the object's, metres (K,)."""
     x, y = (scene.center[:, :2] - scene.center[parent, :2]).T
     found = []
     for yaw, half in ((scene.yaw[parent], scene.half[parent]), (scene.yaw, scene.half.T)):
@@ -128,9 +128,9 @@ def context_arrays(
 
 @dataclass(frozen=True, eq=False)
 class Room:
-    """What is the same for all targets: ``ground`` in metres, and of each thing (K,) its ``level``.
+    """What is the same for all targets: ``ground`` in metres, and of each object (K,) its ``level``.
 
-    ``swap`` says which things are walls whose thin side is along x, ``inner`` on which side
+    ``swap`` says which objects are walls whose thin side is along x, ``inner`` on which side
     of a wall the room is: 1 towards y, -1 away, 0 for what is no wall.
     """
 
@@ -155,7 +155,7 @@ def room_of(scene: Scene) -> Room:
 
 
 def room_root(scene: Scene) -> int:
-    """The thing without a support that has the largest footprint, -1 for none."""
+    """The object without a support that has the largest footprint, -1 for none."""
     roots = np.flatnonzero(scene.support < 0)
     return int(roots[np.argmax(scene.half[roots, 0] * scene.half[roots, 1])]) if len(roots) else -1
 

@@ -1,4 +1,4 @@
-"""Spots: what the choice of a support is made among, every board of every thing and "elsewhere on it"."""
+"""Spots: what the choice of a support is made among, every board of every object and "elsewhere on it"."""
 
 from __future__ import annotations
 
@@ -19,53 +19,53 @@ NEARBY = 1.0
 
 @dataclass(frozen=True, eq=False)
 class Spots:
-    """N spots of some things, those of one thing together: its boards from below, then elsewhere on it.
+    """N spots of some objects, those of one object together: its boards from below, then elsewhere on it.
 
     Attributes
     ----------
-    thing, board
-        int64 (N,): the thing, and which of its boards; -1 for elsewhere (hanging, at the side, within).
+    object, board
+        int64 (N,): the object, and which of its boards; -1 for elsewhere (hanging, at the side, within).
     measures
-        (N, 4): height above the thing's bottom, area, headroom (metres), and the board's place among them in 0..1.
+        (N, 4): height above the object's bottom, area, headroom (metres), and the board's place among them in 0..1.
     first
-        int64 (K,): the first spot of each thing, -1 for things that have none.
+        int64 (K,): the first spot of each object, -1 for objects that have none.
     """
 
-    thing: NDArray[np.int64]
+    obj: NDArray[np.int64]
     board: NDArray[np.int64]
     measures: NDArray[np.float64]
     first: NDArray[np.int64]
 
     @staticmethod
-    def of(scene: Scene, things: Sequence[int] | NDArray[np.int64]) -> Spots:
-        """The spots of some things of a scene."""
-        things = np.asarray(things, np.int64)
-        boards = [scene.boards(number) for number in things.tolist()]
+    def of(scene: Scene, objects: Sequence[int] | NDArray[np.int64]) -> Spots:
+        """The spots of some objects of a scene."""
+        objects = np.asarray(objects, np.int64)
+        boards = [scene.boards(number) for number in objects.tolist()]
         count = np.array([len(found) for found in boards], np.int64)
         elsewhere = np.cumsum(count + 1) - 1
         first = np.full(len(scene.category), -1, np.int64)
-        first[things] = elsewhere - count
-        thing = np.repeat(things, count + 1)
-        board = np.arange(len(thing)) - first[thing]
-        level = np.ones(len(thing), bool)
+        first[objects] = elsewhere - count
+        obj = np.repeat(objects, count + 1)
+        board = np.arange(len(obj)) - first[obj]
+        level = np.ones(len(obj), bool)
         level[elsewhere] = False
-        measures, half = np.zeros((len(thing), 4)), scene.half[things]
+        measures, half = np.zeros((len(obj), 4)), scene.half[objects]
         measures[level, :3] = np.concatenate([np.zeros((0, 3)), *boards])
         measures[level, 3] = board[level] / np.repeat(np.maximum(count - 1, 1), count)
         measures[elsewhere, 1], measures[elsewhere, 2] = 4 * half[:, 0] * half[:, 1], 2 * half[:, 2]
         board[elsewhere] = -1
-        return Spots(thing, board, measures, first)
+        return Spots(obj, board, measures, first)
 
-    def at(self, thing: NDArray[np.int64], board: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Numbers of the spots for things int64 (T,) (-1: none) and boards (T,), -1 for none."""
-        count = np.bincount(self.thing, minlength=len(self.first))
-        place = self.first[thing] + np.where(board >= 0, board, count[thing] - 1)
-        return np.where((thing >= 0) & (self.first[thing] >= 0), place, -1)
+    def at(self, obj: NDArray[np.int64], board: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Numbers of the spots for objects int64 (T,) (-1: none) and boards (T,), -1 for none."""
+        count = np.bincount(self.obj, minlength=len(self.first))
+        place = self.first[obj] + np.where(board >= 0, board, count[obj] - 1)
+        return np.where((obj >= 0) & (self.first[obj] >= 0), place, -1)
 
 
 @dataclass(frozen=True, eq=False)
 class Load:
-    """What lies where, T things: support and board int64 (T,), category (T,), footprint (T,) in m2."""
+    """What lies where, T objects: support and board int64 (T,), category (T,), footprint (T,) in m2."""
 
     support: NDArray[np.int64]
     board: NDArray[np.int64]
@@ -74,13 +74,13 @@ class Load:
 
     @staticmethod
     def of(scene: Scene, seen: NDArray[np.bool_]) -> Load:
-        """Of the things of a scene that are there, bool (K,)."""
+        """Of the objects of a scene that are there, bool (K,)."""
         held = np.flatnonzero(seen & (scene.support >= 0))
         area = 4 * scene.half[held, 0] * scene.half[held, 1]
         return Load(scene.support[held], scene.board[held], scene.category[held], area)
 
-    def with_thing(self, support: int, board: int, category: int, area: float) -> Load:
-        """The same with one thing more."""
+    def with_object(self, support: int, board: int, category: int, area: float) -> Load:
+        """The same with one object more."""
         return Load(
             np.append(self.support, support), np.append(self.board, board), np.append(self.category, category),
             np.append(self.area, area),
@@ -89,39 +89,39 @@ class Load:
 
 @dataclass(frozen=True, eq=False)
 class Nearness:
-    """How near to each of K things those J things are that stand on a root: ``share`` (K, J) is 1 where they touch.
+    """How near to each of K objects those J objects are that stand on a root: ``share`` (K, J) is 1 where they touch.
 
-    ``thing`` int64 (J,) are their numbers, by category.
+    ``obj`` int64 (J,) are their numbers, by category.
     """
 
-    thing: NDArray[np.int64]
+    obj: NDArray[np.int64]
     share: NDArray[np.float32]
 
     @staticmethod
     def of(scene: Scene) -> Nearness:
         """Of a scene."""
         held = np.flatnonzero(scene.support >= 0)
-        thing = held[scene.support[scene.support[held]] < 0]
-        thing = thing[np.argsort(scene.category[thing], kind="stable")]
-        offset = scene.center[thing, None, :2] - scene.center[:, :2]
+        obj = held[scene.support[scene.support[held]] < 0]
+        obj = obj[np.argsort(scene.category[obj], kind="stable")]
+        offset = scene.center[obj, None, :2] - scene.center[:, :2]
         gaps = []
         for yaw, half in (
             (scene.yaw[None], scene.half[None, :, :2]),
-            (scene.yaw[thing, None], scene.half[thing, None, :2]),
+            (scene.yaw[obj, None], scene.half[obj, None, :2]),
         ):
             cos, sin = np.cos(yaw), np.sin(yaw)
             along = np.abs(cos * offset[..., 0] + sin * offset[..., 1]) - half[..., 0]
             across = np.abs(cos * offset[..., 1] - sin * offset[..., 0]) - half[..., 1]
             gaps.append(np.hypot(along.clip(0), across.clip(0)))
         share = np.exp(-np.minimum(*gaps) / NEARBY)
-        share[np.arange(len(thing)), thing] = 0
-        return Nearness(thing, share.T.astype(np.float32))
+        share[np.arange(len(obj)), obj] = 0
+        return Nearness(obj, share.T.astype(np.float32))
 
     def by_kind(self, scene: Scene, seen: NDArray[np.bool_], unknown: int) -> NDArray[np.float32]:
-        """The nearest of each category that is there, bool (K,), to each thing: (K, C + 1)."""
+        """The nearest of each category that is there, bool (K,), to each object: (K, C + 1)."""
         result = np.zeros((len(self.share), unknown + 1), np.float32)
-        there = seen[self.thing]
-        kind = scene.category[self.thing[there]]
+        there = seen[self.obj]
+        kind = scene.category[self.obj[there]]
         if len(kind):
             starts = np.flatnonzero(np.diff(kind, prepend=kind[0] - 1))
             number = np.where(kind[starts] < 0, unknown, kind[starts])
@@ -137,18 +137,18 @@ def support_arrays(
 
     ``near`` (K, C + 1) is what :meth:`Nearness.by_kind` says.
     """
-    count, things = len(spots.thing), len(scene.category)
+    count, objects = len(spots.obj), len(scene.category)
     place = spots.at(load.support, load.board)
     on = place >= 0
     place, kind, area = place[on], load.category[on], load.area[on]
     content = np.zeros((count, unknown + 1), np.float32)
     np.add.at(content, (place, np.where(kind < 0, unknown, kind)), 1)
     covered = np.bincount(place, weights=area, minlength=count)
-    mine = np.bincount(load.support[load.category == category], minlength=things)[spots.thing]
-    everything = np.bincount(load.support, minlength=things)[spots.thing]
+    mine = np.bincount(load.support[load.category == category], minlength=objects)[spots.obj]
+    everything = np.bincount(load.support, minlength=objects)[spots.obj]
     height, area, headroom, rank = spots.measures.T
     footprint = 4 * half[0] * half[1] + TINY
-    own = scene.half[spots.thing]
+    own = scene.half[spots.obj]
     narrow, long = np.sort(own[:, :2], axis=1).T
     slim, wide = sorted(half[:2])
     features = np.empty((LOAD_WIDTH, count), np.float32)
@@ -156,13 +156,13 @@ def support_arrays(
     features[4:6] = np.minimum(np.stack([covered, covered + footprint]) / np.maximum(area, TINY), 2)
     features[6:9] = spots.board < 0, height, np.log(area + TINY) / 4
     features[9:11] = headroom.clip(0, 1), np.tanh(4 * (headroom - 2 * half[2]))
-    features[11:] = rank, room_of(scene).level[spots.thing] / 4, np.tanh(4 * np.minimum(narrow - slim, long - wide))
+    features[11:] = rank, room_of(scene).level[spots.obj] / 4, np.tanh(4 * np.minimum(narrow - slim, long - wide))
     kinds = np.append(np.where(scene.category < 0, unknown, scene.category), unknown)
     return {
-        "support_category": kinds[spots.thing].astype(np.int64),
-        "support_holder": kinds[scene.support[spots.thing]].astype(np.int64),
+        "support_category": kinds[spots.obj].astype(np.int64),
+        "support_holder": kinds[scene.support[spots.obj]].astype(np.int64),
         "support_half": own.astype(np.float32),
         "support_load": features.T,
         "support_content": np.log1p(content),
-        "support_near": near[spots.thing],
+        "support_near": near[spots.obj],
     }

@@ -11,23 +11,23 @@ import numpy as np
 
 from ...geometry.box_overlap import nearby_pairs, penetration
 from ...geometry.boxes import covers, part_tops, turned_reach
-from ...spatial.objects import CONTACT, Things
+from ...spatial.objects import CONTACT, SceneObjects
 from .reference_objects import find_leaders
 
 RESTS, HANGS, BESIDE, INSIDE = "rests", "hangs", "beside", "inside"
-"""How a thing is held: on a surface, from the underside, at the side, or anywhere within its support."""
+"""How an object is held: on a surface, from the underside, at the side, or anywhere within its support."""
 
 RARE = 0.01
-"""Supports that hold less than this share of a category's things are left out."""
+"""Supports that hold less than this share of a category's objects are left out."""
 
 OVERLAP_SCENES = 150
 """Scenes in which overlaps are measured: a tenth of a second each."""
 
 SPANS = 0.9
-"""A category reaches from holder to holder if at least this share of its things touches two of the same kind."""
+"""A category reaches from holder to holder if at least this share of its objects touches two of the same kind."""
 
 FAR_END = (-0.05, 0.15)
-"""Metres: gaps to the second holder with which a thing still counts as reaching it."""
+"""Metres: gaps to the second holder with which an object still counts as reaching it."""
 
 _SHALLOW = 0.002
 Seen = tuple[str, float, str]
@@ -35,7 +35,7 @@ Seen = tuple[str, float, str]
 
 @dataclass(frozen=True)
 class Habit:
-    """How things of a category stand on one kind of support.
+    """How objects of a category stand on one kind of support.
 
     ``support`` "" means that they have none; ``count`` how often that was seen;
     ``contact`` how they are held; ``gap`` the median of the clearance in metres
@@ -98,8 +98,8 @@ class Habits:
         return next((habit for habit in self.supports.get(category, ()) if habit.support == support), None)
 
 
-def learn_habits(scenes: Iterable[Things], vocabulary: Sequence[str], rooms: int = 256) -> Habits:
-    """Habits out of the things of training scenes, whose categories are numbered as in ``vocabulary``."""
+def learn_habits(scenes: Iterable[SceneObjects], vocabulary: Sequence[str], rooms: int = 256) -> Habits:
+    """Habits out of the objects of training scenes, whose categories are numbered as in ``vocabulary``."""
     names = (*vocabulary, "")
     contacts: dict[tuple[str, str], list[Seen]] = defaultdict(list)
     sizes: dict[str, list[Any]] = defaultdict(list)
@@ -107,15 +107,15 @@ def learn_habits(scenes: Iterable[Things], vocabulary: Sequence[str], rooms: int
     counts = []
     across: Counter[str] = Counter()
     scenes = list(scenes)
-    for number, things in enumerate(scenes):
-        counts.append(np.bincount(things.category[things.category >= 0], minlength=len(vocabulary)).tolist())
-        for thing in np.flatnonzero(things.category >= 0):
-            category, support = names[things.category[thing]], int(things.support[thing])
-            below = names[things.category[support]] if support >= 0 else ""
-            contacts[category, below].append((*contact(things, int(thing), support), things.relation[thing]))
-            sizes[category].append(2 * things.half[thing])
-            across[category] += contacts[category, below][-1][0] == BESIDE and _spans(things, int(thing), support)
-        for pair, depth in _overlaps(things, names) if number < OVERLAP_SCENES else ():
+    for number, objects in enumerate(scenes):
+        counts.append(np.bincount(objects.category[objects.category >= 0], minlength=len(vocabulary)).tolist())
+        for obj in np.flatnonzero(objects.category >= 0):
+            category, support = names[objects.category[obj]], int(objects.support[obj])
+            below = names[objects.category[support]] if support >= 0 else ""
+            contacts[category, below].append((*contact(objects, int(obj), support), objects.relation[obj]))
+            sizes[category].append(2 * objects.half[obj])
+            across[category] += contacts[category, below][-1][0] == BESIDE and _spans(objects, int(obj), support)
+        for pair, depth in _overlaps(objects, names) if number < OVERLAP_SCENES else ():
             depths[pair].append(depth)
     return Habits(
         supports=_supports(contacts),
@@ -127,33 +127,33 @@ def learn_habits(scenes: Iterable[Things], vocabulary: Sequence[str], rooms: int
     )
 
 
-def contact(things: Things, thing: int, support: int) -> tuple[str, float]:
-    """How a thing is held by its support, and the clearance at its side in metres."""
+def contact(objects: SceneObjects, obj: int, support: int) -> tuple[str, float]:
+    """How an object is held by its support, and the clearance at its side in metres."""
     if support < 0:
-        return (RESTS if abs(things.bottom[thing]) <= CONTACT else INSIDE), 0.0
-    parts = things.parts_of(support)
-    level = np.abs(part_tops(parts) - things.bottom[thing]) <= CONTACT
-    if (level & covers(parts, things.center[thing, :2], 0.05)).any():
+        return (RESTS if abs(objects.bottom[obj]) <= CONTACT else INSIDE), 0.0
+    parts = objects.parts_of(support)
+    level = np.abs(part_tops(parts) - objects.bottom[obj]) <= CONTACT
+    if (level & covers(parts, objects.center[obj, :2], 0.05)).any():
         return RESTS, 0.0
-    if abs(things.bottom[support] - things.top[thing]) <= CONTACT:
+    if abs(objects.bottom[support] - objects.top[obj]) <= CONTACT:
         return HANGS, 0.0
-    gap = side_gap(things, thing, support)
+    gap = side_gap(objects, obj, support)
     return (BESIDE, gap) if -CONTACT <= gap <= 0.15 else (INSIDE, 0.0)
 
 
-def side_gap(things: Things, thing: int, support: int) -> float:
-    """Horizontal clearance in metres between a thing and its support's box, negative where they overlap."""
-    reach = turned_reach(things.half[thing], things.yaw[thing] - things.yaw[support])
-    offset = things.center[thing, :2] - things.center[support, :2]
-    c, s = np.cos(things.yaw[support]), np.sin(things.yaw[support])
+def side_gap(objects: SceneObjects, obj: int, support: int) -> float:
+    """Horizontal clearance in metres between an object and its support's box, negative where they overlap."""
+    reach = turned_reach(objects.half[obj], objects.yaw[obj] - objects.yaw[support])
+    offset = objects.center[obj, :2] - objects.center[support, :2]
+    c, s = np.cos(objects.yaw[support]), np.sin(objects.yaw[support])
     local = np.abs([c * offset[0] + s * offset[1], c * offset[1] - s * offset[0]])
-    return float((local - reach - things.half[support, :2]).max())
+    return float((local - reach - objects.half[support, :2]).max())
 
 
-def _spans(things: Things, thing: int, support: int) -> bool:
-    """Whether a thing that is held at the side touches a second holder of the same kind too."""
-    alike = np.flatnonzero(things.category == things.category[support])
-    return any(FAR_END[0] <= side_gap(things, thing, int(other)) <= FAR_END[1] for other in alike if other != support)
+def _spans(objects: SceneObjects, obj: int, support: int) -> bool:
+    """Whether an object that is held at the side touches a second holder of the same kind too."""
+    alike = np.flatnonzero(objects.category == objects.category[support])
+    return any(FAR_END[0] <= side_gap(objects, obj, int(other)) <= FAR_END[1] for other in alike if other != support)
 
 
 def _supports(contacts: dict[tuple[str, str], list[Seen]]) -> dict[str, list[Habit]]:
@@ -170,21 +170,21 @@ def _supports(contacts: dict[tuple[str, str], list[Seen]]) -> dict[str, list[Hab
     return dict(sorted(found.items()))
 
 
-def _overlaps(things: Things, names: Sequence[str]) -> list[tuple[str, float]]:
-    """Depth to which any two things whose boxes come near each other overlap, by key of the pair."""
-    pairs = nearby_pairs(things.parts)
-    pairs = pairs[things.owner[pairs[:, 0]] != things.owner[pairs[:, 1]]]
-    depth = penetration(things.parts.take(pairs[:, 0]), things.parts.take(pairs[:, 1]))
+def _overlaps(objects: SceneObjects, names: Sequence[str]) -> list[tuple[str, float]]:
+    """Depth to which any two objects whose boxes come near each other overlap, by key of the pair."""
+    pairs = nearby_pairs(objects.parts)
+    pairs = pairs[objects.owner[pairs[:, 0]] != objects.owner[pairs[:, 1]]]
+    depth = penetration(objects.parts.take(pairs[:, 0]), objects.parts.take(pairs[:, 1]))
     deepest: dict[tuple[int, int], float] = {}
-    for first, second, value in zip(*things.owner[pairs.T], depth, strict=True):
+    for first, second, value in zip(*objects.owner[pairs.T], depth, strict=True):
         key = (min(first, second), max(first, second))
         deepest[key] = max(deepest.get(key, 0.0), float(value))
     found: list[tuple[str, float]] = []
     for (a, b), deep in deepest.items():
-        first, second = names[things.category[a]], names[things.category[b]]
-        if things.support[a] == b:
+        first, second = names[objects.category[a]], names[objects.category[b]]
+        if objects.support[a] == b:
             found.append((f"{first}>{second}", deep))
-        elif things.support[b] == a:
+        elif objects.support[b] == a:
             found.append((f"{second}>{first}", deep))
         else:
             found.append(("|".join(sorted((first, second))), deep))

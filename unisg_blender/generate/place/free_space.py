@@ -25,9 +25,9 @@ class Space:
     Parameters
     ----------
     parts, owner
-        World boxes of the parts and int64 (P,) the thing that each belongs to.
+        World boxes of the parts and int64 (P,) the object that each belongs to.
     category
-        int64 (K,): the things' categories as positions in ``vocabulary``, -1 for others.
+        int64 (K,): the objects' categories as positions in ``vocabulary``, -1 for others.
     outline
         Outline of the room (M, 2) in world metres, None if there is none.
     """
@@ -44,14 +44,14 @@ class Space:
         self.low, self.high = world_bounds(parts)
 
     def add(self, parts: Boxes, category: int) -> int:
-        """Take up space with a new thing; returns its number."""
+        """Take up space with a new object; returns its number."""
         number = len(self.category)
         self.category = np.append(self.category, category)
         self.take_up(parts, number)
         return number
 
     def take_up(self, parts: Boxes, number: int) -> None:
-        """Take up space with parts of a thing."""
+        """Take up space with parts of an object."""
         low, high = world_bounds(parts)
         self.boxes = Boxes(
             np.concatenate([self.boxes.center, parts.center]),
@@ -62,14 +62,14 @@ class Space:
         self.owner = np.append(self.owner, np.full(len(parts.center), number))
         self.low, self.high = np.concatenate([self.low, low]), np.concatenate([self.high, high])
 
-    def surfaces(self, thing: int) -> Boxes:
-        """The parts of a thing."""
-        return self.boxes.take(np.flatnonzero(self.owner == thing))
+    def surfaces(self, obj: int) -> Boxes:
+        """The parts of an object."""
+        return self.boxes.take(np.flatnonzero(self.owner == obj))
 
     def depth(self, piece: Piece, places: NDArray[np.float64], category: int, support: int = -1) -> NDArray[np.float64]:
         """Metres (T,) by which a piece at places (T, 4) reaches too deep into anything; 0 where it fits.
 
-        ``support`` is the thing that holds it: some reach into what they lie in.
+        ``support`` is the object that holds it: some reach into what they lie in.
         """
         found = np.zeros(len(places))
         boxes = piece.boxes_at(places)
@@ -106,7 +106,7 @@ def _meeting(
 
 
 def _limits(habits: Habits, vocabulary: Sequence[str]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Allowed overlaps by two categories (C + 1, C + 1), of things apart, and of a thing with what holds it.
+    """Allowed overlaps by two categories (C + 1, C + 1), of objects apart, and of an object with what holds it.
 
     The last row and column are for other categories.
     """

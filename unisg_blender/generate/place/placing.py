@@ -15,7 +15,7 @@ from ...dataset.assets.asset import Asset
 from ...errors import UniSGError
 from ...scene import SceneGraph, world_matrices
 from ...spatial.floor_plan import FLOOR, room_outline
-from ...spatial.objects import find_thing, things_of
+from ...spatial.objects import find_object, scene_objects
 from ...spatial.structure import STRUCTURE
 from ..observe.contract import Contract
 from ..observe.proposals import Proposals, Proposer, Scene
@@ -43,9 +43,9 @@ SEARCHED = 4
 
 @dataclass(frozen=True, eq=False)
 class _Spot:
-    """A place (4,) on a thing (-1: the ground), whether it ``fits``, and how it was found."""
+    """A place (4,) on an object (-1: the ground), whether it ``fits``, and how it was found."""
 
-    thing: int
+    obj: int
     place: NDArray[np.float64]
     fits: bool
     draws: int
@@ -69,14 +69,14 @@ class Placing:
         self.proposer, self.library, self.contract = proposer, library, contract
         self.habits, self.vocabulary = self.contract.habits, self.contract.vocabulary
         self.graph, self.rng, self.settle = graph, rng, settle
-        things = things_of(graph, self.vocabulary)
-        self.scene = Scene.of(things, world_matrices(graph)[things.row])
-        self.uids = [graph.uid[row] for row in things.row]
-        self.names = [graph.name[row] for row in things.row]
-        self.kinds = [graph.category_name(row) for row in things.row]
-        has_floor = FLOOR in self.kinds and (graph.mesh[things.row] >= 0)[self.kinds.index(FLOOR)]
+        objects = scene_objects(graph, self.vocabulary)
+        self.scene = Scene.of(objects, world_matrices(graph)[objects.row])
+        self.uids = [graph.uid[row] for row in objects.row]
+        self.names = [graph.name[row] for row in objects.row]
+        self.kinds = [graph.category_name(row) for row in objects.row]
+        has_floor = FLOOR in self.kinds and (graph.mesh[objects.row] >= 0)[self.kinds.index(FLOOR)]
         outline = room_outline(graph) if has_floor else None
-        self.space = Space(things.parts, things.owner, things.category, outline, self.habits, self.vocabulary)
+        self.space = Space(objects.parts, objects.owner, objects.category, outline, self.habits, self.vocabulary)
         self.additions: list[Addition] = []
         self.coming = Counter(wanted)
         self.given: set[int] = set()
@@ -87,15 +87,15 @@ class Placing:
         self._resting: dict[tuple[str, int], Support] = {}
 
     def request(self, on: str, beside: str) -> None:
-        """Put all objects on, or beside, the thing with that uid or name; "" for anywhere."""
+        """Put all objects on, or beside, the object with that uid or name; "" for anywhere."""
         if on:
-            self.on = find_thing(self.graph, self.uids, on)
+            self.on = find_object(self.graph, self.uids, on)
             self.proposer = On(self.proposer, self.on, self.usual)
         if beside:
-            thing = find_thing(self.graph, self.uids, beside)
-            if self.kinds[thing] == FLOOR:
-                raise UniSGError(f"everything is beside {beside!r}: name a thing that stands on it")
-            self.proposer = Beside(self.proposer, thing)
+            obj = find_object(self.graph, self.uids, beside)
+            if self.kinds[obj] == FLOOR:
+                raise UniSGError(f"everything is beside {beside!r}: name an object that stands on it")
+            self.proposer = Beside(self.proposer, obj)
 
     def order(self, wanted: Sequence[str]) -> Iterator[Planned]:
         """The objects in the order of placing, with the spots planned for them; level by level, as the scene grows."""
@@ -137,7 +137,7 @@ class Placing:
         return self.proposer.propose(self.scene, self.vocabulary.index(name), piece, count, self.rng, allowed, coming)
 
     def _allowed(self, name: str) -> tuple[NDArray[np.bool_], str]:
-        """Which things may hold a category, and what to say where none of the usual ones is there."""
+        """Which objects may hold a category, and what to say where none of the usual ones is there."""
         if self.on >= 0:
             return covers(self.scene, self.on) | (np.arange(len(self.scene.category)) == self.on), ""
         usual = self.usual[self.vocabulary.index(name)]
@@ -147,14 +147,12 @@ class Placing:
         kinds = [habit.support for habit in self.habits.supports[name]]
         return self.scene.category == self.floor, f"no {' or '.join(kinds[:3])} in the scene"
 
-    def _support(self, name: str, thing: int) -> Support:
-        if (name, thing) not in self._resting:
-            kind = self.kinds[thing] if thing >= 0 else ""
+    def _support(self, name: str, obj: int) -> Support:
+        if (name, obj) not in self._resting:
+            kind = self.kinds[obj] if obj >= 0 else ""
             habit = self.habits.habit(name, kind) or Habit(kind, 0, RESTS)
-            self._resting[name, thing] = Support(
-                thing, habit, self.space.surfaces(thing), kind == FLOOR, name in STRUCTURE
-            )
-        return self._resting[name, thing]
+            self._resting[name, obj] = Support(obj, habit, self.space.surfaces(obj), kind == FLOOR, name in STRUCTURE)
+        return self._resting[name, obj]
 
     def place(
         self, planned: Planned, name: str, names: Names, make_uid: UidMaker, early: Proposals | None
@@ -186,8 +184,8 @@ class Placing:
         """What is to be said of a place for what was wanted beside something."""
         if not isinstance(self.proposer, Beside):
             return ""
-        gap = float(aside(self.scene, self.proposer.thing, piece.half, place[None])[0])
-        return f"no room beside {self.names[self.proposer.thing]}" if gap > BESIDE + 1e-6 else ""
+        gap = float(aside(self.scene, self.proposer.obj, piece.half, place[None])[0])
+        return f"no room beside {self.names[self.proposer.obj]}" if gap > BESIDE + 1e-6 else ""
 
     def _first(
         self, name: str, piece: Piece, allowed: NDArray[np.bool_], early: Proposals | None, planned: Planned
@@ -227,18 +225,18 @@ class Placing:
         places = np.concatenate([proposals.places for proposals in seen])
         _, first = np.unique(order, return_index=True)
         for row in np.sort(first)[:SEARCHED]:
-            thing = int(order[row])
-            found = search(piece, places[row], category, self._support(name, thing), self.space)
+            obj = int(order[row])
+            found = search(piece, places[row], category, self._support(name, obj), self.space)
             if found is not None:
-                return _Spot(thing, found, True, draws, searched=True)
+                return _Spot(obj, found, True, draws, searched=True)
         return _Spot(int(order[0]), places[0], False, draws)
 
     def _settle(self, name: str, piece: Piece, proposals: Proposals) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
         """The proposals' places after settling, and which of them fit."""
         places = proposals.places.copy()
         good = np.zeros(len(places), bool)
-        for thing in np.unique(proposals.support):
-            mine, support = proposals.support == thing, self._support(name, int(thing))
+        for obj in np.unique(proposals.support):
+            mine, support = proposals.support == obj, self._support(name, int(obj))
             places[mine] = rest(piece, places[mine], support, self.space)
             good[mine] = fitting(piece, places[mine], self.vocabulary.index(name), support, self.space)
         return places, good
@@ -249,10 +247,10 @@ class Placing:
         The model chooses the holder before the place.
         """
         holder, places = proposals.support.copy(), proposals.places
-        for thing in np.unique(holder[holder >= 0]) if self.on < 0 else ():
-            alike = np.flatnonzero(self.scene.category == self.scene.category[thing])
-            if self._support(name, int(thing)).contact != RESTS and len(alike) > 1:
-                mine = np.flatnonzero(proposals.support == thing)
+        for obj in np.unique(holder[holder >= 0]) if self.on < 0 else ():
+            alike = np.flatnonzero(self.scene.category == self.scene.category[obj])
+            if self._support(name, int(obj)).contact != RESTS and len(alike) > 1:
+                mine = np.flatnonzero(proposals.support == obj)
                 supports = [self._support(name, int(other)) for other in alike]
                 holder[mine] = alike[nearest_support(piece, places[mine], supports, self.space)]
         return Proposals(holder, places)
@@ -262,12 +260,12 @@ class Placing:
     ) -> Placement:
         category, world = self.vocabulary.index(name), piece.world(spot.place)
         place = spot.place[None]
-        depth = 0.0 if self.settle else float(self.space.depth(piece, place, category, spot.thing)[0])
-        self.scene.add(category, spot.thing, world, piece, spot.place)
+        depth = 0.0 if self.settle else float(self.space.depth(piece, place, category, spot.obj)[0])
+        self.scene.add(category, spot.obj, world, piece, spot.place)
         self.space.add(piece.boxes_at(place), category)
         own, uid = names.new(name), make_uid(name)
-        above, held_by = (self.uids[spot.thing], self.names[spot.thing]) if spot.thing >= 0 else ("", "")
-        relation = self._support(name, spot.thing).habit.relation
+        above, held_by = (self.uids[spot.obj], self.names[spot.obj]) if spot.obj >= 0 else ("", "")
+        relation = self._support(name, spot.obj).habit.relation
         self.additions.append(Addition(piece.asset, uid, own, above, world, name, relation))
         self.uids.append(uid)
         self.names.append(own)

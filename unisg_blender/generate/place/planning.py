@@ -23,7 +23,7 @@ from .spanning_objects import fit_for
 
 @dataclass(frozen=True, eq=False)
 class Planned:
-    """Object ``number`` and, where a support was chosen for it, the ``spot`` (thing, board) and what else comes there.
+    """Object ``number`` and, where a support was chosen for it, the ``spot`` (object, board) and what else comes there.
 
     ``milliseconds`` is its share of the time that planning took.
     """
@@ -94,9 +94,9 @@ class Planner:
             choice = self.proposer.choose(self.scene, load, kind, piece.half, allowed, left, empty)
             total = np.cumsum(np.exp(choice.score))
             drawn = int(np.searchsorted(total, self.rng.random() * total[-1]).clip(max=len(total) - 1))
-            spots[number] = int(choice.spots.thing[drawn]), int(choice.spots.board[drawn])
+            spots[number] = int(choice.spots.obj[drawn]), int(choice.spots.board[drawn])
             choices[number] = choice
-            load = load.with_thing(*spots[number], kind, float(4 * piece.half[0] * piece.half[1]))
+            load = load.with_object(*spots[number], kind, float(4 * piece.half[0] * piece.half[1]))
         return self._filled(mine, category, spots, choices)
 
     def _filled(
@@ -105,16 +105,16 @@ class Planner:
     ) -> list[Planned]:  # fmt: skip
         """Support after support, each in the order of its row; what has no spot comes last."""
         on: dict[int, list[int]] = defaultdict(list)
-        for number, (thing, _) in spots.items():
-            on[thing].append(number)
+        for number, (obj, _) in spots.items():
+            on[obj].append(number)
         for numbers in on.values():  # the lower boards first
             numbers.sort(key=lambda number: spots[number][1])
         result = []
-        for thing, numbers in on.items():
+        for obj, numbers in on.items():
             names = [self.vocabulary[category[number]] for number in numbers]
-            kind = self.scene.category[thing]
+            kind = self.scene.category[obj]
             order = row_order(
-                names, self.vocabulary[kind] if kind >= 0 else "", self.scene.support[thing] < 0, self.habits, self.rng
+                names, self.vocabulary[kind] if kind >= 0 else "", self.scene.support[obj] < 0, self.habits, self.rng
             )
             numbers = [numbers[position] for position in order]
             counts = Counter(category[numbers].tolist())
@@ -123,6 +123,6 @@ class Planner:
                 counts[int(category[number])] -= 1
                 area -= float(4 * self.pieces[number].half[:2].prod())
                 left = {kind: count for kind, count in counts.items() if count}
-                row = Row(left, max(area, 0.0), thing not in self.furnished)
+                row = Row(left, max(area, 0.0), obj not in self.furnished)
                 result.append(Planned(number, spots[number], row, choices[number]))
         return result + [Planned(int(number)) for number in mine if int(number) not in spots]

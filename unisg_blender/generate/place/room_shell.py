@@ -11,7 +11,7 @@ import numpy as np
 from ...dataset.assets.asset import Asset
 from ...errors import UniSGError
 from ...scene import SceneGraph, subtree, take, world_matrices
-from ...spatial.objects import things_of
+from ...spatial.objects import scene_objects
 from ...spatial.structure import STRUCTURE
 from ..observe.proposals import Scene
 from ..results import Placement
@@ -68,8 +68,8 @@ def _is_reached_across(graph: SceneGraph, spanning: Sequence[str], library: Libr
     if not spanning:
         return True
     contract = library.model.contract
-    things = things_of(graph, contract.vocabulary)
-    scene = Scene.of(things, world_matrices(graph)[things.row])
+    objects = scene_objects(graph, contract.vocabulary)
+    scene = Scene.of(objects, world_matrices(graph)[objects.row])
     usual = usual_kinds(contract.vocabulary, contract.habits)
 
     def spanned_by(name: str) -> bool:

@@ -1,4 +1,4 @@
-"""Put things into a scenegraph: new rows, and nothing that was there before is changed."""
+"""Put objects into a scenegraph: new rows, and nothing that was there before is changed."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ UidMaker = Callable[[str], str]
 
 @dataclass(frozen=True, eq=False)
 class Addition:
-    """A thing to add: ``parent`` is a uid of the scene or of another addition ("" for none), ``world`` its matrix.
+    """An object to add: ``parent`` is a uid of the scene or of another addition ("" for none), ``world`` its matrix.
 
     ``relation`` is what it is to its parent ("on_top_of" ...), "" for nothing said.
     """
@@ -71,7 +71,7 @@ def extend(graph: SceneGraph, additions: Sequence[Addition], names: Names, make_
     """The scenegraph with the additions; rows are in canonical order again.
 
     Children in the hierarchy get ``local`` relative to their parent's world matrix.
-    Actions of an asset stay behind: they are about things of another scene (see :mod:`..behaviour`).
+    Actions of an asset stay behind: they are about objects of another scene (see :mod:`..behaviour`).
     """
     if not additions:
         return graph

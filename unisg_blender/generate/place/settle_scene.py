@@ -1,4 +1,4 @@
-"""Settle things that a scene has already: onto what is below them, apart from each other, into the room."""
+"""Settle objects that a scene has already: onto what is below them, apart from each other, into the room."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ...dataset.assets.asset import thing_of
+from ...dataset.assets.asset import object_graph
 from ...geometry.boxes import covers, part_tops
 from ...geometry.planar import turned
 from ...scene import SceneGraph
 from ...spatial.floor_plan import FLOOR, room_outline
-from ...spatial.objects import Things, things_of
+from ...spatial.objects import SceneObjects, scene_objects
 from ...spatial.structure import STRUCTURE
 from ..observe.scene_tokens import levels_of
 from ..observe.support_priors import BESIDE, HANGS, RESTS, Habit, Habits, contact
@@ -22,12 +22,12 @@ from .placeable import Piece
 from .settling import Support, fitting, rest, search
 
 SUNK = 0.5
-"""A thing may be sunk by this share of its height into what it is to stand on."""
+"""An object may be sunk by this share of its height into what it is to stand on."""
 
 
 @dataclass(frozen=True, eq=False)
 class Settled:
-    """What became of one thing: its row, its ``world`` matrix (4, 4) now, and a ``note`` if no place was free."""
+    """What became of one object: its row, its ``world`` matrix (4, 4) now, and a ``note`` if no place was free."""
 
     row: int
     world: NDArray[np.float64]
@@ -35,77 +35,79 @@ class Settled:
 
 
 def settle_rows(graph: SceneGraph, rows: Iterable[int]) -> list[Settled]:
-    """Where the things at some rows come to stand, each moved as little as need be; nothing else is moved.
+    """Where the objects at some rows come to stand, each moved as little as need be; nothing else is moved.
 
-    A thing is put on the highest surface below its middle, or held as it is held by what it is
-    parented to if it hangs there or is fixed to its side. Things that stand on others come after
+    An object is put on the highest surface below its middle, or held as it is held by what it is
+    parented to if it hangs there or is fixed to its side. Objects that stand on others come after
     them. What finds no free place stays where it is, with a note. Structure is left alone.
     """
-    things = things_of(graph, graph.vocabulary)
-    names = [graph.category_name(int(row)) for row in things.row]
-    wanted, filled = set(rows), np.unique(things.owner)
-    mine = [int(t) for t in filled if int(things.row[t]) in wanted and names[t] not in STRUCTURE]
-    fixed = np.isin(things.owner, [t for own in mine for t in (own, *_held_by(things, own))], invert=True)
+    objects = scene_objects(graph, graph.vocabulary)
+    names = [graph.category_name(int(row)) for row in objects.row]
+    wanted, filled = set(rows), np.unique(objects.owner)
+    mine = [int(t) for t in filled if int(objects.row[t]) in wanted and names[t] not in STRUCTURE]
+    fixed = np.isin(objects.owner, [t for own in mine for t in (own, *_held_by(objects, own))], invert=True)
     outline = room_outline(graph) if FLOOR in names else None
-    unknown = np.full(len(things), -1, np.int64)
+    unknown = np.full(len(objects), -1, np.int64)
     space = Space(
-        things.parts.take(np.flatnonzero(fixed)), things.owner[fixed], unknown, outline, Habits({}, {}, {}, []), ()
+        objects.parts.take(np.flatnonzero(fixed)), objects.owner[fixed], unknown, outline, Habits({}, {}, {}, []), ()
     )  # fmt: skip
-    found, level = [], levels_of(things.support)
-    for thing in sorted(mine, key=lambda t: (level[t], t)):
-        row = int(things.row[thing])
-        piece = Piece(thing_of(graph, row))
-        now = np.array([*things.center[thing, :2], things.bottom[thing], things.yaw[thing]])
-        place = _settled(piece, now, _support_of(things, thing, names, space), space)
-        held = _held_by(things, thing)
+    found, level = [], levels_of(objects.support)
+    for obj in sorted(mine, key=lambda t: (level[t], t)):
+        row = int(objects.row[obj])
+        piece = Piece(object_graph(graph, row))
+        now = np.array([*objects.center[obj, :2], objects.bottom[obj], objects.yaw[obj]])
+        place = _settled(piece, now, _support_of(objects, obj, names, space), space)
+        held = _held_by(objects, obj)
         if place is not None:
-            things = _moved(things, [thing, *held], now, place)
-        space.take_up(things.parts_of(thing), thing)
+            objects = _moved(objects, [obj, *held], now, place)
+        space.take_up(objects.parts_of(obj), obj)
         for other in held:
             if other not in mine:
-                space.take_up(things.parts_of(other), other)
+                space.take_up(objects.parts_of(other), other)
         here = now if place is None else place
         found.append(Settled(row, piece.world(here), "" if place is not None else "no free place was found"))
     return found
 
 
-def _held_by(things: Things, thing: int) -> list[int]:
-    """All that stands on a thing, and on that, which moves along."""
-    found = {thing}
-    for other in np.argsort(levels_of(things.support), kind="stable"):
-        if int(things.support[other]) in found:
+def _held_by(objects: SceneObjects, obj: int) -> list[int]:
+    """All that stands on an object, and on that, which moves along."""
+    found = {obj}
+    for other in np.argsort(levels_of(objects.support), kind="stable"):
+        if int(objects.support[other]) in found:
             found.add(int(other))
-    return sorted(found - {thing})
+    return sorted(found - {obj})
 
 
-def _moved(things: Things, moving: Iterable[int], before: NDArray[np.float64], after: NDArray[np.float64]) -> Things:
-    """The things with some of them moved as one from a place (4,) to another."""
-    chosen = np.isin(np.arange(len(things)), list(moving))
+def _moved(
+    objects: SceneObjects, moving: Iterable[int], before: NDArray[np.float64], after: NDArray[np.float64]
+) -> SceneObjects:
+    """The objects with some of them moved as one from a place (4,) to another."""
+    chosen = np.isin(np.arange(len(objects)), list(moving))
     spin = after[3] - before[3]
 
     def carried(points: NDArray[np.float64], which: NDArray[np.bool_]) -> NDArray[np.float64]:
-        """Points (K, 3), those of ``which`` (K,) moved and turned with the thing, metres."""
+        """Points (K, 3), those of ``which`` (K,) moved and turned with the object, metres."""
         return np.where(which[:, None], turned(points - before[:3], spin) + after[:3], points)
 
-    of_parts = chosen[things.owner]
-    axes = np.swapaxes(turned(np.swapaxes(things.parts.axes, 1, 2), spin), 1, 2)
+    of_parts = chosen[objects.owner]
+    axes = np.swapaxes(turned(np.swapaxes(objects.parts.axes, 1, 2), spin), 1, 2)
     parts = replace(
-        things.parts, center=carried(things.parts.center, of_parts),
-        axes=np.where(of_parts[:, None, None], axes, things.parts.axes),
+        objects.parts, center=carried(objects.parts.center, of_parts),
+        axes=np.where(of_parts[:, None, None], axes, objects.parts.axes),
     )  # fmt: skip
-    return replace(things, center=carried(things.center, chosen), yaw=things.yaw + spin * chosen, parts=parts)
+    return replace(objects, center=carried(objects.center, chosen), yaw=objects.yaw + spin * chosen, parts=parts)
 
 
-def _support_of(things: Things, thing: int, names: list[str], space: Space) -> Support:
-    """What is to hold a thing: what it hangs from or is fixed to, else what is below its middle."""
-    parent = int(things.support[thing])
+def _support_of(objects: SceneObjects, obj: int, names: list[str], space: Space) -> Support:
+    """What is to hold an object: what it hangs from or is fixed to, else what is below its middle."""
+    parent = int(objects.support[obj])
     if parent >= 0:
-        kind, gap = contact(things, thing, parent)
+        kind, gap = contact(objects, obj, parent)
         if kind in (HANGS, BESIDE) and names[parent] != FLOOR:
             return Support(parent, Habit(names[parent], 1, kind, gap), space.surfaces(parent), False)
     tops = part_tops(space.boxes)
-    limit = things.bottom[thing] + SUNK * 2 * things.half[thing, 2]
-    under = covers(space.boxes, things.center[thing, :2]) & (tops <= limit + 1e-6)
+    limit = objects.bottom[obj] + SUNK * 2 * objects.half[obj, 2]
+    under = covers(space.boxes, objects.center[obj, :2]) & (tops <= limit + 1e-6)
     if not under.any():
         return Support(-1, Habit("", 1, RESTS), space.boxes.take(np.zeros(0, np.int64)), False)
     below = int(space.owner[under.nonzero()[0][tops[under].argmax()]])

@@ -1,4 +1,4 @@
-"""Settling: proposed places become places where a thing rests on its support, is in the room and touches nothing."""
+"""Settling: proposed places become places where an object rests on its support, is in the room and touches nothing."""
 
 from __future__ import annotations
 
@@ -22,10 +22,10 @@ OUTSIDE = 0.001
 """Metres by which a footprint may leave the room."""
 
 LOOSE = 0.01
-"""Metres of clearance up to which a thing that hangs counts as held."""
+"""Metres of clearance up to which an object that hangs counts as held."""
 
 NEAR_ROOM = 0.5
-"""A support that is farther out of the room than this, in metres, may hold things out there."""
+"""A support that is farther out of the room than this, in metres, may hold objects out there."""
 
 SEARCH = 9
 """Places along each side of a surface that the last search tries, with three turns each."""
@@ -33,13 +33,13 @@ SEARCH = 9
 
 @dataclass(frozen=True, eq=False)
 class Support:
-    """What a thing is to be held by: ``thing`` is its number (-1: the ground at height 0), ``habit`` how.
+    """What an object is to be held by: ``obj`` is its number (-1: the ground at height 0), ``habit`` how.
 
     ``floor`` says that it is the floor of the room, ``structural`` that what it is to
     hold is part of the building and may reach out of the room.
     """
 
-    thing: int
+    obj: int
     habit: Habit
     surfaces: Boxes
     floor: bool
@@ -52,7 +52,7 @@ class Support:
 
     @property
     def contact(self) -> str:
-        """How the thing is held."""
+        """How the object is held."""
         return self.habit.contact
 
     def indoors(self, space: Space) -> bool:
@@ -68,7 +68,7 @@ def rest(piece: Piece, places: NDArray[np.float64], support: Support, space: Spa
     """The places (T, 4), each moved as little as need be so that the piece is held the way its habit says."""
     places = places.copy()
     if support.contact == RESTS:
-        if support.thing < 0:
+        if support.obj < 0:
             places[:, 2] = 0.0
         elif len(support.surfaces.center):
             places = _onto_surface(piece, places, support.tops, clamp=not support.floor)
@@ -209,7 +209,7 @@ def fitting(
     piece: Piece, places: NDArray[np.float64], category: int, support: Support, space: Space
 ) -> NDArray[np.bool_]:
     """At which places (T,) the piece meets nothing and is in the room, if its support is."""
-    good = space.depth(piece, places, category, support.thing) <= 0
+    good = space.depth(piece, places, category, support.obj) <= 0
     if good.any() and support.indoors(space):
         good[good] = space.outside(piece, places[good]) <= OUTSIDE
     return good
@@ -222,7 +222,7 @@ def search(
     if support.contact != RESTS:
         return None
     straight = near[3] + np.pi / 4
-    if support.thing < 0 or not len(support.surfaces.center):
+    if support.obj < 0 or not len(support.surfaces.center):
         spread = np.linspace(-1.5, 1.5, SEARCH)
         grid = near[:2] + np.stack(np.meshgrid(spread, spread), axis=-1).reshape(-1, 2)
     else:

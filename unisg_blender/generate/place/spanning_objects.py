@@ -1,4 +1,4 @@
-"""Things that reach from one holder to another of its kind, as a girder does from wall to wall: where they fit."""
+"""Objects that reach from one holder to another of its kind, as a girder does from wall to wall: where they fit."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ ALONG = np.linspace(-0.6, 0.6, 13)
 def fit_for(
     name: str, half: NDArray[np.float64], scene: Scene, allowed: NDArray[np.bool_], habits: Habits
 ) -> NDArray[np.bool_]:
-    """Those of the ``allowed`` holders (K,) that may hold a thing of a category: all, unless it spans.
+    """Those of the ``allowed`` holders (K,) that may hold an object of a category: all, unless it spans.
 
     Where what spans reaches across from none of them, all may.
     """
@@ -25,12 +25,12 @@ def fit_for(
 
 
 def reaches(scene: Scene, holders: NDArray[np.bool_], half: NDArray[np.float64]) -> bool:
-    """Does a thing of half extents (3,) reach across from any of the ``holders`` (K,)?"""
+    """Does an object of half extents (3,) reach across from any of the ``holders`` (K,)?"""
     return bool(reached(scene, holders, half).any())
 
 
 def reached(scene: Scene, allowed: NDArray[np.bool_], half: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Those of the ``allowed`` holders (K,) from which a thing of half extents (3,) reaches another one of its kind."""
+    """Those of the ``allowed`` holders (K,) from which one of half extents (3,) reaches another one of its kind."""
     found = np.zeros(len(allowed), bool)
     for holder in np.flatnonzero(allowed):
         others = np.flatnonzero(scene.category == scene.category[holder])
@@ -48,7 +48,7 @@ def _between(gap: NDArray[np.float64]) -> NDArray[np.bool_]:
 
 
 def _across(scene: Scene, holder: int, half: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Places (T, 4) of a thing that stands out from either long side of a holder, its longer side along the normal."""
+    """Places (T, 4) of an object that stands out from either long side of a holder, longer side along the normal."""
     thin = int(scene.half[holder, :2].argmin())
     yaw = float(scene.yaw[holder])
     axes = np.array([[np.cos(yaw), np.sin(yaw)], [-np.sin(yaw), np.cos(yaw)]])

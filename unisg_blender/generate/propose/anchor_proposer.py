@@ -20,7 +20,7 @@ MOST_SPOTS = 3
 """On how many different spots at most proposals are made at a time."""
 
 SLACK = 0.6
-"""What is left of such a turn for things on the floor: cupboards stand along a wall to half a degree, books exactly."""
+"""Left of such a turn for objects on the floor: cupboards stand along a wall to half a degree, books exactly."""
 
 DRAWN, MANY = 64, 96
 """Places that are drawn, at least, among which the critic chooses; many for what stands on the floor or hangs on walls,
@@ -53,7 +53,7 @@ class Row:
 
 @dataclass(frozen=True, eq=False)
 class Choice:
-    """The spots for one target: thing, board and log probability (N,), and the mixtures (N, L) of heights."""
+    """The spots for one target: object, board and log probability (N,), and the mixtures (N, L) of heights."""
 
     spots: Spots
     score: NDArray[np.float64]
@@ -79,7 +79,7 @@ class AnchorProposer:
         allowed: NDArray[np.bool_],
         coming: Mapping[int, int],
     ) -> Proposals:
-        """``count`` proposals for a new thing; see :class:`~..observe.proposals.Proposer`."""
+        """``count`` proposals for a new object; see :class:`~..observe.proposals.Proposer`."""
         if not allowed.any():
             return self.propose_on(scene, category, piece, count, rng, (-1, -1), Row(coming, 0.0))
         load = Load.of(scene, np.ones(len(scene.category), bool))
@@ -89,7 +89,7 @@ class AnchorProposer:
         supports, places = np.zeros(count, np.int64), np.zeros((count, 4))
         for number in np.unique(drawn):
             mine = np.resize(drawn, count) == number
-            spot = int(choice.spots.thing[number]), int(choice.spots.board[number])
+            spot = int(choice.spots.obj[number]), int(choice.spots.board[number])
             found = self.propose_on(scene, category, piece, int(mine.sum()), rng, spot, Row({}, 0.0), choice)
             supports[mine], places[mine] = spot[0], found.places
         return Proposals(supports, places)
@@ -98,7 +98,7 @@ class AnchorProposer:
         self, scene: Scene, load: Load, category: int, half: NDArray[np.float64], allowed: NDArray[np.bool_],
         coming: Mapping[int, int], whole: bool = False,
     ) -> Choice:  # fmt: skip
-        """Log probabilities of all spots of the ``allowed`` things, bool (K,), of which there is at least one.
+        """Log probabilities of all spots of the ``allowed`` objects, bool (K,), of which there is at least one.
 
         ``whole``: all of them were empty, and ``coming`` is all that will be put on them.
         """
@@ -117,12 +117,12 @@ class AnchorProposer:
     def support_chances(
         self, scene: Scene, category: int, half: NDArray[np.float64], allowed: NDArray[np.bool_]
     ) -> NDArray[np.float64]:
-        """The chance (K,) of each ``allowed`` thing to hold a target: with what they hold already, nothing to come."""
+        """The chance (K,) of each ``allowed`` object to hold a target: with what they hold already, nothing to come."""
         found = np.zeros(len(scene.category))
         if allowed.any():
             load = Load.of(scene, np.ones(len(scene.category), bool))
             choice = self.choose(scene, load, category, half, allowed, {})
-            np.add.at(found, choice.spots.thing, np.exp(choice.score))
+            np.add.at(found, choice.spots.obj, np.exp(choice.score))
         return found
 
     def log_density(self, scene: Scene, category: int, piece: Piece, support: int, place: NDArray[np.float64]) -> float:
@@ -180,7 +180,7 @@ class AnchorProposer:
         self, scene: Scene, category: int, piece: Piece, count: int, rng: np.random.Generator,
         spot: tuple[int, int], row: Row, choice: Choice | None = None,
     ) -> Proposals:  # fmt: skip
-        """``count`` proposals on one spot (thing, board); thing -1 is the ground.
+        """``count`` proposals on one spot (object, board); object -1 is the ground.
 
         More are drawn from the mixture; of these, those are kept that are drawn by the critic's ratios (without putting
         back, by Gumbel noise).

@@ -40,7 +40,7 @@ def _nudge(raw: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def edges_of(support: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Edges (2, E) between each thing and its support, both ways."""
+    """Edges (2, E) between each object and its support, both ways."""
     child = np.flatnonzero(support >= 0)
     down = np.stack([support[child], child])
     return np.concatenate([down, down[::-1]], axis=1).astype(np.int64)
@@ -63,7 +63,7 @@ class CgvaeProposer:
         allowed: NDArray[np.bool_],
         coming: Mapping[int, int],
     ) -> Proposals:
-        """``count`` proposals for a new thing, see :class:`~..observe.proposals.Proposer`; what is to come plays no part."""
+        """``count`` proposals; see :class:`~..observe.proposals.Proposer`; what is to come plays no part."""
         known = len(scene.category)
         width = len(self.contract.kept)
         features = np.zeros((known + count, width), np.float32)

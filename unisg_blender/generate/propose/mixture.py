@@ -54,7 +54,7 @@ def log_density(inputs: Arrays, mixture: list[NDArray[np.float64]], place: NDArr
 def behind_walls(
     box: NDArray[np.float32], flags: NDArray[np.float32], mean: NDArray[np.float64], half: float
 ) -> NDArray[np.bool_]:
-    """Which places (N, 2) of a thing lie behind one of the walls in view or deep in it, unless a wall holds the thing.
+    """Which places (N, 2) of an object lie behind one of the walls in view or deep in it, unless a wall holds it.
 
     ``half`` is its smaller half extent, metres, half of which may be in the wall.
     """

@@ -1,6 +1,6 @@
 """The critic of proposed places: how much likelier a place is among true ones than among the mixture's draws.
 
-A mixture is quick to draw from but cannot carve out where things may not stand, or say that
+A mixture is quick to draw from but cannot carve out where objects may not stand, or say that
 a screen stands before its sofa and along its wall at once. The critic sees how a place
 lies to everything in view, and is trained to tell the true place among draws
 (ranking noise-contrastive estimation: Ma and Collins, "Noise Contrastive Estimation and Negative Sampling for
@@ -22,7 +22,7 @@ DRAWS = 16
 """Draws among which the true place is to be found in training."""
 
 CLOSE = (0.01, 0.05, 0.25)
-"""Metres: the scales on which gaps to things are told."""
+"""Metres: the scales on which gaps to objects are told."""
 
 FINE = (4.5, 13.0)
 """Radians a metre of the waves in which offsets are told: a girder passes half a metre beside the middle of a table."""

@@ -1,4 +1,4 @@
-"""Training examples for the anchor model: a scene, one thing in it as the target, and what of the rest is there."""
+"""Training examples for the anchor model: a scene, one object in it as the target, and what of the rest is there."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from ...spatial.structure import STRUCTURE
 from ..training_scenes import TrainingScene
 
 RANDOM_SUBSETS = 0.25
-"""Share of examples in which any other things may be missing; in the rest the scene is built up in order."""
+"""Share of examples in which any other objects may be missing; in the rest the scene is built up in order."""
 
 BALANCE = 0.75
 """How far all categories of a scene are targets equally often: 0 as often as they occur, 1 equally often."""
@@ -60,7 +60,7 @@ class Order:
     """Walls and the like, which are there before anything else (C + 1,)."""
 
     kinds: NDArray[np.bool_]
-    """(C + 1, C + 1): things of which categories (columns) hold a category (row)."""
+    """(C + 1, C + 1): objects of which categories (columns) hold a category (row)."""
 
     @staticmethod
     def of(vocabulary: Sequence[str], habits: Habits) -> Order:
@@ -80,7 +80,7 @@ class Layout:
     """A training scene with all that does not change from example to example."""
 
     def __init__(self, scene: TrainingScene, order: Order) -> None:
-        self.scene = Scene.of(scene.things, scene.world)
+        self.scene = Scene.of(scene.objects, scene.world)
         support, category = self.scene.support, self.scene.category
         count = len(support)
         self.targets = np.flatnonzero((category >= 0) & (self.scene.half.max(axis=1) > 0) & (support >= 0))
@@ -91,8 +91,8 @@ class Layout:
         chance *= np.where(self.building[self.targets], BUILDING, 1.0)
         self.chance = chance / chance.sum()
         self.above = np.zeros((count, count), bool)
-        for thing in range(count):
-            self.above[thing, chain(support, thing)] = True
+        for obj in range(count):
+            self.above[obj, chain(support, obj)] = True
         carriers = np.union1d(np.flatnonzero(order.kinds.any(axis=0)[category]), support[support >= 0])
         self.spots = Spots.of(self.scene, carriers)
         self.nearness = Nearness.of(self.scene)
@@ -108,9 +108,9 @@ class Layout:
 
 
 def _away(scene: Scene, leader: NDArray[np.bool_]) -> NDArray[np.float64]:
-    """How far each thing is from the nearest leader, in 0..1 (K,); 0 in a scene without leaders.
+    """How far each object is from the nearest leader, in 0..1 (K,); 0 in a scene without leaders.
 
-    Of alike things the nearer one is placed first: one infusion pole belongs to the table, the other is spare.
+    Of alike objects the nearer one is placed first: one infusion pole belongs to the table, the other is spare.
     """
     if not leader.any():
         return np.zeros(len(leader))
@@ -126,7 +126,7 @@ class Examples(Dataset[dict[str, Any]]):
     layouts
         Scenes to learn from.
     order
-        The order in which things are placed.
+        The order in which objects are placed.
     count
         Examples in an epoch.
     fresh
@@ -175,7 +175,7 @@ def visible_with(
 
 
 def _standing(layout: Layout, seen: NDArray[np.bool_], target: int) -> NDArray[np.bool_]:
-    """Those of the things seen that something seen holds; what holds the target always, the target never."""
+    """Those of the objects seen that something seen holds; what holds the target always, the target never."""
     seen = seen | layout.above[target]
     seen[target] = False
     missing = ~seen
@@ -218,12 +218,12 @@ def _choice(
     layout: Layout, target: int, seen: NDArray[np.bool_], kept: NDArray[np.bool_], order: Order,
     rng: np.random.Generator,
 ) -> dict[str, Any]:  # fmt: skip
-    """The choice of the spot among those of the things that are there and of the usual kinds."""
+    """The choice of the spot among those of the objects that are there and of the usual kinds."""
     scene, unknown = layout.scene, len(order.rank) - 1
     category, parent = int(scene.category[target]), int(scene.support[target])
     usual = seen & order.kinds[category][scene.category]
     usual[parent] = True
-    among = np.flatnonzero(usual[layout.spots.thing])
+    among = np.flatnonzero(usual[layout.spots.obj])
     near = layout.nearness.by_kind(scene, seen, unknown)
     arrays = support_arrays(scene, layout.spots, Load.of(scene, seen), near, category, scene.half[target], unknown)
     later = kept & ~seen & (scene.category >= 0)
@@ -233,13 +233,13 @@ def _choice(
         **{name: array[among] for name, array in arrays.items()},
         "coming": coming_vector(Counter(scene.category[later].tolist()), unknown),
         "parent": int(np.searchsorted(among, layout.truth[target])),
-        "kind": scene.category[layout.spots.thing[among]],
+        "kind": scene.category[layout.spots.obj[among]],
         "height": np.float32(height + rng.uniform(-0.002, 0.002)),
     }
 
 
 def shaken(scene: Scene, rng: np.random.Generator, scale: float, building: NDArray[np.bool_]) -> Scene:
-    """The scene with each thing a little moved, and turned unless it is part of the ``building``, bool (K,).
+    """The scene with each object a little moved, and turned unless it is part of the ``building``, bool (K,).
 
     ``scale``, metres, is the size of the support that is looked at: the smaller, the less they are moved.
     """

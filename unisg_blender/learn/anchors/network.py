@@ -1,7 +1,7 @@
-"""The anchor mixture: every thing in view proposes places for the target in its own frame.
+"""The anchor mixture: every object in view proposes places for the target in its own frame.
 
-A graph network with attention over all pairs of things (their relative poses bias
-attention and are passed along with it) gives each thing a score and, for each of
+A graph network with attention over all pairs of objects (their relative poses bias
+attention and are passed along with it) gives each object a score and, for each of
 48 base places (flush to its sides, on it, along a wall; four headings), a weight, a
 shift, spreads and a heading: a mixture density over the target's position and
 heading. The support is chosen, and the height drawn, from pairs of target and
@@ -28,7 +28,7 @@ LEVELS = 6
 SIGMA_FLOOR = 0.002
 LOG_KAPPA = (-2.0, 9.0)
 NARROW = 8
-"""Rows or columns of a matrix that makes a single number or so of each thing."""
+"""Rows or columns of a matrix that makes a single number or so of each object."""
 
 
 @dataclass(frozen=True)
@@ -80,7 +80,7 @@ class AnchorModel(nn.Module):
         support_holder: Tensor, support_half: Tensor, support_load: Tensor, support_content: Tensor,
         support_near: Tensor,
     ) -> tuple[Tensor, Tensor, Tensor, Tensor]:  # fmt: skip
-        """Scores of K spots for B targets, and for each the mixture of heights above its thing's bottom.
+        """Scores of K spots for B targets, and for each the mixture of heights above its object's bottom.
 
         Returns
         -------

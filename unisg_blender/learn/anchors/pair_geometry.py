@@ -1,4 +1,4 @@
-"""Geometry that the anchor model is built on: pairs of things and base places in their frames."""
+"""Geometry that the anchor model is built on: pairs of objects and base places in their frames."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from torch import Tensor
 PLACES, TURNS = 12, 4
 PAIR_FEATURES = 28
 TOUCHING = 0.002
-"""Metres: things that are equally high by less are above or below each other."""
+"""Metres: objects that are equally high by less are above or below each other."""
 
 
 def scale_of(box: Tensor, flags: Tensor) -> Tensor:

@@ -12,7 +12,7 @@ POSE_FEATURES = 8
 
 
 class PoseEncoder(nn.Module):
-    """Mean and log variance of the latent code of a target's pose, as the things around it see it."""
+    """Mean and log variance of the latent code of a target's pose, as the objects around it see it."""
 
     def __init__(self, embedding: int, flags: int, latent: int, width: int = 48) -> None:
         super().__init__()

@@ -33,7 +33,7 @@ from .pose_encoder import LATENT
 EPOCHS = 23
 PER_EPOCH = 11200
 PER_TARGET = 2
-"""Examples in an epoch: at most so many for each thing in the scenes."""
+"""Examples in an epoch: at most so many for each object in the scenes."""
 
 BATCH = 64
 BACKGROUND = 2000
@@ -63,7 +63,7 @@ def train(dataset: Dataset, out: Path, settings: Settings) -> dict[str, Any]:
     settings = replace(settings, epochs=settings.epochs or EPOCHS)
     vocabulary = vocabulary_of(dataset)
     scenes = load_scenes(dataset, vocabulary, settings.quiet)
-    habits = learn_habits((scene.things for scene in scenes), vocabulary)
+    habits = learn_habits((scene.objects for scene in scenes), vocabulary)
     train_scenes, val_scenes = split(scenes, settings.seed)
     order = Order.of(vocabulary, habits)
     layouts = [[Layout(scene, order) for scene in part] for part in (train_scenes, val_scenes)]

@@ -34,7 +34,7 @@ class AtissSizes:
 
 
 class Atiss(nn.Module):
-    """:meth:`forward` gives the mixtures of T targets, each of which sees the N things and no other target."""
+    """:meth:`forward` gives the mixtures of T targets, each of which sees the N objects and no other target."""
 
     def __init__(self, sizes: AtissSizes) -> None:
         super().__init__()
@@ -43,7 +43,7 @@ class Atiss(nn.Module):
         waves = 2 * FREQUENCIES
         self.token = nn.Linear(sizes.embedding + 3 * waves + 3 + 6 + 2, sizes.width)
         self.query = nn.Linear(sizes.embedding + 6, sizes.width)
-        self.things = nn.ModuleList(_Block(sizes.width, sizes.heads) for _ in range(sizes.layers))
+        self.objects = nn.ModuleList(_Block(sizes.width, sizes.heads) for _ in range(sizes.layers))
         self.targets = nn.ModuleList(_Block(sizes.width, sizes.heads) for _ in range(sizes.layers))
         self.norm = nn.LayerNorm(sizes.width)
         self.position = _head(sizes.width, 3 * 3 * sizes.logistics)
@@ -71,8 +71,8 @@ class Atiss(nn.Module):
         where = torch.cat([_waves(box[..., :3]), box[..., :3]], -1)
         hidden = self.token(torch.cat([self.embedding(category), where, _size(box[..., 3:6]), box[..., 6:]], -1))
         asked = self.query(torch.cat([self.embedding(target_category), _size(target_half)], -1))
-        for thing, target in zip(self.things, self.targets, strict=True):
-            hidden = thing(hidden, hidden, mask)
+        for obj, target in zip(self.objects, self.targets, strict=True):
+            hidden = obj(hidden, hidden, mask)
             asked = target(asked, hidden, mask)
         asked = self.norm(asked)
         position = self.position(asked).unflatten(-1, (3, 3, self.sizes.logistics))

@@ -44,7 +44,7 @@ def train(dataset: Dataset, out: Path, settings: Settings) -> dict[str, Any]:
     settings = replace(settings, epochs=settings.epochs or EPOCHS)
     vocabulary = vocabulary_of(dataset)
     scenes = load_scenes(dataset, vocabulary, settings.quiet)
-    habits = learn_habits((scene.things for scene in scenes), vocabulary)
+    habits = learn_habits((scene.objects for scene in scenes), vocabulary)
     rank = ranks(vocabulary, habits)
     train_scenes, val_scenes = split(scenes, settings.seed)
     torch.manual_seed(settings.seed)
@@ -85,9 +85,9 @@ def fit_atiss(
 def rows_of(scene: TrainingScene) -> NDArray[np.float64]:
     """What the network sees of a scene (K, 9): category, centre, half extents, heading, level; the room at the origin.
 
-    The level of things that are told and never asked for (of no known category, or roots) is 0.
+    The level of objects that are told and never asked for (of no known category, or roots) is 0.
     """
-    seen = Scene.of(scene.things, scene.world)
+    seen = Scene.of(scene.objects, scene.world)
     center = seen.center - np.array([*room_middle(seen), ground_of(seen)])
     asked = (seen.category >= 0) & (seen.support >= 0)
     return np.column_stack([seen.category, center, seen.half, seen.yaw, asked])
@@ -106,17 +106,17 @@ def draw_batch(
     heading, weight = np.zeros((count, TARGETS)), np.zeros((count, TARGETS))
     box[..., 3:7] = 1.0
     for row in range(count):
-        things = _turned(scenes[rng.integers(len(scenes))], int(rng.integers(4)))
-        shown, hidden = _cut(things, rank, rng)
-        kind = things[:, 0].astype(np.int64)
+        objects = _turned(scenes[rng.integers(len(scenes))], int(rng.integers(4)))
+        shown, hidden = _cut(objects, rank, rng)
+        kind = objects[:, 0].astype(np.int64)
         kind = np.where(kind < 0, len(rank) - 1, kind)
         n, t = len(shown), len(hidden)
         category[row, :n], target_category[row, :t], mask[row, :n], weight[row, :t] = kind[shown], kind[hidden], 1, 1
-        box[row, :n, :6], angle = things[shown, 1:7], things[shown, 7]
+        box[row, :n, :6], angle = objects[shown, 1:7], objects[shown, 7]
         box[row, :n, 6], box[row, :n, 7] = np.cos(angle), np.sin(angle)
-        half[row, :t], heading[row, :t] = things[hidden, 4:7], things[hidden, 7]
-        place[row, :t] = things[hidden, 1:4]
-        place[row, :t, 2] -= things[hidden, 6]
+        half[row, :t], heading[row, :t] = objects[hidden, 4:7], objects[hidden, 7]
+        place[row, :t] = objects[hidden, 1:4]
+        place[row, :t, 2] -= objects[hidden, 6]
     heading = (heading + np.pi) % (2 * np.pi) - np.pi
     numbers = {"category": category, "target_category": target_category}
     values = {"box": box, "mask": mask, "target_half": half, "place": place, "turn": heading, "weight": weight}
@@ -125,23 +125,23 @@ def draw_batch(
     }
 
 
-def _turned(things: NDArray[np.float64], quarters: int) -> NDArray[np.float64]:
+def _turned(objects: NDArray[np.float64], quarters: int) -> NDArray[np.float64]:
     cos, sin = (1, 0, -1, 0)[quarters], (0, 1, 0, -1)[quarters]
-    result = things.copy()
-    result[:, 1] = cos * things[:, 1] - sin * things[:, 2]
-    result[:, 2] = sin * things[:, 1] + cos * things[:, 2]
+    result = objects.copy()
+    result[:, 1] = cos * objects[:, 1] - sin * objects[:, 2]
+    result[:, 2] = sin * objects[:, 1] + cos * objects[:, 2]
     result[:, 7] += quarters * np.pi / 2
     return result
 
 
 def _cut(
-    things: NDArray[np.float64], rank: NDArray[np.int64], rng: np.random.Generator
+    objects: NDArray[np.float64], rank: NDArray[np.int64], rng: np.random.Generator
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Which things are shown, at most TOKENS, and which are asked for, at most TARGETS."""
-    told, asked = np.flatnonzero(things[:, 8] == 0), np.flatnonzero(things[:, 8])
+    """Which objects are shown, at most TOKENS, and which are asked for, at most TARGETS."""
+    told, asked = np.flatnonzero(objects[:, 8] == 0), np.flatnonzero(objects[:, 8])
     order = rng.permutation(asked)
     if rng.random() < 0.5:
-        order = order[np.argsort(rank[things[order, 0].astype(np.int64)], kind="stable")]
+        order = order[np.argsort(rank[objects[order, 0].astype(np.int64)], kind="stable")]
     count = int(rng.integers(len(asked)))
     return np.concatenate([told, order[:count]])[:TOKENS], rng.permutation(order[count:])[:TARGETS]
 
@@ -156,12 +156,12 @@ def _terms(network: Atiss, batch: Batch) -> dict[str, Tensor]:
     return {name: (value * weight).sum() / weight.sum() for name, value in terms.items()}
 
 
-def example_inputs(things: int = 5, targets: int = 2, batch: int = 1) -> Mapping[str, Tensor]:
+def example_inputs(objects: int = 5, targets: int = 2, batch: int = 1) -> Mapping[str, Tensor]:
     """Inputs of the right kinds."""
     return {
-        "category": torch.zeros(batch, things, dtype=torch.int64),
-        "box": torch.rand(batch, things, 8),
-        "mask": torch.ones(batch, things),
+        "category": torch.zeros(batch, objects, dtype=torch.int64),
+        "box": torch.rand(batch, objects, 8),
+        "mask": torch.ones(batch, objects),
         "target_category": torch.zeros(batch, targets, dtype=torch.int64),
         "target_half": torch.rand(batch, targets, 3),
         "place": torch.rand(batch, targets, 3),
@@ -171,6 +171,6 @@ def example_inputs(things: int = 5, targets: int = 2, batch: int = 1) -> Mapping
 def write_atiss(network: Atiss, contract: Contract, out: Path) -> None:
     """Write the network as an ONNX file with its contract."""
     inputs = example_inputs()
-    things = {name: {1: "things"} for name in ("category", "box", "mask")}
+    objects = {name: {1: "things"} for name in ("category", "box", "mask")}
     targets = {name: {1: "targets"} for name in ("target_category", "target_half", "place")}
-    export_onnx(network, inputs, OUTPUTS, things | targets, contract.to_json(), out)
+    export_onnx(network, inputs, OUTPUTS, objects | targets, contract.to_json(), out)

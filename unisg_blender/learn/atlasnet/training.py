@@ -95,7 +95,7 @@ def train(
 
 
 def _families(models: Sequence[Model]) -> list[list[int]]:
-    """Model numbers by family, so that many variants of one thing count as one thing."""
+    """Model numbers by family, so that many variants of one object count as one object."""
     places: dict[str, list[int]] = {}
     for place, model in enumerate(models):
         places.setdefault(model.family, []).append(place)

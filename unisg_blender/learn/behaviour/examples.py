@@ -1,4 +1,4 @@
-"""Training examples for the network of behaviour: scenes with new things, whose actions are missing in part."""
+"""Training examples for the network of behaviour: scenes with new objects, whose actions are missing in part."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ class Examples(Dataset[dict[str, Any]]):
 
 
 def without_some(play: Play, rng: np.random.Generator) -> Play:
-    """The scene without all things of some categories and the actions in which they play."""
+    """The scene without all objects of some categories and the actions in which they play."""
     hidden = rng.random(int(play.category.max(initial=-1)) + 2) < rng.random() * 0.6
     keep = ~hidden[play.category]
     if not keep.any():
@@ -63,7 +63,7 @@ def without_some(play: Play, rng: np.random.Generator) -> Play:
 
 
 def draw_new(play: Play, rng: np.random.Generator) -> NDArray[np.bool_]:
-    """Which things are new: one (mostly one that plays in actions), a few, or all."""
+    """Which objects are new: one (mostly one that plays in actions), a few, or all."""
     count = len(play.rows)
     new = np.zeros(count, bool)
     acting = np.unique(play.slots[play.slots >= 0])
@@ -118,11 +118,11 @@ def feasible(casting: Casting, play: Play, kind: int) -> bool:
 def collate(examples: Sequence[dict[str, Any]], kinds: int) -> dict[str, Tensor]:
     """A batch: padded arrays, ``wanted`` (B, K) with ``able`` (B, K), and what is to be made as rows."""
     arrays = [item["arrays"] for item in examples]
-    things, acts = (max(1, *(len(one[name]) for one in arrays)) for name in ("mask", "act_mask"))
-    sizes = {"holds": (things, things), "place": (things, 3), "plays": (acts, 3, things)}
+    objects, acts = (max(1, *(len(one[name]) for one in arrays)) for name in ("mask", "act_mask"))
+    sizes = {"holds": (objects, objects), "place": (objects, 3), "plays": (acts, 3, objects)}
     batch = {}
     for name in arrays[0]:
-        size = sizes.get(name, (acts,) if name in ("kind", "stage", "order", "act_mask") else (things,))
+        size = sizes.get(name, (acts,) if name in ("kind", "stage", "order", "act_mask") else (objects,))
         batch[name] = torch.from_numpy(np.stack([_padded(one[name], size) for one in arrays]))
     wanted, able = torch.zeros(len(examples), kinds), torch.zeros(len(examples), kinds)
     made = []

@@ -1,12 +1,12 @@
-"""The network of behaviour: things and actions as nodes of a graph; which action comes next, and who plays in it.
+"""The network of behaviour: objects and actions as nodes of a graph; which action comes next, and who plays in it.
 
-Things (category, whether something is wanted for them, how they are held) and the
+Objects (category, whether something is wanted for them, how they are held) and the
 actions that there are (kind, stage, place) exchange messages along who plays what
-in which action, who holds whom, and among things of one category. For each kind
+in which action, who holds whom, and among objects of one category. For each kind
 of action the network then says whether one more is to be made, points to its
 target, from there to its tool and frame, and to the leaf behind which it goes.
-Nothing depends on the order of things or actions, and only distances between
-things count, so that moving or turning the room changes nothing.
+Nothing depends on the order of objects or actions, and only distances between
+objects count, so that moving or turning the room changes nothing.
 """
 
 from __future__ import annotations
@@ -35,10 +35,10 @@ class BehaviourSizes:
 
 
 class Seen(NamedTuple):
-    """Things (B, E, width) and actions (B, A, width) after all messages, who may play what (B, K, 3, E), and the
+    """Objects (B, E, width) and actions (B, A, width) after all messages, who may play what (B, K, 3, E), and the
     logits (B, K) of one more action."""
 
-    things: Tensor
+    objects: Tensor
     acts: Tensor
     able: Tensor
     wanted: Tensor
@@ -61,7 +61,7 @@ class BehaviourNet(nn.Module):
         self.category = nn.Embedding(sizes.categories + 1, embedding)
         self.kind = nn.Embedding(sizes.kinds + 1, embedding)
         self.stage = nn.Embedding(sizes.stages + 1, embedding)
-        self.thing = nn.Linear(embedding + 1 + RELATIONS, width)
+        self.obj = nn.Linear(embedding + 1 + RELATIONS, width)
         self.act = nn.Linear(2 * embedding + 1, width)
         self.layers = nn.ModuleList(_Exchange(width) for _ in range(sizes.layers))
         self.query = nn.Linear(embedding, 4 * width)
@@ -73,18 +73,18 @@ class BehaviourNet(nn.Module):
         self, category: Tensor, new: Tensor, relation: Tensor, holds: Tensor, place: Tensor, mask: Tensor,
         kind: Tensor, stage: Tensor, order: Tensor, plays: Tensor, act_mask: Tensor,
     ) -> tuple[Tensor, Tensor, Tensor, Tensor, Tensor]:  # fmt: skip
-        """Scores for B scenes of E things and A actions.
+        """Scores for B scenes of E objects and A actions.
 
         Parameters
         ----------
         category, new, relation, place, mask
             int64 (B, E), (B, E), int64 (B, E), (B, E, 3) metres, (B, E).
         holds
-            (B, E, E): 1 where the second thing holds the first.
+            (B, E, E): 1 where the second object holds the first.
         kind, stage, order, act_mask
             int64 (B, A), int64 (B, A), (B, A) place of the leaf in its stage (negative for none), (B, A).
         plays
-            (B, A, 3, E): 1 where the thing is the action's target, tool or frame.
+            (B, A, 3, E): 1 where the object is the action's target, tool or frame.
 
         Returns
         -------
@@ -96,7 +96,7 @@ class BehaviourNet(nn.Module):
         features = _pair_features(place, holds).unsqueeze(1)
         tool, frame = (
             _log_softmax(
-                (self.asked(slot)[every] @ seen.things.transpose(1, 2)).unsqueeze(2)
+                (self.asked(slot)[every] @ seen.objects.transpose(1, 2)).unsqueeze(2)
                 + (features * self.pair_weights(slot)[every].view(1, -1, 1, 1, PAIR_FEATURES)).sum(-1),
                 seen.able[:, :, slot].unsqueeze(2),
             )
@@ -108,16 +108,16 @@ class BehaviourNet(nn.Module):
         self, category: Tensor, new: Tensor, relation: Tensor, holds: Tensor, place: Tensor, mask: Tensor,
         kind: Tensor, stage: Tensor, order: Tensor, plays: Tensor, act_mask: Tensor,
     ) -> Seen:  # fmt: skip
-        """Things and actions after all messages; parameters as of :meth:`forward`."""
+        """Objects and actions after all messages; parameters as of :meth:`forward`."""
         one_hot = nn.functional.one_hot(relation, RELATIONS).float()
-        things = self.thing(torch.cat([self.category(category), new.unsqueeze(-1), one_hot], -1)) * mask.unsqueeze(-1)
+        objects = self.obj(torch.cat([self.category(category), new.unsqueeze(-1), one_hot], -1)) * mask.unsqueeze(-1)
         last = (order / 8).clamp(-1, 4).unsqueeze(-1)
         acts = self.act(torch.cat([self.kind(kind), self.stage(stage), last], -1)) * act_mask.unsqueeze(-1)
         same = (category.unsqueeze(2) == category.unsqueeze(1)).float() * mask.unsqueeze(1)
         for layer in self.layers:
-            things, acts = layer(things, acts, plays, holds, same, mask, act_mask)
+            objects, acts = layer(objects, acts, plays, holds, same, mask, act_mask)
         able = self.allowed[:, :, category].permute(2, 0, 1, 3) * mask[:, None, None]
-        return Seen(things, acts, able, self._wanted(things, new, able, kind, act_mask))
+        return Seen(objects, acts, able, self._wanted(objects, new, able, kind, act_mask))
 
     def asked(self, slot: int) -> Tensor:
         """What each kind looks for in its target (0), tool (1), frame (2) and in the leaf before it (3), (K, width)."""
@@ -129,13 +129,13 @@ class BehaviourNet(nn.Module):
 
     def targets(self, seen: Seen) -> Tensor:
         """Log probabilities (B, K, E)."""
-        return _log_softmax(self.asked(0) @ seen.things.transpose(1, 2), seen.able[:, :, 0])
+        return _log_softmax(self.asked(0) @ seen.objects.transpose(1, 2), seen.able[:, :, 0])
 
     def partners(self, seen: Seen, place: Tensor, holds: Tensor, rows: Tensor, slot: int) -> Tensor:
         """Log probabilities (M, E) of tools (1) or frames (2) for ``rows`` (M, 3): scene, kind and target."""
         scene, kind, target = rows.unbind(1)
         features = _pair_features(place, holds)[scene, target]
-        base = (self.asked(slot)[kind].unsqueeze(1) @ seen.things[scene].transpose(1, 2)).squeeze(1)
+        base = (self.asked(slot)[kind].unsqueeze(1) @ seen.objects[scene].transpose(1, 2)).squeeze(1)
         apart = (features * self.pair_weights(slot)[kind].unsqueeze(1)).sum(-1)
         return _log_softmax(base + apart, seen.able[scene, kind, slot])
 
@@ -144,16 +144,16 @@ class BehaviourNet(nn.Module):
         starts = self.begin(self.stage.weight[:-1]).expand(len(acts), -1, -1)
         return self.asked(3) @ torch.cat([acts, starts], 1).transpose(1, 2)
 
-    def _wanted(self, things: Tensor, new: Tensor, able: Tensor, kind: Tensor, act_mask: Tensor) -> Tensor:
+    def _wanted(self, objects: Tensor, new: Tensor, able: Tensor, kind: Tensor, act_mask: Tensor) -> Tensor:
         """From what is new and may play in the kind, all that may, and how many actions of the kind there are."""
         kinds = self.kind.weight[:-1]
         some = able.amax(2)
         fresh = some * new.unsqueeze(1)
         number = torch.arange(len(kinds)).view(1, -1, 1)
         there = ((kind.unsqueeze(1) == number).float() * act_mask.unsqueeze(1)).sum(-1)
-        pooled = [weight @ things / weight.sum(-1, keepdim=True).clamp(min=1) for weight in (fresh, some)]
+        pooled = [weight @ objects / weight.sum(-1, keepdim=True).clamp(min=1) for weight in (fresh, some)]
         counts = torch.stack([there.clamp(max=8), (there > 0).float(), fresh.sum(-1).log1p(), some.sum(-1).log1p()], -1)
-        own = kinds.expand(len(things), -1, -1)
+        own = kinds.expand(len(objects), -1, -1)
         return self.wanted(torch.cat([own, *pooled, counts], -1)).squeeze(-1)
 
 
@@ -165,28 +165,28 @@ class _Exchange(nn.Module):
         self.to_act = nn.Linear(3 * width, width)
         self.of_act = nn.Linear(width, 3 * width)
         self.act = nn.Sequential(nn.LayerNorm(2 * width), nn.Linear(2 * width, width), nn.GELU())
-        self.thing = nn.Sequential(
+        self.obj = nn.Sequential(
             nn.LayerNorm(6 * width), nn.Linear(6 * width, 2 * width), nn.GELU(), nn.Linear(2 * width, width)
         )
 
     def forward(
-        self, things: Tensor, acts: Tensor, plays: Tensor, holds: Tensor, same: Tensor, mask: Tensor, act_mask: Tensor
+        self, objects: Tensor, acts: Tensor, plays: Tensor, holds: Tensor, same: Tensor, mask: Tensor, act_mask: Tensor
     ) -> tuple[Tensor, Tensor]:
-        """One round of messages between things (B, E, W) and acts (B, A, W): both anew, of the same shapes."""
-        cast = (plays @ things.unsqueeze(1)).flatten(2)
+        """One round of messages between objects (B, E, W) and acts (B, A, W): both anew, of the same shapes."""
+        cast = (plays @ objects.unsqueeze(1)).flatten(2)
         acts = acts + self.act(torch.cat([acts, self.to_act(cast)], -1)) * act_mask.unsqueeze(-1)
         parts = self.of_act(acts).unflatten(-1, (3, -1))
         from_acts = torch.einsum("base,basw->bew", plays, parts)
-        above = holds @ things
-        below = holds.transpose(1, 2) @ things / holds.sum(1).unsqueeze(-1).clamp(min=1)
-        alike = same @ things / same.sum(-1, keepdim=True).clamp(min=1)
-        room = (things.sum(1, keepdim=True) / mask.sum(1)[:, None, None].clamp(min=1)).expand_as(things)
-        seen = torch.cat([things, from_acts, above, below, alike, room], -1)
-        return things + self.thing(seen) * mask.unsqueeze(-1), acts
+        above = holds @ objects
+        below = holds.transpose(1, 2) @ objects / holds.sum(1).unsqueeze(-1).clamp(min=1)
+        alike = same @ objects / same.sum(-1, keepdim=True).clamp(min=1)
+        room = (objects.sum(1, keepdim=True) / mask.sum(1)[:, None, None].clamp(min=1)).expand_as(objects)
+        seen = torch.cat([objects, from_acts, above, below, alike, room], -1)
+        return objects + self.obj(seen) * mask.unsqueeze(-1), acts
 
 
 def _pair_features(place: Tensor, holds: Tensor) -> Tensor:
-    """(B, E, E, PAIR_FEATURES): closeness of two things, and who holds whom."""
+    """(B, E, E, PAIR_FEATURES): closeness of two objects, and who holds whom."""
     apart = ((place.unsqueeze(2) - place.unsqueeze(1)) ** 2).sum(-1).add(1e-9).sqrt()
     sisters = holds @ holds.transpose(1, 2)
     return torch.stack(

@@ -129,22 +129,22 @@ def _leaf_loss(
 def write_behaviour(network: BehaviourNet, kinds: Kinds, out: Path) -> None:
     """Write the network as an ONNX file with what its scenes teach."""
     inputs = example_inputs(kinds)
-    thing, act = {1: "things"}, {1: "acts"}
-    dynamic: dict[str, dict[int, str]] = {name: dict(thing) for name in INPUTS[:6]}
+    obj, act = {1: "things"}, {1: "acts"}
+    dynamic: dict[str, dict[int, str]] = {name: dict(obj) for name in INPUTS[:6]}
     dynamic |= {name: dict(act) for name in ("kind", "stage", "order", "act_mask")}
     dynamic["holds"] = {1: "things", 2: "things"}
     dynamic["plays"] = {1: "acts", 3: "things"}
     export_onnx(network, inputs, OUTPUTS, dynamic, kinds.to_json(), out)
 
 
-def example_inputs(kinds: Kinds, things: int = 7, acts: int = 5) -> dict[str, Tensor]:
+def example_inputs(kinds: Kinds, objects: int = 7, acts: int = 5) -> dict[str, Tensor]:
     """Inputs of the right kinds, one scene."""
     rng = np.random.default_rng(0)
-    slots = np.stack([rng.permutation(things)[:3] for _ in range(acts)])
+    slots = np.stack([rng.permutation(objects)[:3] for _ in range(acts)])
     play = Play(
-        rows=np.arange(things), category=np.arange(things) % len(kinds.categories), new=np.arange(things) == 0,
-        support=np.arange(things) - 1, relation=np.zeros(things, np.int64), place=rng.random((things, 3)),
-        below=np.eye(things, dtype=bool), kind=np.arange(acts) % len(kinds.kinds), slots=slots,
+        rows=np.arange(objects), category=np.arange(objects) % len(kinds.categories), new=np.arange(objects) == 0,
+        support=np.arange(objects) - 1, relation=np.zeros(objects, np.int64), place=rng.random((objects, 3)),
+        below=np.eye(objects, dtype=bool), kind=np.arange(acts) % len(kinds.kinds), slots=slots,
         leaf_stage=np.zeros(acts, np.int64), leaf_order=np.arange(acts),
     )  # fmt: skip
     return {name: torch.from_numpy(array[None]) for name, array in play_arrays(play, kinds).items()}

@@ -75,7 +75,7 @@ def train_paper(dataset: Dataset, out: Path, settings: Settings) -> dict[str, An
 def _contract(scenes: Sequence[TrainingScene], vocabulary: tuple[str, ...], settings: Settings) -> Contract:
     form = settings.form or FORM
     mean, scale, kept = normalisation([scene.local for scene in scenes], form)
-    habits = learn_habits((scene.things for scene in scenes), vocabulary)
+    habits = learn_habits((scene.objects for scene in scenes), vocabulary)
     return Contract(
         kind="cgvae",
         vocabulary=vocabulary,
@@ -102,7 +102,7 @@ def predict_mean(scenes: Sequence[TrainingScene], contract: Contract) -> dict[st
     """The losses of always predicting the training mean, and the same chance for every edge, on some scenes."""
     features = np.concatenate([node_features(scene.local, contract) for scene in scenes])
     pairs = sum(len(scene.local) * (len(scene.local) - 1) for scene in scenes)
-    rate = sum(int((scene.things.support >= 0).sum()) for scene in scenes) / max(pairs, 1)
+    rate = sum(int((scene.objects.support >= 0).sum()) for scene in scenes) / max(pairs, 1)
     chance = float(np.clip(rate, 1e-9, 1 - 1e-9))
     entropy = -(chance * np.log(chance) + (1 - chance) * np.log(1 - chance))
     return {"mse": round(float((features.astype(np.float64) ** 2).mean()), 6), "bce": round(float(entropy), 6)}
@@ -125,12 +125,12 @@ def _loader(
 
 
 def _nodes(scene: TrainingScene, contract: Contract) -> _Nodes:
-    category = np.where(scene.things.category < 0, len(contract.vocabulary), scene.things.category)
+    category = np.where(scene.objects.category < 0, len(contract.vocabulary), scene.objects.category)
     return _Nodes(
         torch.from_numpy(node_features(scene.local, contract)),
         torch.from_numpy(category),
-        torch.from_numpy(edges_of(scene.things.support)),
-        torch.from_numpy(scene.things.support.copy()),
+        torch.from_numpy(edges_of(scene.objects.support)),
+        torch.from_numpy(scene.objects.support.copy()),
     )
 
 

@@ -24,7 +24,7 @@ RATE, HIDDEN = 3e-3, 32
 
 @lru_cache(maxsize=3)
 def _batch(folder: Path, part: str) -> tuple[Any, Tensor]:
-    """Scenes of a share, and the entity of each thing that pairs are told of."""
+    """Scenes of a share, and the entity of each object that pairs are told of."""
     dataset = UniSGDataset(folder, transform=ToUndirected(merge=False))
     low, high = (round(end * len(dataset)) for end in SHARES[part])
     batch = dataset.batch(range(low, high))

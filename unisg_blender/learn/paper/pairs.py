@@ -15,7 +15,14 @@ from ...dataset import open_dataset, to_scenegraph
 from ...geometry.boxes import Boxes
 from ...metrics.edges import average_precision, best_threshold, f1_score
 from ...poses import FORMS
-from ...predict.object_pairs import axis_aligned, box_poses, candidate_pairs, pair_features, relative_poses, thing_boxes
+from ...predict.object_pairs import (
+    axis_aligned,
+    box_poses,
+    candidate_pairs,
+    object_boxes,
+    pair_features,
+    relative_poses,
+)
 from ...scene.graph import SceneGraph
 from ...spatial.relations import find_relations
 
@@ -27,7 +34,7 @@ GAP, OVERLAP = 0.01, 0.02
 
 @dataclass(frozen=True, eq=False)
 class Pairs:
-    """Candidates of some scenes: ``boxes`` of all things, ``pairs`` (P, 2), ``truth`` (P,); and edges missed."""
+    """Candidates of some scenes: ``boxes`` of all objects, ``pairs`` (P, 2), ``truth`` (P,); and edges missed."""
 
     boxes: Boxes
     pairs: NDArray[np.int64]
@@ -59,7 +66,7 @@ def load_pairs(folder: Path, part: str) -> Pairs:
 
 
 def _scene_pairs(graph: SceneGraph) -> tuple[SceneGraph, Boxes, NDArray[np.int64], NDArray[np.bool_], int]:
-    rows, boxes = thing_boxes(graph)
+    rows, boxes = object_boxes(graph)
     kept = np.array([graph.category_name(int(row)) != "Floor" for row in rows])
     rows, boxes = rows[kept], boxes.take(np.flatnonzero(kept))
     place = {int(row): number for number, row in enumerate(rows)}
@@ -172,7 +179,7 @@ def box_rule(boxes: Boxes, pairs: NDArray[np.int64]) -> NDArray[np.bool_]:
 def _surface_rule(part: Pairs) -> NDArray[np.bool_]:
     found = set()
     for graph, start in zip(part.graphs, part.starts, strict=True):
-        rows, _ = thing_boxes(graph)
+        rows, _ = object_boxes(graph)
         kept = [int(row) for row in rows if graph.category_name(int(row)) != "Floor"]
         place = {row: start + number for number, row in enumerate(kept)}
         found |= {

@@ -37,7 +37,7 @@ TRANSLATION = {"small": 0.1, "medium": 1.0, "large": 10.0}
 """Standard deviation of each coordinate, metres."""
 
 SCENES = ("relative", "absolute", "two poses", "composed")
-"""Values of ``poses`` that stand for things of operating rooms; the others are drawn at random."""
+"""Values of ``poses`` that stand for objects of operating rooms; the others are drawn at random."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,7 +105,7 @@ def _random_poses(settings: Mapping[str, Any], count: int, seed: tuple[int, int]
 
 @lru_cache(maxsize=1)
 def _room_poses(folder: Path) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.int64], NDArray[np.int64]]:
-    """World poses (K, 4, 4) of things and of their parents, symmetry (K,) and room (K,)."""
+    """World poses (K, 4, 4) of objects and of their parents, symmetry (K,) and room (K,)."""
     symmetry = _symmetries()
     world: list[NDArray[np.float64]] = []
     above: list[NDArray[np.float64]] = []
@@ -137,7 +137,7 @@ def _symmetries() -> dict[str, int]:
 
 
 def _scene_samples(folder: Path, part: str, seeds: int, kind: str) -> Samples:
-    """Things drawn from rooms that no other part has."""
+    """Objects drawn from rooms that no other part has."""
     world, above, folds, rooms = _room_poses(folder)
     ends = np.array([0.0, 0.7, 0.8, 1.0]) * (rooms.max() + 1)
     place = list(COUNTS).index(part)

@@ -1,4 +1,4 @@
-"""The network over pairs of things: does the first stand on the second?"""
+"""The network over pairs of objects: does the first stand on the second?"""
 
 from __future__ import annotations
 

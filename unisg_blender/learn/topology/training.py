@@ -1,4 +1,4 @@
-"""Train the network that tells which thing stands on which, on datasets whose scenes tell it."""
+"""Train the network that tells which object stands on which, on datasets whose scenes tell it."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from tqdm import tqdm
 from ...dataset.assets.shaped_scenes import scenes_with_shapes
 from ...dataset.format.reader import Dataset
 from ...errors import UniSGError
-from ...predict.object_pairs import PAIR_CHANNELS, candidate_pairs, pair_features, thing_boxes
+from ...predict.object_pairs import PAIR_CHANNELS, candidate_pairs, object_boxes, pair_features
 from ...predict.prediction_session import write_metadata
 from ...predict.support_prediction import KIND
 from ...scene import SceneGraph
@@ -86,7 +86,7 @@ def _scenes(datasets: Sequence[Dataset], quiet: bool) -> list[SceneGraph]:
 
 def pairs_of(graph: SceneGraph) -> LabelledPairs:
     """The candidates of a scene, and which of them the scene's own relations name."""
-    rows, boxes = thing_boxes(graph)
+    rows, boxes = object_boxes(graph)
     pairs = candidate_pairs(boxes)
     place = {int(row): number for number, row in enumerate(rows)}
     table = graph.components["relations"]

@@ -27,7 +27,7 @@ class Part(NamedTuple):
 
 @dataclass(frozen=True)
 class Surface:
-    """A level rectangle on which things may stand: ``center`` and ``size`` (x, y) in the asset's frame, metres."""
+    """A level rectangle on which objects may stand: ``center`` and ``size`` (x, y) in the asset's frame, metres."""
 
     center: tuple[float, float, float]
     size: tuple[float, float]
@@ -36,7 +36,7 @@ class Surface:
 
 @dataclass(frozen=True, eq=False)
 class Asset:
-    """A kind of thing: its category, mesh and the surfaces it offers to others."""
+    """A kind of object: its category, mesh and the surfaces it offers to others."""
 
     category: str
     mesh: Mesh

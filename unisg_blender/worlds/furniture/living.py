@@ -160,7 +160,7 @@ def remote() -> Asset:
 
 @cache
 def ornament(kind: str) -> Asset:
-    """A small thing to look at: a "globe", a "box" or a "figure"."""
+    """A small object to look at: a "globe", a "box" or a "figure"."""
     if kind == "globe":
         stand = lathe("walnut", [(0, 0), (0.05, 0), (0.02, 0.03), (0, 0.03)], sides=8)
         return asset("Ornament", [stand, ball("blue", (0.07, 0.07, 0.07), (0, 0, 0.1005), 10, 6)])
