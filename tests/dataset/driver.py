@@ -11,7 +11,7 @@ import sys
 from pathlib import Path
 
 from unisg_blender.dataset.export.batch_export import ExportOptions, export_dataset
-from unisg_blender.dataset.format import shards
+from unisg_blender.runtime import atomic_files
 from unisg_blender.errors import UniSGError
 
 replace = os.replace
@@ -30,7 +30,7 @@ def main() -> int:
             os.kill(os.getpid(), signal.SIGKILL)
         replace(old, new)
 
-    shards.os.replace = dying_replace
+    atomic_files.os.replace = dying_replace
     options = ExportOptions(reader="fake_reader:read", timeout=60)
     try:
         export_dataset([Path(source)], Path(out), options, jobs=int(jobs), resume=resume == "resume")

@@ -20,7 +20,8 @@ import pytest
 
 from unisg_blender.dataset import open_dataset, write_dataset
 from unisg_blender.dataset.export.batch_export import ExportOptions, export_dataset
-from unisg_blender.dataset.format import shards, writer
+from unisg_blender.dataset.format import writer
+from unisg_blender.runtime import atomic_files
 from unisg_blender.errors import UniSGError
 from unisg_blender.scene import SceneGraph
 
@@ -174,7 +175,7 @@ def test_a_full_disk_leaves_no_half_dataset(
 ) -> None:
     monkeypatch.setattr(writer, "SCENES_PER_SHARD", 128)
     scenes = [make_scene(number) for number in range(500)]
-    monkeypatch.setattr(shards, "open", FullDisk, raising=False)
+    monkeypatch.setattr(atomic_files, "open", FullDisk, raising=False)
     monkeypatch.setattr(FullDisk, "room", room)
     with pytest.raises(UniSGError, match="the disk is full"):
         write_dataset(scenes, tmp_path / "ds")
@@ -186,7 +187,7 @@ def test_a_full_disk_while_the_shards_are_put_together(tmp_path: Path, monkeypat
     export_dataset([source], tmp_path / "whole", OPTIONS)
     with monkeypatch.context() as patch:
         patch.setattr(
-            shards, "open", lambda path, mode="r": (FullDisk if "w" in mode else open)(path, mode), raising=False
+            atomic_files, "open", lambda path, mode="r": (FullDisk if "w" in mode else open)(path, mode), raising=False
         )
         with pytest.raises(UniSGError, match=r"the disk is full.*--resume"):
             export_dataset([source], tmp_path / "ds", OPTIONS)
