@@ -15,7 +15,7 @@ EVERY = 1 / 30
 
 
 @dataclass
-class Take:
+class RecordingTake:
     """A recording that is being made: of which scene, since when, the recorder, and the lesson played meanwhile."""
 
     scene: str
@@ -41,10 +41,10 @@ class Take:
         return with_events(graph, later(self.lesson.events, late), later(self.lesson.inputs, late))
 
 
-_takes: list[Take] = []
+_takes: list[RecordingTake] = []
 
 
-def take() -> Take | None:
+def take() -> RecordingTake | None:
     """The recording that is being made, None if none is."""
     return _takes[-1] if _takes else None
 
@@ -100,7 +100,7 @@ class UNISG_OT_record(bpy.types.Operator):
             return {"CANCELLED"}
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        from ..unisg_blender.blender.motion.scene_recording import Recorder
+        from ..unisg_blender.blender.motion.scene_recording import SceneRecorder
 
         if self.playback:
             return self.execute(context)
@@ -108,7 +108,7 @@ class UNISG_OT_record(bpy.types.Operator):
         if reason:
             self.report({"ERROR"}, reason)
             return {"CANCELLED"}
-        _takes[:] = [Take(context.scene.name, time.monotonic(), Recorder())]
+        _takes[:] = [RecordingTake(context.scene.name, time.monotonic(), SceneRecorder())]
         _takes[0].look()
         self._timer = context.window_manager.event_timer_add(EVERY, window=context.window)
         context.window_manager.modal_handler_add(self)
@@ -135,7 +135,7 @@ class UNISG_OT_record(bpy.types.Operator):
         context.workspace.status_text_set(None)
         _redraw(context)
 
-    def _finish(self, current: Take) -> set[str]:
+    def _finish(self, current: RecordingTake) -> set[str]:
         current.look()
         scene = bpy.data.scenes[current.scene]
         return self._save(scene, current.graph(self.millimetres, self.degrees))

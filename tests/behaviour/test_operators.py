@@ -287,7 +287,7 @@ def test_a_recording_of_a_lesson_is_kept_replayed_and_played_as_an_animation():
     """As the modal operator does it, without its clock: moves, a trigger, an answer; then from the scene itself."""
     recording = importlib.import_module("unisg_extension.operators.recording")
     play = importlib.import_module("unisg_extension.operators.play")
-    from unisg_extension.unisg_blender.blender.motion.scene_recording import Recorder, scene_recording
+    from unisg_extension.unisg_blender.blender.motion.scene_recording import SceneRecorder, scene_recording
     from unisg_extension.unisg_blender.blender.viewport.lesson_session import open_session
 
     knee, scalpel, scene = bpy.data.objects["Knee"], bpy.data.objects["Scalpel"], bpy.context.scene
@@ -302,7 +302,7 @@ def test_a_recording_of_a_lesson_is_kept_replayed_and_played_as_an_animation():
     bpy.ops.unisg.lesson_add_action()
     uid = scalpel["unisg_uid"]
 
-    take = recording.Take(scene.name, 0.0, Recorder())
+    take = recording.RecordingTake(scene.name, 0.0, SceneRecorder())
     played = open_session(scene)
     played.started = 0.5
     play._sessions[:] = [played]

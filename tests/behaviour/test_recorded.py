@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from unisg_blender.behaviour import (
-    Recorder,
+    PoseRecorder,
     local_matrices,
     moments,
     prepare,
@@ -42,7 +42,7 @@ def graph():
 @pytest.fixture(scope="module")
 def recorded(graph):
     """The surgery with the recording of a rehearsal, made as ``unisg simulate --record`` makes it."""
-    lesson, recorder = prepare(graph), Recorder()
+    lesson, recorder = prepare(graph), PoseRecorder()
     inputs, seen = [], [None]
 
     def watch(now, state):
@@ -172,7 +172,7 @@ def test_local_matrices_undo_world_matrices(graph):
 
 
 def test_what_comes_while_recording_is_looked_at_from_then_on():
-    recorder = Recorder()
+    recorder = PoseRecorder()
     poses = np.tile(np.eye(4), (2, 1, 1))
     recorder.look(("a",), poses[:1], 0.0)
     moved = poses.copy()

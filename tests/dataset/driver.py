@@ -11,8 +11,8 @@ import sys
 from pathlib import Path
 
 from unisg_blender.dataset.export.batch_export import ExportOptions, export_dataset
-from unisg_blender.runtime import atomic_files
 from unisg_blender.errors import UniSGError
+from unisg_blender.runtime import atomic_files
 
 replace = os.replace
 written = 0

@@ -21,8 +21,8 @@ import pytest
 from unisg_blender.dataset import open_dataset, write_dataset
 from unisg_blender.dataset.export.batch_export import ExportOptions, export_dataset
 from unisg_blender.dataset.format import writer
-from unisg_blender.runtime import atomic_files
 from unisg_blender.errors import UniSGError
+from unisg_blender.runtime import atomic_files
 from unisg_blender.scene import SceneGraph
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")

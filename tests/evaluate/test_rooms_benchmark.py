@@ -9,17 +9,24 @@ import pytest
 from unisg_blender.dataset import open_dataset
 from unisg_blender.errors import UniSGError
 from unisg_blender.experiments.rooms import frozen_rooms as rooms_benchmark
-from unisg_blender.experiments.rooms.frozen_rooms import PARTS, Part, file_sums, scenes_digest, write_part, write_rooms
+from unisg_blender.experiments.rooms.frozen_rooms import (
+    PARTS,
+    FrozenPart,
+    file_sums,
+    scenes_digest,
+    write_part,
+    write_rooms,
+)
 
 SMALL = (
-    Part(
+    FrozenPart(
         "operating-room/test",
         "operating-room",
         100_000,
         2,
         "0975f04707898d936dd1d022b0a6bf24fd9555e64b25d57596809faa4469294c",
     ),
-    Part(
+    FrozenPart(
         "living-room/test",
         "living-room",
         100_000,
@@ -38,7 +45,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.mark.parametrize("part", SMALL, ids=lambda part: part.world)
-def test_the_rooms_of_the_benchmark_never_change(folder: Path, part: Part) -> None:
+def test_the_rooms_of_the_benchmark_never_change(folder: Path, part: FrozenPart) -> None:
     """If this fails, undo what changed the worlds: numbers of other people depend on these rooms."""
     assert scenes_digest(folder / part.folder) == part.digest
 
@@ -65,7 +72,7 @@ def test_what_is_there_is_kept_and_damage_is_told(folder: Path, tmp_path: Path) 
 
 
 def test_other_rooms_are_not_called_the_benchmark(tmp_path: Path) -> None:
-    other = Part("x", "living-room", 7, 1, SMALL[1].digest)
+    other = FrozenPart("x", "living-room", 7, 1, SMALL[1].digest)
     assert write_part(other, tmp_path / "x", lambda _: None)["is_version"] is None
 
 

@@ -114,8 +114,8 @@ def test_gap_to_the_floor(gap):
 def test_gap_on_a_table_and_on_a_shelf_board():
     scene = Scene()
     table = scene.box("table", None, (0, 0, 0, 0.3), mesh=table_mesh())
-    boards = box_mesh(*[((1, 0.3, 0.02), (0, 0, z)) for z in (0.1, 0.5, 0.9)])
-    shelf = scene.box("shelf", None, (2, 1, 0), mesh=boards)
+    surfaces = box_mesh(*[((1, 0.3, 0.02), (0, 0, z)) for z in (0.1, 0.5, 0.9)])
+    shelf = scene.box("shelf", None, (2, 1, 0), mesh=surfaces)
     scene.box("cup", (0.08, 0.08, 0.1), (0.5, 0.3, 0.76), parent=table)
     scene.box("beside", (0.08, 0.08, 0.1), (0.7, 0, 0.75), parent=table)
     scene.box("book", (0.2, 0.2, 0.2), (0, 0, 0.515), parent=shelf)

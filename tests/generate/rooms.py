@@ -73,9 +73,9 @@ def room(seed: int, cups: int = 2) -> SceneGraph:
         own = uid()
         action = ActionData(f"take-{own}", "Remove", "Take the cup", targets=(own,), frame=table_uid,
                             thresholds=Thresholds(distance=0.3))  # fmt: skip
-        spot = at(-0.4 + 0.25 * cup + rng.uniform(-0.03, 0.03), rng.uniform(-0.2, 0.2), 0.8, rng.uniform(-3, 3))
+        candidate = at(-0.4 + 0.25 * cup + rng.uniform(-0.03, 0.03), rng.uniform(-0.2, 0.2), 0.8, rng.uniform(-3, 3))
         builder.add(
-            f"Cup.{cup}", uid=own, parent=table, local=spot, mesh=box("Cup", 0.08, 0.08, 0.1), category="Cup",
+            f"Cup.{cup}", uid=own, parent=table, local=candidate, mesh=box("Cup", 0.08, 0.08, 0.1), category="Cup",
             actions=(action,), relations=(Relation(on, table_uid),),
         )  # fmt: skip
     return builder.build()

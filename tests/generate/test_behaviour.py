@@ -21,13 +21,13 @@ from unisg_blender.experiments.behaviour.behaviour_removal import without_behavi
 from unisg_blender.generate.behaviour.action_kinds import Kind, Kinds
 from unisg_blender.generate.behaviour.action_policy import Casting, Scores
 from unisg_blender.generate.behaviour.action_statistics import learn_kinds
-from unisg_blender.generate.behaviour.answer_rules import Asked, learn_right
+from unisg_blender.generate.behaviour.answer_rules import Asked, learn_answer_rule
 from unisg_blender.generate.behaviour.behaviour_adder import Behaviour, add_behaviour
 from unisg_blender.generate.behaviour.feasibility import unperformed
-from unisg_blender.generate.behaviour.frequency_policy import FrequencyChooser, LackingChooser
-from unisg_blender.generate.behaviour.observation import read_play
-from unisg_blender.generate.behaviour.reference_poses import Sample, learn_reference, reference_pose
-from unisg_blender.generate.behaviour.roled_actions import read_acts
+from unisg_blender.generate.behaviour.frequency_policy import FrequencyPolicy, LackingPolicy
+from unisg_blender.generate.behaviour.observation import observe_behaviour
+from unisg_blender.generate.behaviour.reference_poses import PoseSample, learn_reference, reference_pose
+from unisg_blender.generate.behaviour.roled_actions import read_roled_actions
 from unisg_blender.generate.place.scene_extension import uid_maker
 from unisg_blender.scene import ActionData, LessonNode, SceneGraph, Thresholds
 from unisg_blender.worlds import operating_room
@@ -48,7 +48,7 @@ def kinds() -> Kinds:
 def again(graph: SceneGraph, name: str) -> tuple[SceneGraph, SceneGraph, Behaviour]:
     """The scene without the behaviour of an object, and with it made anew by rules."""
     bare, uid = without_behaviour(graph, graph.row(name))
-    return graph, bare, add_behaviour(bare, [uid], LackingChooser(kinds()), uid_maker(bare, 0))
+    return graph, bare, add_behaviour(bare, [uid], LackingPolicy(kinds()), uid_maker(bare, 0))
 
 
 def without_new(node: LessonNode, old: set[str]) -> LessonNode:
@@ -86,8 +86,14 @@ def test_a_lesson_is_extended_and_not_changed(name: str) -> None:
 def test_a_thing_gets_back_what_it_had() -> None:
     real, bare, made = again(rooms()[0], "Scalpel")
     row = real.row("Scalpel")
-    wanted = {act.action.name: act for act in read_acts(real) if row in act.slots}
-    got = {act.action.name: act for act in read_acts(made.scene) if act.action.uid not in _uids(bare)}
+    wanted = {
+        roled_action.action.name: roled_action for roled_action in read_roled_actions(real) if row in roled_action.slots
+    }
+    got = {
+        roled_action.action.name: roled_action
+        for roled_action in read_roled_actions(made.scene)
+        if roled_action.action.uid not in _uids(bare)
+    }
     usual = set(wanted) - {"How many scalpels are there?"}
     assert usual <= set(got)
     back, true = got["Put the scalpel back"].action, wanted["Put the scalpel back"].action
@@ -104,7 +110,7 @@ def _uids(graph: SceneGraph) -> set[str]:
 def test_same_seed_same_behaviour_another_seed_other_uids() -> None:
     bare, uid = without_behaviour(rooms()[1], rooms()[1].row("Scalpel"))
     one, two, other = (
-        add_behaviour(bare, [uid], LackingChooser(kinds()), uid_maker(bare, seed)).scene for seed in (0, 0, 1)
+        add_behaviour(bare, [uid], LackingPolicy(kinds()), uid_maker(bare, seed)).scene for seed in (0, 0, 1)
     )
     assert all_actions(one) == all_actions(two)
     assert _uids(one) != _uids(other)
@@ -113,7 +119,7 @@ def test_same_seed_same_behaviour_another_seed_other_uids() -> None:
 def test_a_scene_without_a_lesson_gets_a_whole_one_that_plays() -> None:
     graph = rooms()[2]
     bare = graph.replace(components={key: graph.components[key] for key in ("relations",)})
-    made = add_behaviour(bare, bare.uid, LackingChooser(kinds()), uid_maker(bare, 0))
+    made = add_behaviour(bare, bare.uid, LackingPolicy(kinds()), uid_maker(bare, 0))
     (tree,) = operations(made.scene)
     names = [node.name for node in tree.walk() if node.kind == "stage"]
     (true,) = operations(graph)
@@ -128,11 +134,11 @@ def test_a_scene_without_a_lesson_gets_a_whole_one_that_plays() -> None:
 def test_a_second_scalpel_gets_nothing_and_a_chair_neither() -> None:
     graph = next(room for room in rooms() if "Scalpel.001" in room.name)
     bare, uid = without_behaviour(graph, graph.row("Scalpel.001"))
-    chooser = LackingChooser(kinds())
-    made = add_behaviour(bare, [uid], chooser, uid_maker(bare, 0))
+    policy = LackingPolicy(kinds())
+    made = add_behaviour(bare, [uid], policy, uid_maker(bare, 0))
     assert "Incise the knee" not in made.actions.get(uid, [])
     stool = graph.uid[graph.row("Stool")]
-    assert add_behaviour(graph, [stool], chooser, uid_maker(graph, 0)).scene is graph
+    assert add_behaviour(graph, [stool], policy, uid_maker(graph, 0)).scene is graph
 
 
 class Wants:
@@ -170,8 +176,8 @@ def test_what_is_done_now_and_then_is_drawn_and_what_is_usual_always_done() -> N
     bare, uid = without_behaviour(graph, graph.row("Laryngoscope"))
 
     def made(chance: float, rng: np.random.Generator | None) -> bool:
-        chooser = Wants("Look with the laryngoscope", chance)
-        return bool(add_behaviour(bare, [uid], chooser, uid_maker(bare, 0), rng).actions)
+        policy = Wants("Look with the laryngoscope", chance)
+        return bool(add_behaviour(bare, [uid], policy, uid_maker(bare, 0), rng).actions)
 
     often = np.mean([made(0.4, np.random.default_rng(seed)) for seed in range(60)])
     assert 0.25 < often < 0.55
@@ -182,7 +188,7 @@ def test_what_is_done_now_and_then_is_drawn_and_what_is_usual_always_done() -> N
 
 def test_nobody_carries_what_it_has_to_come_to() -> None:
     graph = rooms()[0]
-    play = read_play(graph, kinds(), graph.uid)
+    play = observe_behaviour(graph, kinds(), graph.uid)
     casting = Casting(kinds())
     number = [kind.name for kind in kinds().kinds].index("Put on the mask")
     scores = Wants("Put on the mask").scores(play)
@@ -211,7 +217,7 @@ def test_references_follow_the_rule_that_varies_least() -> None:
         own[:3, 3] = rng.normal(size=3)
         middle, half = np.array([0, 0, 0.4]), np.array([0.3, 0.2, rng.uniform(0.2, 0.6)])
         reference[:3, 3] = own[0, 3] + 0.1, 0.25, middle[2] + half[2] + 0.02
-        samples.append(Sample(reference, own, middle, half))
+        samples.append(PoseSample(reference, own, middle, half))
     rule = learn_reference(samples)
     assert rule is not None
     assert rule.rule == ("own", "frame", "high")
@@ -224,35 +230,35 @@ def test_right_answers_follow_rules_that_always_held() -> None:
     from collections import Counter
 
     counted = [Asked(("1", "2", "3"), str(n), Counter({"Cup": n, "Lamp": 2}), np.array([1.0, 0, 0])) for n in (1, 2, 3)]
-    found = learn_right(counted)
+    found = learn_answer_rule(counted)
     assert found is not None
     assert (found.rule, found.of) == ("count", "Cup")
     sides = [Asked(("Left", "Right"), "Left" if x > 0 else "Right", Counter(), np.array([x, 0, 0])) for x in (-1, 1, 2)]
-    found = learn_right(sides)
+    found = learn_answer_rule(sides)
     assert found is not None
     assert (found.rule, found.of, found.answers) == ("side", "x", ("Left", "Right"))
     tossed = [Asked(("a", "b"), answer, Counter(), np.zeros(3)) for answer in "abab"]
-    assert learn_right(tossed) is None
+    assert learn_answer_rule(tossed) is None
 
 
 def test_the_measures_of_a_perfect_and_of_an_idle_chooser() -> None:
     cases = behaviour_cases(rooms()[:3], seed=1)
     assert all(case.gone for case in cases)
 
-    class Idle(LackingChooser):
+    class Idle(LackingPolicy):
         def scores(self, play):
             return Scores(*([np.zeros(len(self.kinds.kinds))] * 4))
 
     idle = measure_behaviour("idle", cases, by_chooser(Idle(kinds())), kinds(), play=1)
     assert (idle.recall, idle.exact, idle.sound) == (0.0, 0.0, 1.0)
-    rule = measure_behaviour("rule", cases, by_chooser(LackingChooser(kinds())), kinds(), play=1)
+    rule = measure_behaviour("rule", cases, by_chooser(LackingPolicy(kinds())), kinds(), play=1)
     assert rule.recall > 0.6
     assert rule.sound == 1.0
     assert rule.played == 1.0
     assert rule.stage == 1.0
     assert (
         rule.recall
-        >= measure_behaviour("frequency", cases, by_chooser(FrequencyChooser(kinds())), kinds(), play=0).recall
+        >= measure_behaviour("frequency", cases, by_chooser(FrequencyPolicy(kinds())), kinds(), play=0).recall
     )
 
 

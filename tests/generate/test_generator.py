@@ -15,9 +15,9 @@ from tests.generate.rooms import at, box, room
 from unisg_blender.dataset.assets.asset import object_graph
 from unisg_blender.errors import UniSGError
 from unisg_blender.generate import Generator
-from unisg_blender.generate.observe.proposals import Proposals, Scene
-from unisg_blender.generate.place.placeable import Piece
-from unisg_blender.generate.propose.anchor_proposer import DRAWN, AnchorProposer, Choice, Row
+from unisg_blender.generate.observe.proposals import ObservedScene, Proposals
+from unisg_blender.generate.place.placeable import Placeable
+from unisg_blender.generate.propose.anchor_proposer import DRAWN, AnchorProposer, SupportChoice, Upcoming
 from unisg_blender.metrics.scene_validity import measure_scene
 from unisg_blender.scene import SceneBuilder, SceneGraph, world_matrices
 from unisg_blender.spatial.objects import scene_objects
@@ -58,26 +58,26 @@ def test_an_existing_scene_is_extended_and_not_changed(generator: Generator, bul
             assert placement.collision == 0
 
 
-def cups_on_a_table(count: int) -> tuple[Scene, AnchorProposer, Piece, Proposals]:
+def cups_on_a_table(count: int) -> tuple[ObservedScene, AnchorProposer, Placeable, Proposals]:
     """A room, the proposer, a cup, and proposals for it on the table."""
     graph, generator = room(100), Generator.load(shared_model("anchors"))
     objects = scene_objects(graph, generator.categories)
-    scene = Scene.of(objects, world_matrices(graph)[objects.row])
-    proposer, piece = generator._proposer, Piece(object_graph(graph, graph.row("Cup.0")))
+    scene = ObservedScene.of(objects, world_matrices(graph)[objects.row])
+    proposer, placeable = generator._proposer, Placeable(object_graph(graph, graph.row("Cup.0")))
     assert isinstance(proposer, AnchorProposer)
     table = int(np.flatnonzero(scene.category == generator.categories.index("Table"))[0])
     cup = generator.categories.index("Cup")
-    drawn = proposer.propose_on(scene, cup, piece, count, np.random.default_rng(0), (table, 0), Row({}, 0.0))
-    return scene, proposer, piece, drawn
+    drawn = proposer.propose_on(scene, cup, placeable, count, np.random.default_rng(0), (table, 0), Upcoming({}, 0.0))
+    return scene, proposer, placeable, drawn
 
 
 def test_proposals_are_where_the_density_is_high() -> None:
-    scene, proposer, piece, drawn = cups_on_a_table(12)
+    scene, proposer, placeable, drawn = cups_on_a_table(12)
     table, cup = int(drawn.support[0]), proposer.model.contract.vocabulary.index("Cup")
-    near = [proposer.log_density(scene, cup, piece, table, place) for place in drawn.places]
-    far = [proposer.log_density(scene, cup, piece, table, place + 30 * np.eye(4)[0]) for place in drawn.places]
+    near = [proposer.log_density(scene, cup, placeable, table, place) for place in drawn.places]
+    far = [proposer.log_density(scene, cup, placeable, table, place + 30 * np.eye(4)[0]) for place in drawn.places]
     assert np.mean(near) > np.mean(far) + 5
-    assert near[0] == proposer.log_density(scene, cup, piece, table, drawn.places[0])
+    assert near[0] == proposer.log_density(scene, cup, placeable, table, drawn.places[0])
 
 
 def test_the_critic_chooses_among_the_draws(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -118,7 +118,7 @@ def test_a_floor_for_less_than_a_room_may_get_more_another_time(
 ) -> None:
     seen, original = [], AnchorProposer.choose
 
-    def watched(self: AnchorProposer, *given: Any) -> Choice:
+    def watched(self: AnchorProposer, *given: Any) -> SupportChoice:
         """Keep what is asked."""
         seen.append(given[6])
         return original(self, *given)

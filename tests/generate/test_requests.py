@@ -12,8 +12,8 @@ from tests.generate.rooms import at, box, room
 from unisg_blender.cli import main
 from unisg_blender.errors import UniSGError
 from unisg_blender.generate import Generator
-from unisg_blender.generate.observe.proposals import Proposals, Scene
-from unisg_blender.generate.place.placeable import Piece, box_piece
+from unisg_blender.generate.observe.proposals import ObservedScene, Proposals
+from unisg_blender.generate.place.placeable import Placeable, box_placeable
 from unisg_blender.generate.propose.requests import APART, BESIDE, Beside, aside
 from unisg_blender.metrics.requested_relations import is_beside, is_on
 from unisg_blender.scene import Mesh, Relation, SceneBuilder, SceneGraph, world_matrices
@@ -100,18 +100,20 @@ def test_what_is_wanted_beside_a_thing_stands_beside_it(generator: Generator) ->
 def test_what_the_model_puts_elsewhere_is_shifted_to_beside_the_thing() -> None:
     graph = room(100, cups=1)
     objects = scene_objects(graph, KNOWN)
-    scene = Scene.of(objects, world_matrices(graph)[objects.row])
+    scene = ObservedScene.of(objects, world_matrices(graph)[objects.row])
     table = int(np.flatnonzero(objects.category == KNOWN.index("Table"))[0])
 
     class Far:
-        def propose(self, scene: Scene, category: int, piece: Piece, count: int, *rest: object) -> Proposals:
+        def propose(
+            self, scene: ObservedScene, category: int, placeable: Placeable, count: int, *rest: object
+        ) -> Proposals:
             bottom = scene.center[table, 2] - scene.half[table, 2]
             return Proposals(np.full(count, 0), np.tile([9.0, 9.0, bottom, 0.3], (count, 1)))
 
-    piece = box_piece("Table", [0.6, 0.4, 0.8])
-    given = (scene, 3, piece, 8, np.random.default_rng(0), np.ones(len(objects), bool), {})
+    placeable = box_placeable("Table", [0.6, 0.4, 0.8])
+    given = (scene, 3, placeable, 8, np.random.default_rng(0), np.ones(len(objects), bool), {})
     found = Beside(Far(), table).propose(*given)
-    gaps = aside(scene, table, piece.half, found.places)
+    gaps = aside(scene, table, placeable.half, found.places)
     assert len(gaps) == 8
     assert (gaps >= -1e-9).all()
     assert (gaps <= BESIDE + 1e-9).all()
@@ -140,9 +142,9 @@ def test_things_that_are_not_there_or_many_are_told(generator: Generator) -> Non
 def test_gaps_are_those_of_footprints_on_a_common_height() -> None:
     graph = room(100, cups=1)
     objects = scene_objects(graph, graph.vocabulary)
-    scene = Scene.of(objects, world_matrices(graph)[objects.row])
+    scene = ObservedScene.of(objects, world_matrices(graph)[objects.row])
     table = int(np.flatnonzero(objects.category == graph.vocabulary.index("Table"))[0])
-    half = box_piece("box", np.array([0.2, 0.2, 2 * objects.half[table, 2]])).half
+    half = box_placeable("box", np.array([0.2, 0.2, 2 * objects.half[table, 2]])).half
     x, y, z = objects.center[table] - (0, 0, objects.half[table, 2])
     yaw = objects.yaw[table]
     away = objects.half[table, 0] + 0.1 + 0.3

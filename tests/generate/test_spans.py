@@ -13,14 +13,14 @@ from tests.generate.rooms import at, box
 from unisg_blender.dataset.assets.asset import shell_of
 from unisg_blender.dataset.assets.asset_file import save_assets
 from unisg_blender.generate.observe.contract import Contract
-from unisg_blender.generate.observe.proposals import Scene
-from unisg_blender.generate.observe.support_priors import learn_habits
-from unisg_blender.generate.place.placeable import Piece, box_piece
+from unisg_blender.generate.observe.proposals import ObservedScene
+from unisg_blender.generate.observe.support_priors import learn_priors
+from unisg_blender.generate.place.placeable import Placeable, box_placeable
 from unisg_blender.generate.place.room_shell import add_shell
 from unisg_blender.generate.place.scene_extension import Names, uid_maker
 from unisg_blender.generate.place.spanning_objects import fit_for, reached
 from unisg_blender.generate.shape_library import Library
-from unisg_blender.generate.trained_model import Model, assets_path
+from unisg_blender.generate.trained_model import TrainedModel, assets_path
 from unisg_blender.geometry.planar import turn
 from unisg_blender.scene import Relation, SceneBuilder, SceneGraph, world_matrices
 from unisg_blender.spatial.objects import scene_objects
@@ -55,7 +55,7 @@ def hall(yaw: float = 0.0, girder: bool = True, wide: float = WIDE, deep: float 
 
 
 def test_what_touches_two_walls_spans_and_what_hangs_on_one_does_not() -> None:
-    assert learn_habits([scene_objects(hall(yaw), VOCABULARY) for yaw in (0.0, 0.7)], VOCABULARY).spans == ["Girder"]
+    assert learn_priors([scene_objects(hall(yaw), VOCABULARY) for yaw in (0.0, 0.7)], VOCABULARY).spans == ["Girder"]
 
 
 @pytest.mark.parametrize("yaw", [0.0, 0.4, -2.0])
@@ -71,7 +71,7 @@ def test_what_touches_two_walls_spans_and_what_hangs_on_one_does_not() -> None:
 def test_holders_are_those_from_which_it_reaches_across(yaw: float, half: list[float], held_by: set[int]) -> None:
     graph = hall(yaw, girder=False)
     objects = scene_objects(graph, VOCABULARY)
-    scene = Scene.of(objects, world_matrices(graph)[objects.row])
+    scene = ObservedScene.of(objects, world_matrices(graph)[objects.row])
     found = reached(scene, objects.category == VOCABULARY.index("Wall"), np.array(half))
     assert {graph.name[row] for row in objects.row[found]} == {f"Wall.{side}" for side in held_by}
 
@@ -79,34 +79,37 @@ def test_holders_are_those_from_which_it_reaches_across(yaw: float, half: list[f
 def test_what_reaches_across_from_nowhere_may_be_held_by_any() -> None:
     graph = hall(girder=False)
     objects = scene_objects(graph, VOCABULARY)
-    scene, walls = Scene.of(objects, world_matrices(graph)[objects.row]), objects.category == VOCABULARY.index("Wall")
-    habits = learn_habits([scene_objects(hall(), VOCABULARY)], VOCABULARY)
-    assert fit_for("Girder", np.array([1.0, 0.05, 0.04]), scene, walls, habits).sum() == 4
-    assert fit_for("Girder", np.array([WIDE / 2, 0.05, 0.04]), scene, walls, habits).sum() == 2
-    assert fit_for("Clock", np.array([WIDE / 2, 0.05, 0.04]), scene, walls, habits).sum() == 4
+    scene, walls = (
+        ObservedScene.of(objects, world_matrices(graph)[objects.row]),
+        objects.category == VOCABULARY.index("Wall"),
+    )
+    priors = learn_priors([scene_objects(hall(), VOCABULARY)], VOCABULARY)
+    assert fit_for("Girder", np.array([1.0, 0.05, 0.04]), scene, walls, priors).sum() == 4
+    assert fit_for("Girder", np.array([WIDE / 2, 0.05, 0.04]), scene, walls, priors).sum() == 2
+    assert fit_for("Clock", np.array([WIDE / 2, 0.05, 0.04]), scene, walls, priors).sum() == 4
 
 
 def library_of(folder: Path, lengths: Sequence[float], shells: Sequence[SceneGraph] = ()) -> Library:
     """Girders of some lengths, metres, and rooms."""
-    girders = [box_piece("Girder", np.array([length, 0.1, 0.08])).asset for length in lengths]
+    girders = [box_placeable("Girder", np.array([length, 0.1, 0.08])).asset for length in lengths]
     save_assets(assets_path(folder / "girders.onnx"), girders + [shell for shell in map(shell_of, shells) if shell])
-    habits = learn_habits([scene_objects(hall(), VOCABULARY)], VOCABULARY)
+    priors = learn_priors([scene_objects(hall(), VOCABULARY)], VOCABULARY)
     no_network = SimpleNamespace(get_inputs=list)
-    return Library(Model(folder / "girders.onnx", no_network, Contract("anchors", VOCABULARY, habits)))
+    return Library(TrainedModel(folder / "girders.onnx", no_network, Contract("anchors", VOCABULARY, priors)))
 
 
 def test_of_several_shapes_one_that_fits_is_drawn(tmp_path: Path) -> None:
     lengths = (4.0, WIDE, 9.0)
     library, empty = library_of(tmp_path, lengths), hall(girder=False)
 
-    def drawn(fits: Callable[[Piece], bool] | None) -> set[float]:
+    def drawn(fits: Callable[[Placeable], bool] | None) -> set[float]:
         """The lengths of twenty shapes, metres."""
         rng = np.random.default_rng(0)
-        return {round(2 * float(library.piece("Girder", empty, rng, fits).half.max()), 3) for _ in range(20)}
+        return {round(2 * float(library.placeable("Girder", empty, rng, fits).half.max()), 3) for _ in range(20)}
 
     assert drawn(None) == set(lengths)
-    assert drawn(lambda piece: abs(2 * piece.half[0] - WIDE) < 0.1) == {WIDE}
-    assert drawn(lambda piece: False) == set(lengths)
+    assert drawn(lambda placeable: abs(2 * placeable.half[0] - WIDE) < 0.1) == {WIDE}
+    assert drawn(lambda placeable: False) == set(lengths)
 
 
 @pytest.mark.parametrize(("length", "wide"), [(WIDE, {WIDE}), (WIDE + 1, {WIDE + 1}), (1.0, {WIDE, WIDE + 1})])

@@ -8,27 +8,32 @@ import pytest
 from tests.generate.rooms import at, box, room
 from unisg_blender.dataset.assets.asset import object_graph
 from unisg_blender.generate.observe.placement_order import DEEPEST, along, groups, learn_orders, levels, row_order
-from unisg_blender.generate.observe.proposals import Scene, within
-from unisg_blender.generate.observe.reference_objects import find_leaders
+from unisg_blender.generate.observe.proposals import ObservedScene, within
+from unisg_blender.generate.observe.reference_objects import find_reference_objects
 from unisg_blender.generate.observe.scene_tokens import room_of, tokens_for
-from unisg_blender.generate.observe.support_candidates import Load, Nearness, Spots, support_arrays
-from unisg_blender.generate.observe.support_priors import BESIDE, RESTS, Habit, Habits, learn_habits
-from unisg_blender.generate.place.free_space import Space
-from unisg_blender.generate.place.placeable import Piece
+from unisg_blender.generate.observe.support_candidates import (
+    Proximity,
+    SupportCandidates,
+    SupportOccupancy,
+    support_arrays,
+)
+from unisg_blender.generate.observe.support_priors import AT_SIDE, RESTS, CategoryPriors, SupportPrior, learn_priors
+from unisg_blender.generate.place.free_space import FreeSpace
+from unisg_blender.generate.place.placeable import Placeable
 from unisg_blender.generate.place.settling import Support, nearest_support, rest
 from unisg_blender.generate.propose.mixture import behind_walls
 from unisg_blender.scene import Boxes, SceneBuilder, world_matrices
-from unisg_blender.spatial.level_surfaces import Surfaces, rectangles, with_joined
+from unisg_blender.spatial.level_surfaces import LevelSurfaces, rectangles, with_joined
 from unisg_blender.spatial.objects import SceneObjects, scene_objects
-from unisg_blender.spatial.support_surfaces import board_at, boards_of
+from unisg_blender.spatial.support_surfaces import support_surfaces, surface_at
 
 VOCABULARY = ("Cup", "Floor", "Lamp", "Table", "Wall")
 
 
-def scene_of(seed: int, cups: int = 3) -> Scene:
+def scene_of(seed: int, cups: int = 3) -> ObservedScene:
     graph = room(seed, cups)
     objects = scene_objects(graph, VOCABULARY)
-    return Scene.of(objects, world_matrices(graph)[objects.row])
+    return ObservedScene.of(objects, world_matrices(graph)[objects.row])
 
 
 def shelf() -> Boxes:
@@ -39,25 +44,25 @@ def shelf() -> Boxes:
 
 
 def test_a_shelf_has_its_boards_with_headroom_and_no_edges() -> None:
-    boards = boards_of(shelf(), bottom=0.0)
-    np.testing.assert_allclose(boards[:, 0], [0.1, 0.5, 0.9])
-    np.testing.assert_allclose(boards[:, 1], 0.4)
-    np.testing.assert_allclose(boards[:, 2], [0.38, 0.38, 2.0])
-    assert board_at(boards, 0.51) == 1
-    assert board_at(boards, 0.3) == -1
-    assert len(boards_of(shelf().take(np.zeros(0, int)), 0.0)) == 0
+    surfaces = support_surfaces(shelf(), bottom=0.0)
+    np.testing.assert_allclose(surfaces[:, 0], [0.1, 0.5, 0.9])
+    np.testing.assert_allclose(surfaces[:, 1], 0.4)
+    np.testing.assert_allclose(surfaces[:, 2], [0.38, 0.38, 2.0])
+    assert surface_at(surfaces, 0.51) == 1
+    assert surface_at(surfaces, 0.3) == -1
+    assert len(support_surfaces(shelf().take(np.zeros(0, int)), 0.0)) == 0
 
 
 def test_spots_tell_what_lies_where() -> None:
     scene = scene_of(1)
     table = int(np.flatnonzero(scene.category == 3)[0])
-    spots = Spots.of(scene, [table])
-    assert spots.board.tolist() == [0, -1]
+    candidates = SupportCandidates.of(scene, [table])
+    assert candidates.surface.tolist() == [0, -1]
     everything, near, half = np.ones(len(scene.category), bool), np.zeros((len(scene.category), 6)), np.full(3, 0.04)
-    arrays = support_arrays(scene, spots, Load.of(scene, everything), near, 0, half, 5)
+    arrays = support_arrays(scene, candidates, SupportOccupancy.of(scene, everything), near, 0, half, 5)
     np.testing.assert_allclose(arrays["support_content"][0], np.log1p([3, 0, 0, 0, 0, 0]), atol=1e-6)
     assert not arrays["support_content"][1].any()
-    nothing = support_arrays(scene, spots, Load.of(scene, ~everything), near, 0, half, 5)
+    nothing = support_arrays(scene, candidates, SupportOccupancy.of(scene, ~everything), near, 0, half, 5)
     assert not nothing["support_content"].any()
 
 
@@ -65,7 +70,7 @@ def test_what_stands_near_a_support_is_told_by_category() -> None:
     scene = scene_of(1)
     table, floor = (int(np.flatnonzero(scene.category == number)[0]) for number in (3, 1))
     everything = np.ones(len(scene.category), bool)
-    nearness = Nearness.of(scene)
+    nearness = Proximity.of(scene)
     found = nearness.by_kind(scene, everything, 5)
     walls = np.flatnonzero(scene.category == 4)
     assert set(nearness.obj.tolist()) == {table, *walls.tolist()}  # what stands on the floor
@@ -80,7 +85,7 @@ def test_what_stands_near_a_support_is_told_by_category() -> None:
 
 
 def test_a_table_top_of_pieces_is_one_surface_and_steps_are_not() -> None:
-    def tops(places: list[tuple[float, float, float]]) -> Surfaces:
+    def tops(places: list[tuple[float, float, float]]) -> LevelSurfaces:
         center = np.array(places)
         half = np.tile([0.25, 0.3, 0.02], (len(places), 1))
         return rectangles(Boxes(center, np.tile(np.eye(3), (len(places), 1, 1)), half, np.ones(len(places), bool)))
@@ -106,64 +111,66 @@ def test_leaders_are_those_from_whom_others_can_be_told() -> None:
         none = Boxes(np.zeros((0, 3)), np.zeros((0, 3, 3)), np.zeros((0, 3)), np.zeros(0, bool))
         owner = np.zeros(0, np.int64)
         scenes.append(SceneObjects(np.arange(5), kinds, support, center, np.ones((5, 3)), turns, none, owner, ()))
-    assert find_leaders(scenes, ("Floor", "Table", "Chair", "Bin")) == ["Table"]
+    assert find_reference_objects(scenes, ("Floor", "Table", "Chair", "Bin")) == ["Table"]
 
 
 def test_things_are_ordered_by_level_and_rows_from_end_to_end() -> None:
     scene = scene_of(2)
     graph = room(2, 3)
-    habits = learn_habits([scene_objects(graph, VOCABULARY)], VOCABULARY)
-    assert groups(VOCABULARY, habits).tolist() == [2, 0, 2, 1, 1, -1]
+    priors = learn_priors([scene_objects(graph, VOCABULARY)], VOCABULARY)
+    assert groups(VOCABULARY, priors).tolist() == [2, 0, 2, 1, 1, -1]
     cups = np.flatnonzero(scene.category == 0)
     assert (np.diff(along(scene)[cups]) > 0).all()  # they were laid from left to right
     orders = learn_orders([scene], VOCABULARY)
     assert orders.keys() == {"Table>Cup", "Wall>Lamp"}
-    assert sorted(row_order(["Cup", "Cup"], "Table", False, habits, np.random.default_rng(0))) == [0, 1]
-    assert row_order(["Cup", "Table"], "Floor", True, habits, np.random.default_rng(0)) == [1, 0]
+    assert sorted(row_order(["Cup", "Cup"], "Table", False, priors, np.random.default_rng(0))) == [0, 1]
+    assert row_order(["Cup", "Table"], "Floor", True, priors, np.random.default_rng(0)) == [1, 0]
 
 
 def test_whatever_may_hold_a_thing_is_placed_before_it() -> None:
-    def on(*names: str) -> list[Habit]:
-        return [Habit(name, 9, RESTS) for name in names]
+    def on(*names: str) -> list[SupportPrior]:
+        return [SupportPrior(name, 9, RESTS) for name in names]
 
     supports = {
         "Floor": on(""), "Rug": on("Floor"), "Table": on("Floor", "Rug"), "Book": on("Shelf", "Table"),
         "Shelf": on("Floor"), "Crate": on("Floor", "Crate", "Box"), "Box": on("Crate"),
     }  # fmt: skip
-    found = levels(Habits(supports, {}, {}, []))
+    found = levels(CategoryPriors(supports, {}, {}, []))
     assert {name: found[name] for name in ("Floor", "Rug", "Table", "Shelf", "Book")} == {
         "Floor": 0, "Rug": 1, "Table": 2, "Shelf": 1, "Book": 3,
     }  # fmt: skip
     assert max(found.values()) == DEEPEST  # crates on boxes on crates
 
 
-def wall(*pieces: tuple[float, float, float]) -> Support:
+def wall(*placeables: tuple[float, float, float]) -> Support:
     """A wall along y of pieces (x, y of the middle, length), 0.2 m thick and 2 m high."""
-    center = np.array([[x, y, 1.0] for x, y, _ in pieces])
-    half = np.array([[0.1, length / 2, 1.0] for _, _, length in pieces])
-    boxes = Boxes(center, np.tile(np.eye(3), (len(pieces), 1, 1)), half, np.ones(len(pieces), bool))
-    return Support(0, Habit("Wall", 9, BESIDE), boxes, False)
+    center = np.array([[x, y, 1.0] for x, y, _ in placeables])
+    half = np.array([[0.1, length / 2, 1.0] for _, _, length in placeables])
+    boxes = Boxes(center, np.tile(np.eye(3), (len(placeables), 1, 1)), half, np.ones(len(placeables), bool))
+    return Support(0, SupportPrior("Wall", 9, AT_SIDE), boxes, False)
 
 
-def cup_in_empty_space() -> tuple[Piece, Space]:
+def cup_in_empty_space() -> tuple[Placeable, FreeSpace]:
     none = Boxes(np.zeros((0, 3)), np.zeros((0, 3, 3)), np.zeros((0, 3)), np.zeros(0, bool))
-    space = Space(none, np.zeros(0, np.int64), np.zeros(0, np.int64), None, Habits({}, {}, {}, []), ("Wall",))
-    return Piece(object_graph(room(1, 1), room(1, 1).row("Cup.0"))), space
+    space = FreeSpace(
+        none, np.zeros(0, np.int64), np.zeros(0, np.int64), None, CategoryPriors({}, {}, {}, []), ("Wall",)
+    )
+    return Placeable(object_graph(room(1, 1), room(1, 1).row("Cup.0"))), space
 
 
 def test_of_two_walls_the_nearer_one_holds() -> None:
-    piece, space = cup_in_empty_space()
+    placeable, space = cup_in_empty_space()
     places = np.array([[-1.7, 0.3, 1.0, 0.0], [1.5, -0.4, 1.0, 0.0]])
-    assert nearest_support(piece, places, [wall((-2, 0, 4)), wall((2, 0, 4))], space).tolist() == [0, 1]
+    assert nearest_support(placeable, places, [wall((-2, 0, 4)), wall((2, 0, 4))], space).tolist() == [0, 1]
 
 
 def test_what_a_wall_holds_stays_where_it_is_along_all_its_pieces() -> None:
-    piece, space = cup_in_empty_space()
+    placeable, space = cup_in_empty_space()
     opened = wall((0, -1.5, 1.0), (0, 1.0, 2.0))  # an opening from -1 to 0
     places = np.array([[0.5, y, 1.0, 0.0] for y in (-1.6, 0.7, -5.0, 5.0)])
-    found = rest(piece, places, opened, space)
-    np.testing.assert_allclose(found[:, 0], 0.1 + piece.half[0], atol=1e-9)
-    np.testing.assert_allclose(found[:, 1], [-1.6, 0.7, -2 + piece.half[1], 2 - piece.half[1]], atol=1e-9)
+    found = rest(placeable, places, opened, space)
+    np.testing.assert_allclose(found[:, 0], 0.1 + placeable.half[0], atol=1e-9)
+    np.testing.assert_allclose(found[:, 1], [-1.6, 0.7, -2 + placeable.half[1], 2 - placeable.half[1]], atol=1e-9)
 
 
 def test_tokens_begin_with_the_support_and_its_things() -> None:
@@ -216,5 +223,5 @@ def test_two_boards_of_a_scene_are_told_apart() -> None:
     builder.add("D", uid="d", parent=table, local=at(0.8, 0, 0.2), mesh=box("C", 0.1, 0.1, 0.1), category="Cup")
     graph = builder.build()
     objects = scene_objects(graph, VOCABULARY)
-    scene = Scene.of(objects, world_matrices(graph)[objects.row])
-    assert scene.board[scene.category == 0].tolist() == [0, -1]
+    scene = ObservedScene.of(objects, world_matrices(graph)[objects.row])
+    assert scene.surface[scene.category == 0].tolist() == [0, -1]

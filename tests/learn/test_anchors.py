@@ -12,9 +12,9 @@ torch = pytest.importorskip("torch")
 
 from tests.generate.rooms import room  # noqa: E402
 from unisg_blender.generate.observe.contract import Contract  # noqa: E402
-from unisg_blender.generate.observe.proposals import Scene  # noqa: E402
+from unisg_blender.generate.observe.proposals import ObservedScene  # noqa: E402
 from unisg_blender.generate.observe.scene_tokens import FLAGS  # noqa: E402
-from unisg_blender.generate.observe.support_priors import Habits, learn_habits  # noqa: E402
+from unisg_blender.generate.observe.support_priors import CategoryPriors, learn_priors  # noqa: E402
 from unisg_blender.generate.propose.mixture import TAIL  # noqa: E402
 from unisg_blender.generate.trained_model import load_model  # noqa: E402
 from unisg_blender.learn.anchors.critic import DRAWS, drawn  # noqa: E402
@@ -24,8 +24,8 @@ from unisg_blender.learn.anchors.examples import (  # noqa: E402
     LESS,
     RANDOM_SUBSETS,
     TURN_JITTER,
-    Layout,
     Order,
+    RoomLayout,
     example,
     padded,
     shaken,
@@ -60,9 +60,9 @@ def batch_of(seeds: list[int]) -> dict[str, torch.Tensor]:
     for seed in seeds:
         graph = room(seed, cups=1 + seed % 3)
         objects = scene_objects(graph, VOCABULARY)
-        order = Order.of(VOCABULARY, learn_habits([objects], VOCABULARY))
+        order = Order.of(VOCABULARY, learn_priors([objects], VOCABULARY))
         world = world_matrices(graph)[objects.row]
-        layout = Layout(TrainingScene(objects, world, world), order)
+        layout = RoomLayout(TrainingScene(objects, world, world), order)
         target = int(np.flatnonzero(objects.category == 0)[0])
         examples.append(example(layout, target, order, np.random.default_rng(seed)))
     return padded(examples)
@@ -71,9 +71,9 @@ def batch_of(seeds: list[int]) -> dict[str, torch.Tensor]:
 def test_the_building_is_there_before_all_else() -> None:
     graph = room(3, cups=2)
     objects = scene_objects(graph, VOCABULARY)
-    order = Order.of(VOCABULARY, learn_habits([objects], VOCABULARY))
+    order = Order.of(VOCABULARY, learn_priors([objects], VOCABULARY))
     world = world_matrices(graph)[objects.row]
-    layout = Layout(TrainingScene(objects, world, world), order)
+    layout = RoomLayout(TrainingScene(objects, world, world), order)
     table, walls = int(np.flatnonzero(objects.category == 3)[0]), objects.category == 4
     seen = [visible_with(layout, table, np.random.default_rng(seed)) for seed in range(200)]
     whole = np.mean([chosen[walls].all() and placed[walls].all() for chosen, placed, _ in seen])
@@ -84,8 +84,8 @@ def test_the_building_is_there_before_all_else() -> None:
 
 def test_in_order_rows_are_filled_from_one_end_and_otherwise_anyhow() -> None:
     objects = scene_objects(graph := room(3, cups=4), VOCABULARY)
-    order, world = Order.of(VOCABULARY, learn_habits([objects], VOCABULARY)), world_matrices(graph)[objects.row]
-    layout = Layout(TrainingScene(objects, world, world), order)
+    order, world = Order.of(VOCABULARY, learn_priors([objects], VOCABULARY)), world_matrices(graph)[objects.row]
+    layout = RoomLayout(TrainingScene(objects, world, world), order)
     cups = np.flatnonzero(objects.category == 0)
     ordered, from_one_end = [], []
     for seed in range(400):
@@ -100,8 +100,8 @@ def test_in_order_rows_are_filled_from_one_end_and_otherwise_anyhow() -> None:
 
 def test_the_whole_is_all_that_lies_there_and_else_less_may_come() -> None:
     objects = scene_objects(graph := room(3, cups=4), VOCABULARY)
-    order, world = Order.of(VOCABULARY, learn_habits([objects], VOCABULARY)), world_matrices(graph)[objects.row]
-    layout = Layout(TrainingScene(objects, world, world), order)
+    order, world = Order.of(VOCABULARY, learn_priors([objects], VOCABULARY)), world_matrices(graph)[objects.row]
+    layout = RoomLayout(TrainingScene(objects, world, world), order)
     cups, beside = np.flatnonzero(objects.category == 0), {True: [], False: []}
     for seed in range(400):
         seen = example(layout, int(cups[seed % 4]), order, np.random.default_rng(seed))
@@ -115,7 +115,7 @@ def test_the_whole_is_all_that_lies_there_and_else_less_may_come() -> None:
 
 def test_shaking_does_not_turn_walls() -> None:
     objects = scene_objects(graph := room(3, cups=2), VOCABULARY)
-    scene, walls = Scene.of(objects, world_matrices(graph)[objects.row]), objects.category == 4
+    scene, walls = ObservedScene.of(objects, world_matrices(graph)[objects.row]), objects.category == 4
     seen = [shaken(scene, np.random.default_rng(seed), 1.0, walls) for seed in range(100)]
     turns, moves = np.abs([one.yaw - scene.yaw for one in seen]), np.abs([one.center - scene.center for one in seen])
     assert turns[:, walls].max() == 0
@@ -317,7 +317,7 @@ def test_heights_are_a_density(network: AnchorModel) -> None:
 
 def test_onnxruntime_agrees_with_torch(network: AnchorModel, tmp_path: Path) -> None:
     path = tmp_path / "model.onnx"
-    write_anchors(network, Contract("anchors", VOCABULARY, Habits({}, {}, {}, []), latent=LATENT), path)
+    write_anchors(network, Contract("anchors", VOCABULARY, CategoryPriors({}, {}, {}, []), latent=LATENT), path)
     model = load_model(path)
     for targets, tokens, supports in ((1, 1, 1), (3, 7, 20), (2, 40, 90)):
         inputs = example_inputs(len(VOCABULARY), targets, tokens, supports)

@@ -15,8 +15,8 @@ from unisg_blender.experiments.rooms.atiss_proposer import AtissProposer, load_g
 from unisg_blender.experiments.rooms.cases import case_of  # noqa: E402
 from unisg_blender.experiments.rooms.furnishing import ByModel  # noqa: E402
 from unisg_blender.generate.observe.contract import Contract  # noqa: E402
-from unisg_blender.generate.observe.support_priors import Habits  # noqa: E402
-from unisg_blender.generate.place.placeable import box_piece  # noqa: E402
+from unisg_blender.generate.observe.support_priors import CategoryPriors  # noqa: E402
+from unisg_blender.generate.place.placeable import box_placeable  # noqa: E402
 from unisg_blender.learn.atiss.network import Atiss, AtissSizes  # noqa: E402
 from unisg_blender.learn.atiss.training import example_inputs, train, write_atiss  # noqa: E402
 from unisg_blender.learn.losses.mixtures import logistics_nll  # noqa: E402
@@ -74,7 +74,7 @@ def test_the_density_integrates_to_one(turn: bool) -> None:
 
 def test_the_file_says_what_the_network_says(tmp_path: Path) -> None:
     words = ("Box", "Cup", "Door", "Floor")
-    write_atiss(network(), Contract("atiss", words, Habits({}, {}, {}, [])), tmp_path / "a.onnx")
+    write_atiss(network(), Contract("atiss", words, CategoryPriors({}, {}, {}, [])), tmp_path / "a.onnx")
     given = inputs()
     arrays = {name: value.numpy() for name, value in given.items()}
     found = load_generator(tmp_path / "a.onnx").model.run(["position", "heading"], **arrays)
@@ -95,18 +95,18 @@ def test_rooms_are_furnished_and_the_same_seed_gives_the_same(model: Path) -> No
 
 
 def test_drawn_places_are_where_the_density_is_high(model: Path) -> None:
-    from unisg_blender.generate.observe.proposals import Scene
+    from unisg_blender.generate.observe.proposals import ObservedScene
     from unisg_blender.scene import world_matrices
     from unisg_blender.spatial.objects import scene_objects
 
     generator = load_generator(model)
     room = next(iter(scenes_with_shapes(open_dataset(shared_dataset()))))
     objects = scene_objects(room, generator.categories)
-    scene = Scene.of(objects, world_matrices(room)[objects.row])
-    proposer, piece = AtissProposer(generator.model), box_piece("Cup", np.array([0.1, 0.1, 0.1]))
+    scene = ObservedScene.of(objects, world_matrices(room)[objects.row])
+    proposer, placeable = AtissProposer(generator.model), box_placeable("Cup", np.array([0.1, 0.1, 0.1]))
     rng = np.random.default_rng(0)
-    drawn = proposer.propose(scene, 0, piece, 40, rng, np.ones(len(objects), bool), {})
-    near = np.mean([proposer.log_density(scene, 0, piece, -1, place) for place in drawn.places])
-    far = np.mean([proposer.log_density(scene, 0, piece, -1, place + 30 * np.eye(4)[0]) for place in drawn.places])
+    drawn = proposer.propose(scene, 0, placeable, 40, rng, np.ones(len(objects), bool), {})
+    near = np.mean([proposer.log_density(scene, 0, placeable, -1, place) for place in drawn.places])
+    far = np.mean([proposer.log_density(scene, 0, placeable, -1, place + 30 * np.eye(4)[0]) for place in drawn.places])
     assert near > far + 5
     assert (drawn.support >= 0).all()

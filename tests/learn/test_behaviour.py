@@ -18,9 +18,9 @@ from unisg_blender.generate.behaviour.action_kinds import Kinds, behaviour_path 
 from unisg_blender.generate.behaviour.action_policy import Casting  # noqa: E402
 from unisg_blender.generate.behaviour.action_statistics import learn_kinds  # noqa: E402
 from unisg_blender.generate.behaviour.behaviour_file import load_behaviour  # noqa: E402
-from unisg_blender.generate.behaviour.network_policy import INPUTS, play_arrays  # noqa: E402
-from unisg_blender.generate.behaviour.observation import Play, read_play  # noqa: E402
-from unisg_blender.learn.behaviour.examples import Examples, collate  # noqa: E402
+from unisg_blender.generate.behaviour.network_policy import INPUTS, observation_arrays  # noqa: E402
+from unisg_blender.generate.behaviour.observation import BehaviourObservation, observe_behaviour  # noqa: E402
+from unisg_blender.learn.behaviour.examples import BehaviourExamples, collate  # noqa: E402
 from unisg_blender.learn.behaviour.network import BehaviourNet  # noqa: E402
 from unisg_blender.learn.behaviour.training import make_network, train, write_behaviour  # noqa: E402
 from unisg_blender.learn.settings import Settings  # noqa: E402
@@ -28,32 +28,32 @@ from unisg_blender.worlds import living_room  # noqa: E402
 
 
 @cache
-def taught() -> tuple[Kinds, Play, BehaviourNet]:
+def taught() -> tuple[Kinds, BehaviourObservation, BehaviourNet]:
     """Kinds of a few living rooms, one of these, and a network with random weights."""
     torch.manual_seed(0)
     rooms = [living_room(seed) for seed in range(3)]
     kinds = learn_kinds(rooms)
-    play = read_play(rooms[0], kinds, rooms[0].uid[:20])
+    play = observe_behaviour(rooms[0], kinds, rooms[0].uid[:20])
     return kinds, play, make_network(kinds).eval()
 
 
-def ask(network: BehaviourNet, play: Play, kinds: Kinds) -> list[np.ndarray]:
+def ask(network: BehaviourNet, play: BehaviourObservation, kinds: Kinds) -> list[np.ndarray]:
     """What the network says of a scene."""
-    arrays = play_arrays(play, kinds)
+    arrays = observation_arrays(play, kinds)
     with torch.no_grad():
         return [part[0].numpy() for part in network(*(torch.from_numpy(arrays[name][None]) for name in INPUTS))]
 
 
 def test_the_order_of_things_and_actions_does_not_matter() -> None:
     kinds, play, network = taught()
-    objects, acts = np.random.default_rng(0).permutation(len(play.rows)), np.arange(len(play.kind))[::-1]
+    objects, roled = np.random.default_rng(0).permutation(len(play.rows)), np.arange(len(play.kind))[::-1]
     place = np.argsort(objects)
     shuffled = replace(
         play, rows=play.rows[objects], category=play.category[objects], new=play.new[objects],
         support=np.where(play.support >= 0, place[play.support], -1)[objects], relation=play.relation[objects],
-        place=play.place[objects], below=play.below[np.ix_(objects, objects)], kind=play.kind[acts],
-        slots=np.where(play.slots >= 0, place[play.slots], -1)[acts], leaf_stage=play.leaf_stage[acts],
-        leaf_order=play.leaf_order[acts],
+        place=play.place[objects], below=play.below[np.ix_(objects, objects)], kind=play.kind[roled],
+        slots=np.where(play.slots >= 0, place[play.slots], -1)[roled], leaf_stage=play.leaf_stage[roled],
+        leaf_order=play.leaf_order[roled],
     )  # fmt: skip
     one, two = ask(network, play, kinds), ask(network, shuffled, kinds)
     np.testing.assert_allclose(one[0], two[0], atol=1e-4)
@@ -81,7 +81,7 @@ def test_what_may_not_play_has_no_chance() -> None:
 
 def test_padding_changes_nothing() -> None:
     kinds, play, network = taught()
-    examples = Examples([play, read_play(living_room(1), kinds)], kinds, 6, 0, fresh=False)
+    examples = BehaviourExamples([play, observe_behaviour(living_room(1), kinds)], kinds, 6, 0, fresh=False)
     items = [examples[number] for number in range(6)]
     batch = collate(items, len(kinds.kinds))
     with torch.no_grad():
@@ -97,10 +97,10 @@ def test_the_exported_file_says_the_same(tmp_path: Path) -> None:
     kinds, play, network = taught()
     path = tmp_path / "model.behaviour.onnx"
     write_behaviour(network, kinds, path)
-    chooser = load_behaviour(path)
-    assert chooser.kinds == kinds
+    policy = load_behaviour(path)
+    assert policy.kinds == kinds
     for some in (play, play.with_acts(np.arange(2)), play.with_acts(np.arange(0))):
-        scores = chooser.scores(some)
+        scores = policy.scores(some)
         if len(some.kind):
             wanted, target, tool, _, _ = ask(network, some, kinds)
             np.testing.assert_allclose(scores.wanted, 1 / (1 + np.exp(-wanted)), atol=1e-5)
@@ -120,8 +120,8 @@ def test_a_folder_of_scenes_teaches_its_own_behaviour_and_too_few_are_told(tmp_p
     assert not behaviour_path(model).exists()
     report = train(open_dataset(enough), model, Settings(epochs=2, quiet=True))
     assert (report["scenes_trained"], report["scenes_held_out"]) == (11, 1)
-    chooser, scene = load_behaviour(behaviour_path(model)), room(500)
-    (kind,) = chooser.kinds.kinds
+    policy, scene = load_behaviour(behaviour_path(model)), room(500)
+    (kind,) = policy.kinds.kinds
     assert (kind.type, kind.name, kind.slots) == ("Remove", "Take the cup", ({"Cup": 24}, {}, {"Table": 24}))
-    scores = chooser.scores(read_play(scene, chooser.kinds, [scene.uid[scene.row("Cup.0")]]))
+    scores = policy.scores(observe_behaviour(scene, policy.kinds, [scene.uid[scene.row("Cup.0")]]))
     assert scores.wanted.shape == (1,)

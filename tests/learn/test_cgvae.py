@@ -13,7 +13,7 @@ pytest.importorskip("torch_geometric")
 
 from unisg_blender.dataset import open_dataset  # noqa: E402
 from unisg_blender.generate.observe.contract import Contract  # noqa: E402
-from unisg_blender.generate.observe.support_priors import Habits  # noqa: E402
+from unisg_blender.generate.observe.support_priors import CategoryPriors  # noqa: E402
 from unisg_blender.generate.propose.cgvae_proposer import edges_of, node_features, poses_of  # noqa: E402
 from unisg_blender.generate.trained_model import load_model  # noqa: E402
 from unisg_blender.learn.cgvae.network import Cgvae, CgvaeSizes  # noqa: E402
@@ -23,7 +23,7 @@ from unisg_blender.learn.training_scenes import load_scenes, vocabulary_of  # no
 from unisg_blender.poses import FORMS  # noqa: E402
 
 SIZES = CgvaeSizes(features=5, categories=4)
-NOTHING = Habits({}, {}, {}, [])
+NOTHING = CategoryPriors({}, {}, {}, [])
 
 
 def scene_tensors(seed: int, nodes: int) -> dict[str, torch.Tensor]:

@@ -12,14 +12,14 @@ from unisg_blender.learn.atlasnet.patch_decoder import PatchDecoder, draw_templa
 from unisg_blender.learn.atlasnet.training import MeshTraining, augment, random_rotation, train  # noqa: E402
 from unisg_blender.learn.categories.training import standing_together, temperature  # noqa: E402
 from unisg_blender.learn.losses.chamfer import chamfer  # noqa: E402
-from unisg_blender.meshes.shape_files import Model  # noqa: E402
+from unisg_blender.meshes.shape_files import ShapeFile  # noqa: E402
 from unisg_blender.metrics.point_clouds import chamfer_l2, f_score  # noqa: E402
 from unisg_blender.predict.category_model import nearest_of_class  # noqa: E402
 from unisg_blender.worlds import WORLDS  # noqa: E402
 
 from .shapes import box, sphere  # noqa: E402
 
-MODELS = [Model("box", "Box", "train", "box", box()), Model("ball", "Ball", "train", "ball", sphere(400))]
+MODELS = [ShapeFile("box", "Box", "train", "box", box()), ShapeFile("ball", "Ball", "train", "ball", sphere(400))]
 QUICK = MeshTraining(steps=50, batch=4, points=64, targets=128, drawn=64, patches=4)
 
 

@@ -13,7 +13,7 @@ bpy = pytest.importorskip("bpy")
 
 from unisg_blender import UniSGError  # noqa: E402
 from unisg_blender.blender import read_scene  # noqa: E402
-from unisg_blender.blender.motion.scene_recording import Recorder, needed_keys, record_playback, replay  # noqa: E402
+from unisg_blender.blender.motion.scene_recording import SceneRecorder, needed_keys, record_playback, replay  # noqa: E402
 from unisg_blender.scene.properties import RELATIONS  # noqa: E402
 from unisg_blender.usd import read_usd, write_usd  # noqa: E402
 
@@ -66,7 +66,7 @@ def test_playback_survives_the_file(cubes: list, tmp_path: Path) -> None:
 
 
 def test_moved_by_hand(cubes: list, tmp_path: Path) -> None:
-    scene, recorder = bpy.context.scene, Recorder()
+    scene, recorder = bpy.context.scene, SceneRecorder()
     arm = cubes[1]
     rate = scene.render.fps
     seen = {}
@@ -99,7 +99,7 @@ def test_nothing_to_replay(cubes: list) -> None:
     with pytest.raises(UniSGError, match="no recording"):
         replay(read_scene())
     base = cubes[0]
-    recorder = Recorder()
+    recorder = SceneRecorder()
     for step in range(3):
         base.location.x = step
         bpy.context.view_layer.update()

@@ -7,7 +7,7 @@ import pytest
 import trimesh
 
 from unisg_blender.spatial.part_boxes import PART_LIMIT, mesh_parts
-from unisg_blender.worlds.furniture.kit import Asset, ball, block, lathe, prism, rod, turned
+from unisg_blender.worlds.furniture.kit import Furniture, ball, block, lathe, prism, rod, turned
 from unisg_blender.worlds.furniture.palette import MATERIALS
 from unisg_blender.worlds.living_room import furnish as furnish_home
 from unisg_blender.worlds.operating_room import furnish as furnish_theatre
@@ -16,7 +16,7 @@ HANGING = {"Surgical Lamp", "IV Bag"}
 OWN_ORIGIN = {"Floor", "Wall", "Surgical Lamp"}
 
 
-def all_assets() -> dict[str, Asset]:
+def all_assets() -> dict[str, Furniture]:
     found = {}
     for furnish in (furnish_theatre, furnish_home):
         for seed in range(8):

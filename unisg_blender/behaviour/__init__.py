@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from .lesson.action_places import Place, action_places, all_actions, operations
+from .lesson.action_places import ActionPlace, action_places, all_actions, operations
 from .lesson.action_vector import CHANNELS, WIDTH, ActionVectors, action_vector, decode_action, encode_action
 from .lesson.behaviour_links import BehaviourLinks, behaviour_links
 from .lesson.custom_types import add_type, load_types, remove_type
@@ -17,15 +17,59 @@ from .play.snapshot import Moment, moment
 from .play.timeline import Timeline, simulate, timeline_record
 from .record.motion_script import motion_from_json, motion_to_json
 from .record.motion_tracks import Input, Motion, Track, moments
-from .record.pose_recorder import Recorder, local_matrices
+from .record.pose_recorder import PoseRecorder, local_matrices
 from .record.recorded_events import recorded_inputs, recorded_motion, with_events
 
 __all__ = [
-    "CHANNELS", "CONDITIONS", "WIDTH", "ActionState", "ActionVectors", "Batch", "BehaviourLinks", "Checks", "Condition",
-    "Event", "Input", "Lesson", "Moment", "Motion", "Place", "PlayState", "Problem", "Recorder", "Timeline", "Track",
-    "action_places", "action_vector", "add_type", "all_actions", "begin", "behaviour_links", "check_lesson",
-    "check_scene", "compile_actions", "decode_action", "encode_action", "explain", "holds", "load_types",
-    "local_matrices", "moment", "moments", "motion_from_json", "motion_to_json", "operations", "play", "prepare",
-    "recorded_inputs", "recorded_motion", "rehearse", "remove_type", "simulate", "start", "step", "timeline_record",
+    "CHANNELS",
+    "CONDITIONS",
+    "WIDTH",
+    "ActionPlace",
+    "ActionState",
+    "ActionVectors",
+    "Batch",
+    "BehaviourLinks",
+    "Checks",
+    "Condition",
+    "Event",
+    "Input",
+    "Lesson",
+    "Moment",
+    "Motion",
+    "PlayState",
+    "PoseRecorder",
+    "Problem",
+    "Timeline",
+    "Track",
+    "action_places",
+    "action_vector",
+    "add_type",
+    "all_actions",
+    "begin",
+    "behaviour_links",
+    "check_lesson",
+    "check_scene",
+    "compile_actions",
+    "decode_action",
+    "encode_action",
+    "explain",
+    "holds",
+    "load_types",
+    "local_matrices",
+    "moment",
+    "moments",
+    "motion_from_json",
+    "motion_to_json",
+    "operations",
+    "play",
+    "prepare",
+    "recorded_inputs",
+    "recorded_motion",
+    "rehearse",
+    "remove_type",
+    "simulate",
+    "start",
+    "step",
+    "timeline_record",
     "with_events",
 ]  # fmt: skip

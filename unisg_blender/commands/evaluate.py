@@ -15,7 +15,7 @@ from ..errors import DONE, UniSGError
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from ..experiments.rooms.generation_table import Plan, Progress
+    from ..experiments.rooms.generation_table import Progress, TablePlan
 
 HELP = "Furnish the rooms of a dataset anew with a model, measure the result, and print baselines beside it."
 QUICK_SCENES, QUICK_TREES = 12, 50
@@ -67,10 +67,10 @@ def run(args: argparse.Namespace) -> int:
     return DONE
 
 
-def _plan(args: argparse.Namespace) -> Plan:
+def _plan(args: argparse.Namespace) -> TablePlan:
     from ..dataset.format.reader import open_dataset
     from ..experiments.rooms.atiss_proposer import load_generator
-    from ..experiments.rooms.generation_table import Plan
+    from ..experiments.rooms.generation_table import TablePlan
     from ..experiments.rooms.table_rows import Data
     from ..metrics.two_sample_test import TREES
 
@@ -88,7 +88,7 @@ def _plan(args: argparse.Namespace) -> Plan:
     scenes = min(args.scenes, QUICK_SCENES) if args.quick else args.scenes
     data = Data(str(tests.path), training, min(scenes, len(tests)))
     seeds, trees = (1, QUICK_TREES) if args.quick else (args.seeds, TREES)
-    return Plan(args.model, data, tuple(args.also), seeds, args.seed, trees)
+    return TablePlan(args.model, data, tuple(args.also), seeds, args.seed, trees)
 
 
 @contextmanager

@@ -72,7 +72,7 @@ def run(args: argparse.Namespace) -> int:
     with shown(args.quiet, "entities") as tell:
         graph, _ = read_scene_file(args.file, tell)
     lesson = prepare(graph, _chosen(graph, args.lesson))
-    take = Take(lesson)
+    take = Playthrough(lesson)
     played, script = _moments(args, graph, lesson)
     bar = tqdm(played, desc="simulate", unit="frame", disable=args.quiet, file=sys.stderr)
     timeline = simulate(lesson, bar, take.watch if args.render or args.record else None)
@@ -88,13 +88,13 @@ def run(args: argparse.Namespace) -> int:
     return DONE
 
 
-class Take:
+class Playthrough:
     """What a film and a recording need of every moment of a lesson that is played."""
 
     def __init__(self, lesson: Any) -> None:
-        from ..behaviour import Recorder
+        from ..behaviour import PoseRecorder
 
-        self.lesson, self.recorder = lesson, Recorder()
+        self.lesson, self.recorder = lesson, PoseRecorder()
         self.frames: list[Any] = []
         self._inputs: list[Any] = []
         self._before: Moment | None = None

@@ -12,7 +12,7 @@ from typing import Any
 
 from .. import __version__
 from ..errors import DONE, MissingPackageError, UniSGError
-from ..meshes.shape_files import Model, of_split, read_models, world_models
+from ..meshes.shape_files import ShapeFile, of_split, read_models, world_models
 
 WORLDS_WITH_OBJECTS = ("operating-room", "living-room")
 PACKAGES = ("torch", "onnx", "onnxscript")
@@ -55,7 +55,7 @@ def run(args: argparse.Namespace) -> int:
     return DONE
 
 
-def _train_networks(args: argparse.Namespace, models: list[Model], provenance: dict[str, Any]) -> dict[str, Any]:
+def _train_networks(args: argparse.Namespace, models: list[ShapeFile], provenance: dict[str, Any]) -> dict[str, Any]:
     try:
         from ..learn.atlasnet.export import export
         from ..learn.atlasnet.training import MeshTraining, train
@@ -79,7 +79,7 @@ def _train_networks(args: argparse.Namespace, models: list[Model], provenance: d
     return {"networks": [str(path) for path in paths], "training": report}
 
 
-def _fit_labels(args: argparse.Namespace, models: list[Model], provenance: dict[str, Any]) -> dict[str, Any]:
+def _fit_labels(args: argparse.Namespace, models: list[ShapeFile], provenance: dict[str, Any]) -> dict[str, Any]:
     from ..learn.categories.training import fit_labels
     from ..meshes.atlasnet_sessions import ENCODER_FILE
     from ..meshes.shape_feature import AtlasNetEncoder
@@ -93,7 +93,7 @@ def _fit_labels(args: argparse.Namespace, models: list[Model], provenance: dict[
     return {"labels": str(args.out / LABELS_FILE), "categories": len(labels.vocabulary)}
 
 
-def _provenance(args: argparse.Namespace, models: list[Model]) -> dict[str, Any]:
+def _provenance(args: argparse.Namespace, models: list[ShapeFile]) -> dict[str, Any]:
     counts = {split: len(of_split(models, split)) for split in ("train", "test", "unseen")}
     words = [Path(word).name if word.startswith("/") else word for word in sys.argv[1:]]
     return {

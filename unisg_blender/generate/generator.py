@@ -15,7 +15,7 @@ from ..errors import UniSGError
 from ..scene import SceneGraph
 from ..spatial.floor_plan import FLOOR
 from ..spatial.structure import STRUCTURE
-from .behaviour import Chooser, behaviour_path, load_behaviour, with_behaviour
+from .behaviour import ActionPolicy, behaviour_path, load_behaviour, with_behaviour
 from .observe.contract import Contract
 from .observe.placement_order import in_order
 from .observe.proposals import Proposer
@@ -27,13 +27,13 @@ from .propose.anchor_proposer import AnchorProposer
 from .propose.cgvae_proposer import CgvaeProposer
 from .results import Generated, Placement
 from .shape_library import Library
-from .trained_model import Model, load_model
+from .trained_model import TrainedModel, load_model
 
 
 class Generator:
     """Adds objects of chosen categories to scenes; see :meth:`load` and :meth:`add`."""
 
-    def __init__(self, model: Model, proposer: Proposer | None = None) -> None:
+    def __init__(self, model: TrainedModel, proposer: Proposer | None = None) -> None:
         self.model = model
         self.contract = model.contract
         self.library = Library(model)
@@ -51,7 +51,7 @@ class Generator:
         return Generator(load_model(path))
 
     @cached_property
-    def behaviour(self) -> Chooser | None:
+    def behaviour(self) -> ActionPolicy | None:
         """What gives new objects their actions; None if there is no behaviour beside the model."""
         path = behaviour_path(self.model.path)
         return load_behaviour(path) if path.is_file() else None
@@ -63,7 +63,7 @@ class Generator:
 
     def sample_counts(self, rng: np.random.Generator) -> dict[str, int]:
         """How many objects of each category a room has: those of a training scene drawn at random."""
-        rooms = self.contract.habits.rooms
+        rooms = self.contract.priors.rooms
         counts = rooms[rng.integers(len(rooms))]
         return {name: int(count) for name, count in zip(self.categories, counts, strict=True) if count}
 
@@ -122,7 +122,7 @@ class Generator:
         names, make_uid = Names(scene.name), uid_maker(scene, seed)
         rng = np.random.default_rng(seed)
         before = set(scene.uid)
-        wanted = in_order(counts, self.contract.habits)
+        wanted = in_order(counts, self.contract.priors)
         placements: list[Placement] = []
         if FLOOR in counts and FLOOR not in scene.vocabulary:
             scene, placements = add_shell(scene, counts, self.library, rng, names, make_uid)
@@ -142,7 +142,7 @@ class Generator:
         return Generated(result, rows, tuple(placements), len(all_actions(result)) - len(all_actions(scene)))
 
 
-def _proposer(model: Model) -> Proposer:
+def _proposer(model: TrainedModel) -> Proposer:
     return AnchorProposer(model) if model.contract.kind == "anchors" else CgvaeProposer(model)
 
 

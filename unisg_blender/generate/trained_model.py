@@ -18,7 +18,7 @@ from .observe.contract import Contract
 ASSETS_SUFFIX = ".assets.safetensors"
 
 
-class Model:
+class TrainedModel:
     """An opened model; :meth:`run` computes its outputs."""
 
     def __init__(self, path: Path, session: Any, contract: Contract) -> None:
@@ -63,7 +63,7 @@ def assets_path(model: Path) -> Path:
     return model.with_suffix(ASSETS_SUFFIX)
 
 
-def load_model(path: str | os.PathLike[str], threads: int = 1) -> Model:
+def load_model(path: str | os.PathLike[str], threads: int = 1) -> TrainedModel:
     """Open a model and check its contract.
 
     Raises
@@ -76,4 +76,4 @@ def load_model(path: str | os.PathLike[str], threads: int = 1) -> Model:
     session, text = open_session(file, missing, threads)
     if text is None:
         raise UniSGError(f"{file} is an ONNX model of another kind: it has no UniSG metadata; use 'unisg train'")
-    return Model(file, session, Contract.from_json(text, file))
+    return TrainedModel(file, session, Contract.from_json(text, file))

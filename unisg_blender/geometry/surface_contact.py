@@ -17,7 +17,7 @@ STEEPEST = 0.5
 """Surfaces bear objects up to the slope whose normal has this upward part: 60 degrees."""
 
 
-class Surfaces:
+class MeshSurfaces:
     """World triangles of groups of rows, made when they are asked for."""
 
     def __init__(self, graph: SceneGraph, rows_of: list[NDArray[np.int64]]) -> None:

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..errors import UniSGError
 from .atlasnet_sessions import FEATURE_WIDTH
-from .normalise import Placement
+from .normalise import UnitPlacement
 from .shape_feature import MeshFeature
 
 PROPERTY = "unisg_mesh_feature"
@@ -38,7 +38,7 @@ def feature_from_text(text: str) -> MeshFeature:
         record = json.loads(text)
         version = record["version"]
         vector = np.frombuffer(base64.b64decode(record["vector"], validate=True), "<f4").astype(np.float32)
-        placement = Placement(np.array(record["center"], np.float64), float(record["scale"]))
+        placement = UnitPlacement(np.array(record["center"], np.float64), float(record["scale"]))
     except (ValueError, TypeError, KeyError, binascii.Error):
         raise UniSGError("the stored mesh feature is damaged: encode the mesh again") from None
     if version != VERSION or vector.shape != (FEATURE_WIDTH,) or placement.center.shape != (3,):

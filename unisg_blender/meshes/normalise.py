@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 
 @dataclass(frozen=True, eq=False)
-class Placement:
+class UnitPlacement:
     """Where a shape lies: ``center`` float64 (3,) and ``scale``, the radius of its unit sphere, in the shape's unit."""
 
     center: NDArray[np.float64]
@@ -20,7 +20,7 @@ class Placement:
         return points * self.scale + self.center
 
 
-def normalise(points: NDArray[np.floating]) -> tuple[NDArray[np.float32], Placement]:
+def normalise(points: NDArray[np.floating]) -> tuple[NDArray[np.float32], UnitPlacement]:
     """Points (n, 3) with their mean at the origin and the farthest at distance 1, and where they were.
 
     Mean and farthest distance turn with the shape, so that a rotated shape is
@@ -31,4 +31,4 @@ def normalise(points: NDArray[np.floating]) -> tuple[NDArray[np.float32], Placem
     moved = points - center
     scale = float(np.sqrt(np.einsum("nk,nk->n", moved, moved).max(initial=0.0)))
     scale = scale if scale > 1e-12 * (1 + np.abs(center).max()) else 1.0
-    return (moved / scale).astype(np.float32), Placement(center, scale)
+    return (moved / scale).astype(np.float32), UnitPlacement(center, scale)

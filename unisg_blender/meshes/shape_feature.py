@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ..errors import UniSGError
 from ..scene.mesh import Mesh
 from .atlasnet_sessions import ENCODER_FILE, FEATURE_WIDTH, PRETRAINED, load_network
-from .normalise import Placement, normalise
+from .normalise import UnitPlacement, normalise
 from .sampling import NoSurfaceError, sample_surface
 
 POINTS = 1024
@@ -27,7 +27,7 @@ class MeshFeature:
     """``vector`` float32 (1024,): the normalised shape; ``placement``: where and how big it is in its own frame."""
 
     vector: NDArray[np.float32]
-    placement: Placement
+    placement: UnitPlacement
 
 
 class AtlasNetEncoder:

@@ -22,7 +22,7 @@ SPLITS = ("train", "test", "unseen")
 
 
 @dataclass(frozen=True, eq=False)
-class Model:
+class ShapeFile:
     """One mesh with what is known of it.
 
     ``split`` is "train", "test" (a held-out model of a category that is trained
@@ -37,7 +37,7 @@ class Model:
     mesh: Mesh
 
 
-def read_models(folders: Sequence[str | Path], table: str | Path = TABLE) -> list[Model]:
+def read_models(folders: Sequence[str | Path], table: str | Path = TABLE) -> list[ShapeFile]:
     """All mesh files under some folders, in the order of their paths, in metres, Z up.
 
     A file that the table names (by its path's last parts) has its name, category,
@@ -67,15 +67,15 @@ def _read_table(table: str | Path) -> dict[str, dict[str, str]]:
         return {row["file"]: row for row in csv.DictReader(text)}
 
 
-def _model(path: Path, folder: Path, rows: dict[str, dict[str, str]]) -> Model:
+def _model(path: Path, folder: Path, rows: dict[str, dict[str, str]]) -> ShapeFile:
     mesh = read_mesh_file(path)
     parts = path.as_posix().split("/")
     row = next((rows[key] for k in range(len(parts)) if (key := "/".join(parts[k:])) in rows), None)
     if row is None:
         category = path.parent.name if path.parent != folder else ""
         held_out = zlib.crc32(path.stem.encode()) % 5 == 0
-        return Model(path.stem, category, "test" if held_out else "train", path.stem, mesh)
-    return Model(row["name"], row["category"], row["split"], row["family"], _sized(mesh, row))
+        return ShapeFile(path.stem, category, "test" if held_out else "train", path.stem, mesh)
+    return ShapeFile(row["name"], row["category"], row["split"], row["family"], _sized(mesh, row))
 
 
 def _sized(mesh: Mesh, row: dict[str, str]) -> Mesh:
@@ -90,7 +90,7 @@ def _sized(mesh: Mesh, row: dict[str, str]) -> Mesh:
     return replace(mesh, name=row["name"], points=points.astype(np.float32))
 
 
-def world_models(worlds: Sequence[str], rooms: int, seed: int = 0, per_category: int = 8) -> list[Model]:
+def world_models(worlds: Sequence[str], rooms: int, seed: int = 0, per_category: int = 8) -> list[ShapeFile]:
     """The meshes of procedurally made rooms, each once, at most ``per_category`` of a category.
 
     ``rooms`` rooms are made of each of the named worlds. One in five meshes, by
@@ -106,7 +106,7 @@ def world_models(worlds: Sequence[str], rooms: int, seed: int = 0, per_category:
     unknown = sorted(set(worlds) - set(WORLDS))
     if unknown:
         raise UniSGError(f"there is no world {unknown[0]!r}: choose among {', '.join(WORLDS)}")
-    found: dict[str, Model] = {}
+    found: dict[str, ShapeFile] = {}
     counts: Counter[str] = Counter()
     for name in worlds:
         for number in range(rooms):
@@ -116,10 +116,10 @@ def world_models(worlds: Sequence[str], rooms: int, seed: int = 0, per_category:
                 if category and mesh.checksum not in found and counts[category] < per_category:
                     counts[category] += 1
                     split = "test" if int(mesh.checksum, 16) % 5 == 0 else "train"
-                    found[mesh.checksum] = Model(category, category, split, f"worlds/{category}", mesh)
+                    found[mesh.checksum] = ShapeFile(category, category, split, f"worlds/{category}", mesh)
     return list(found.values())
 
 
-def of_split(models: Iterable[Model], split: str) -> list[Model]:
+def of_split(models: Iterable[ShapeFile], split: str) -> list[ShapeFile]:
     """The models of one split."""
     return [model for model in models if model.split == split]

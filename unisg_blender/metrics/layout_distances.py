@@ -27,7 +27,7 @@ COPIED = 0.05
 _TURNS = np.array([[[1, 0], [0, 1]], [[0, -1], [1, 0]], [[-1, 0], [0, -1]], [[0, 1], [-1, 0]]], np.float32)
 
 
-class Rooms:
+class LayoutSet:
     """Many layouts, by category: positions float32 (2, S, most), very far away where there is none."""
 
     def __init__(self, layouts: Sequence[NDArray[np.float32]], categories: int) -> None:
@@ -71,7 +71,7 @@ def layout_of(graph: SceneGraph, vocabulary: tuple[str, ...]) -> NDArray[np.floa
     return np.column_stack([codes[rows], center - middle]).astype(np.float32)
 
 
-def nearest_distances(layouts: Sequence[NDArray[np.float32]], training: Rooms) -> NDArray[np.float64]:
+def nearest_distances(layouts: Sequence[NDArray[np.float32]], training: LayoutSet) -> NDArray[np.float64]:
     """How far each layout is from the training room that is nearest to it, (S,) metres."""
     return np.array([training.distances(layout).min() for layout in layouts])
 
@@ -91,6 +91,6 @@ def mean_pairwise(layouts: Sequence[NDArray[np.float32]], categories: int, most:
     are too alike, 1 for rooms that differ as real ones do.
     """
     some = [layout for layout in layouts if len(layout)][:most]
-    rooms = Rooms(some, categories)
+    rooms = LayoutSet(some, categories)
     table = np.array([rooms.distances(layout) for layout in some])
     return float(table[~np.eye(len(some), dtype=bool)].mean())

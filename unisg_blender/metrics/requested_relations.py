@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..experiments.rooms.cases import place_of
-from ..generate.place.placeable import Piece
+from ..generate.place.placeable import Placeable
 from ..generate.propose.requests import BESIDE, COVERING, SHARED, THIN
 from ..geometry.planar import footprint_gap
 from ..scene import SceneGraph
@@ -51,4 +51,4 @@ def half_of(graph: SceneGraph, row: int) -> NDArray[np.float64]:
     """Half extents (3,) of an entity's upright box, metres."""
     from ..dataset.assets.asset import object_graph
 
-    return Piece(object_graph(graph, row)).half
+    return Placeable(object_graph(graph, row)).half

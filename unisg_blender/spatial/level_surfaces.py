@@ -17,7 +17,7 @@ FILLED = 0.75
 
 
 @dataclass(frozen=True, eq=False)
-class Surfaces:
+class LevelSurfaces:
     """Level rectangles: ``center``, direction ``along`` of the first side, ``half`` (S, 2) each, and height ``top``."""
 
     center: NDArray[np.float64]
@@ -26,7 +26,7 @@ class Surfaces:
     top: NDArray[np.float64]
 
 
-def rectangles(parts: Boxes) -> Surfaces:
+def rectangles(parts: Boxes) -> LevelSurfaces:
     """The upper sides of boxes that have an axis near the vertical."""
     up = np.abs(parts.axes[:, 2, :]).argmax(axis=1)
     each = np.arange(len(up))
@@ -35,10 +35,10 @@ def rectangles(parts: Boxes) -> Surfaces:
     along = along / np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-9)
     half = np.stack([parts.half[each, first], parts.half[each, second]], axis=1)
     top = parts.center[:, 2] + np.abs(parts.axes[each, 2, up]) * parts.half[each, up]
-    return Surfaces(parts.center[:, :2], along, half, top)
+    return LevelSurfaces(parts.center[:, :2], along, half, top)
 
 
-def with_joined(surfaces: Surfaces) -> Surfaces:
+def with_joined(surfaces: LevelSurfaces) -> LevelSurfaces:
     """The same, behind the rectangles around neighbours on one level that fill them: a table top of several pieces."""
     order = np.argsort(surfaces.top, kind="stable")
     groups = np.split(order, np.flatnonzero(np.diff(surfaces.top[order]) > LEVEL) + 1)
@@ -46,14 +46,14 @@ def with_joined(surfaces: Surfaces) -> Surfaces:
     if not joined:
         return surfaces
     center, along, half, top = (np.array(column) for column in zip(*joined, strict=True))
-    return Surfaces(
+    return LevelSurfaces(
         np.concatenate([center, surfaces.center]), np.concatenate([along, surfaces.along]),
         np.concatenate([half, surfaces.half]), np.concatenate([top, surfaces.top]),
     )  # fmt: skip
 
 
 def _joined(
-    surfaces: Surfaces, group: NDArray[np.int64]
+    surfaces: LevelSurfaces, group: NDArray[np.int64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], float] | None:
     """Centre, direction, half extents and height of the rectangle around a group, None if they do not fill it."""
     half = surfaces.half[group]

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..geometry.box_overlap import nearby_pairs, penetration
-from ..geometry.surface_contact import Surfaces, contact_heights, surface_gap, walls_around, within
+from ..geometry.surface_contact import MeshSurfaces, contact_heights, surface_gap, walls_around, within
 from ..scene import components
 from ..scene.graph import SceneGraph, table
 from .directions import directions
@@ -94,7 +94,7 @@ def find_relations(graph: SceneGraph, tolerances: RelationTolerances = RelationT
         "left_of" and "right_of", "in_front_of" and "behind" come in pairs.
     """
     objects = find_relation_objects(graph)
-    surfaces = Surfaces(graph, objects.meshes)
+    surfaces = MeshSurfaces(graph, objects.meshes)
     found = _touching(objects, _close_pairs(graph, objects, tolerances), surfaces, tolerances)
     found = _direct(found)
     joined = {(min(subject, target), max(subject, target)) for subject, _, target in found}
@@ -123,7 +123,7 @@ def _close_pairs(graph: SceneGraph, objects: RelationObjects, tolerances: Relati
 
 
 def _touching(
-    objects: RelationObjects, pairs: NDArray[np.int64], surfaces: Surfaces, tolerances: RelationTolerances
+    objects: RelationObjects, pairs: NDArray[np.int64], surfaces: MeshSurfaces, tolerances: RelationTolerances
 ) -> list[Found]:
     """What rests on, lies in, belongs to or is joined with what."""
     found: list[Found] = []
@@ -161,7 +161,7 @@ def _direct(found: list[Found]) -> list[Found]:
 
 
 def _rests(
-    objects: RelationObjects, subject: int, target: int, surfaces: Surfaces, tolerances: RelationTolerances
+    objects: RelationObjects, subject: int, target: int, surfaces: MeshSurfaces, tolerances: RelationTolerances
 ) -> bool:
     """Contacts below the subject's middle, and not only at the brim of a side that it touches."""
     low = np.maximum(objects.low[subject], objects.low[target])
@@ -175,7 +175,7 @@ def _rests(
 
 
 def _lies_inside(
-    objects: RelationObjects, subject: int, target: int, surfaces: Surfaces, tolerances: RelationTolerances
+    objects: RelationObjects, subject: int, target: int, surfaces: MeshSurfaces, tolerances: RelationTolerances
 ) -> bool:
     """The subject's box lies in the target's, and the target's surface stands around its middle."""
     low, high = objects.low[target] - tolerances.gap, objects.high[target] + tolerances.gap
@@ -192,7 +192,9 @@ def _lies_inside(
     return bool(np.isfinite(walls).sum() == 5 and depth >= tolerances.hollow * across.min())
 
 
-def _meets(objects: RelationObjects, one: int, two: int, surfaces: Surfaces, tolerances: RelationTolerances) -> bool:
+def _meets(
+    objects: RelationObjects, one: int, two: int, surfaces: MeshSurfaces, tolerances: RelationTolerances
+) -> bool:
     low = np.maximum(objects.low[one], objects.low[two]) - tolerances.gap
     high = np.minimum(objects.high[one], objects.high[two]) + tolerances.gap
     parts = within(surfaces.of(one), low, high), within(surfaces.of(two), low, high)

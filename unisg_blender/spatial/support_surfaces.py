@@ -1,4 +1,4 @@
-"""Boards: the level surfaces of an object on which others can stand, such as those of a shelf or a trolley."""
+"""Surfaces: the level surfaces of an object on which others can stand, such as those of a shelf or a trolley."""
 
 from __future__ import annotations
 
@@ -12,22 +12,22 @@ from ..scene import Boxes
 from .objects import CONTACT
 
 MOST = 8
-"""Boards kept of one object, the largest ones."""
+"""Surfaces kept of one object, the largest ones."""
 
 SHARE = 0.12
-"""A level that has less than this share of the largest one's area is an edge and no board."""
+"""A level that has less than this share of the largest one's area is an edge and no surface."""
 
 SAME = 0.01
-"""Metres in height within which surfaces make one board."""
+"""Metres in height within which surfaces make one surface."""
 
 OPEN = 2.0
 """Metres of headroom told where nothing of the object itself is above."""
 
 
-def boards_of(parts: Boxes, bottom: float) -> NDArray[np.float64]:
-    """The boards of an object (S, 3), lowest first: height above its bottom, area (m2) and headroom, metres.
+def support_surfaces(parts: Boxes, bottom: float) -> NDArray[np.float64]:
+    """The surfaces of an object (S, 3), lowest first: height above its bottom, area (m2) and headroom, metres.
 
-    Headroom is the clear height up to the next part of the object that covers a quarter of the board.
+    Headroom is the clear height up to the next part of the object that covers a quarter of the surface.
     """
     if not len(parts.center):
         return np.zeros((0, 3))
@@ -58,10 +58,10 @@ def _headroom(
     return float(min((lows[above] - tops[part]).min(initial=OPEN), OPEN))
 
 
-def board_at(boards: NDArray[np.float64], height: float) -> int:
-    """Which board (S, 3) something stands on whose bottom is at a height above the object's bottom; -1 for none."""
-    if not len(boards):
+def surface_at(surfaces: NDArray[np.float64], height: float) -> int:
+    """Which surface (S, 3) something stands on whose bottom is at a height above the object's bottom; -1 for none."""
+    if not len(surfaces):
         return -1
-    off = np.abs(boards[:, 0] - height)
+    off = np.abs(surfaces[:, 0] - height)
     best = int(off.argmin())
     return best if off[best] <= CONTACT else -1

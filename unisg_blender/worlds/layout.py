@@ -18,7 +18,7 @@ from ..scene.graph import SceneGraph
 from ..scene.identity import derived_uid
 from ..scene.lesson_node import LessonNode
 from ..scene.relation import Relation
-from .furniture.kit import Asset
+from .furniture.kit import Furniture
 from .furniture.palette import used_by
 from .occupancy import Occupancy, Shapes
 
@@ -36,7 +36,7 @@ class Placed:
     number: int
     name: str
     uid: str
-    asset: Asset
+    asset: Furniture
     pose: Pose
     parent: Placed | None
     relation: str
@@ -71,7 +71,7 @@ class Layout:
     _names: Counter[str] = field(default_factory=Counter)
 
     def add(
-        self, asset: Asset, pose: Sequence[float] | Pose, parent: Placed | None, relation: str = "on_top_of"
+        self, asset: Furniture, pose: Sequence[float] | Pose, parent: Placed | None, relation: str = "on_top_of"
     ) -> Placed:
         """Put an asset there without asking."""
         count = self._names[asset.category]
@@ -96,14 +96,14 @@ class Layout:
         return bool(free[0] and inside(self.outline, poses[:, :2])[0])
 
     def fits(
-        self, asset: Asset, poses: NDArray[np.float64], parent: Placed, clearance: float = 0.0
+        self, asset: Furniture, poses: NDArray[np.float64], parent: Placed, clearance: float = 0.0
     ) -> NDArray[np.bool_]:
         """At which poses (T, 4) the asset meets nothing and, on the floor, has its middle in the room."""
         free = self.taken.free(asset.shapes, poses, ignore=parent.number, clearance=clearance)
         return free & inside(self.outline, poses[:, :2]) if parent.parent is None else free
 
     def place(
-        self, asset: Asset, propose: Callable[[], Sequence[float] | Pose], parent: Placed, *,
+        self, asset: Furniture, propose: Callable[[], Sequence[float] | Pose], parent: Placed, *,
         clearance: float = 0.0, relation: str = "on_top_of", tries: int = TRIES,
     ) -> Placed | None:  # fmt: skip
         """Put the asset at the first of some proposed poses where it fits; None if there is none."""
@@ -114,7 +114,7 @@ class Layout:
         return None
 
     def place_on(
-        self, asset: Asset, support: Placed, surface: str, *, yaw: float | None = None, spread: float = 0.1,
+        self, asset: Furniture, support: Placed, surface: str, *, yaw: float | None = None, spread: float = 0.1,
         area: tuple[float, float, float, float] = (0, 0, 1, 1), clearance: float = 0.006, relation: str = "on_top_of",
         tries: int = TRIES,
     ) -> Placed | None:  # fmt: skip
@@ -135,7 +135,7 @@ class Layout:
         return None
 
     def _poses_on(
-        self, asset: Asset, support: Placed, surface: str, turns: NDArray[np.float64],
+        self, asset: Furniture, support: Placed, surface: str, turns: NDArray[np.float64],
         area: tuple[float, float, float, float],
     ) -> NDArray[np.float64]:  # fmt: skip
         """Poses somewhere on a part of a surface, one for each turn with which the asset fits on it whole."""

@@ -6,7 +6,7 @@ import numpy as np
 
 from .furniture import anaesthesia, building, storage, surgical
 from .furniture import instruments as tools
-from .furniture.kit import Asset
+from .furniture.kit import Furniture
 from .layout import Layout, Placed, pick
 from .operating_sides import STOOL_COLORS, hang_bags
 from .shell import Side, against, beside_wall, mount
@@ -44,7 +44,7 @@ def _on_the_walls(layout: Layout, sides: list[Side]) -> None:
 def _pushed_aside(layout: Layout, floor: Placed, sides: list[Side], much: float) -> None:
     """What nobody needs now: x-ray unit, hampers, stools, a pole, in any direction near the walls."""
     rng = layout.rng
-    spare: list[Asset] = []
+    spare: list[Furniture] = []
     if rng.random() < 0.35:
         spare.append(surgical.c_arm(pick(rng, [0.75, 0.85])))
     spare += [storage.linen_hamper(pick(rng, ["gauze", "blue", "green"])) for _ in range(int(rng.integers(0, 3)))]
@@ -62,7 +62,7 @@ def _pushed_aside(layout: Layout, floor: Placed, sides: list[Side], much: float)
             hang_bags(layout, pole, 1)
 
 
-def _to_wall(layout: Layout, floor: Placed, sides: list[Side], asset: Asset) -> Placed | None:
+def _to_wall(layout: Layout, floor: Placed, sides: list[Side], asset: Furniture) -> Placed | None:
     return layout.place(asset, lambda: against(layout, sides, asset), floor, tries=16)
 
 
@@ -76,7 +76,7 @@ def _cabinet(layout: Layout, floor: Placed, sides: list[Side]) -> None:
             layout.place_on(_box(rng), cabinet, "top", yaw=0.0, spread=0.1)
 
 
-def _box(rng: np.random.Generator) -> Asset:
+def _box(rng: np.random.Generator) -> Furniture:
     return tools.supply_box(pick(rng, BOX_COLORS), pick(rng, [0.24, 0.3, 0.36]))
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .furniture import building
-from .furniture.kit import Asset
+from .furniture.kit import Furniture
 from .layout import Layout, Placed, facing
 
 Opening = tuple[float, float, float, float]
@@ -45,7 +45,11 @@ def cut_corner(outline: NDArray[np.float64], corner: int, x: float, y: float, sq
 
 
 def build_shell(
-    layout: Layout, height: float, floor_material: str, wall_material: str, openings: dict[int, tuple[Opening, Asset]]
+    layout: Layout,
+    height: float,
+    floor_material: str,
+    wall_material: str,
+    openings: dict[int, tuple[Opening, Furniture]],
 ) -> tuple[Placed, list[Side]]:
     """Floor, walls and what fills their openings; returns the floor and the sides in the order of the outline.
 
@@ -78,7 +82,7 @@ def build_shell(
 
 
 def against(
-    layout: Layout, sides: list[Side], asset: Asset, gap: tuple[float, float] = (0.005, 0.05)
+    layout: Layout, sides: list[Side], asset: Furniture, gap: tuple[float, float] = (0.005, 0.05)
 ) -> NDArray[np.float64]:
     """A pose with the back of the asset to some wall, a few centimetres off and a little askew; not before a door.
 
@@ -101,7 +105,7 @@ def against(
     return np.array([1e3, 1e3, 0, 0])
 
 
-def mount(layout: Layout, sides: list[Side], asset: Asset, height: float, tries: int = 12) -> Placed | None:
+def mount(layout: Layout, sides: list[Side], asset: Furniture, height: float, tries: int = 12) -> Placed | None:
     """Fix an asset to some wall with its bottom at ``height``, clear of openings and of what stands there."""
     for index in layout.rng.permutation(len(sides)):
         side = sides[index]
@@ -128,7 +132,7 @@ def keep_door_free(layout: Layout, sides: list[Side], depth: float = 0.9) -> Non
                 layout.keep_out((stop - start, depth, 2.0), side.wall.pose_at((start + stop) / 2, y, 0.0, 0.0))
 
 
-def beside_wall(layout: Layout, sides: list[Side], asset: Asset) -> NDArray[np.float64]:
+def beside_wall(layout: Layout, sides: list[Side], asset: Furniture) -> NDArray[np.float64]:
     """A pose near some wall, turned any way: where objects are pushed that are not needed."""
     reach = float(np.hypot(*asset.size[:2]) / 2)
     pose = against(layout, sides, asset, (reach, reach + 0.35))

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from .furniture import instruments as tools
-from .furniture.kit import Asset
+from .furniture.kit import Furniture
 from .layout import Layout, Placed, pick
 
 Area = tuple[float, float, float, float]
@@ -15,7 +15,8 @@ WHOLE: Area = (0, 0, 1, 1)
 
 
 def lay_row(
-    layout: Layout, support: Placed, surface: str, assets: Sequence[Asset], *, area: Area = WHOLE, tight: bool = False,
+    layout: Layout, support: Placed, surface: str, assets: Sequence[Furniture], *, area: Area = WHOLE,
+    tight: bool = False,
     handles_up: bool = True,
 ) -> list[Placed]:  # fmt: skip
     """Lay instruments side by side from left to right, parallel within some degrees, handles to the same side.
@@ -48,7 +49,7 @@ def lay_row(
     return laid
 
 
-def instrument_set(rng: np.random.Generator, count: int) -> list[Asset]:
+def instrument_set(rng: np.random.Generator, count: int) -> list[Furniture]:
     """A set of instruments, alike ones beside each other, in an order that differs from set to set."""
     kinds = [tools.forceps(), tools.clamp(), tools.scissors(), tools.needle_holder(), tools.retractor()]
     shares = rng.dirichlet((2.0, 3.0, 1.5, 1.2, 1.2))

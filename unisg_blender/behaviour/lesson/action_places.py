@@ -11,7 +11,7 @@ from ...scene.lesson_node import LessonNode
 
 
 @dataclass(frozen=True)
-class Place:
+class ActionPlace:
     """The place of one action.
 
     ``lesson``, ``stage`` and ``leaf`` count the lessons, stages and leaves of the
@@ -44,9 +44,9 @@ def all_actions(graph: SceneGraph) -> tuple[ActionData, ...]:
     return () if actions is None else tuple(actions.columns["data"])
 
 
-def action_places(graph: SceneGraph) -> dict[str, Place]:
+def action_places(graph: SceneGraph) -> dict[str, ActionPlace]:
     """The place of every action that a lesson performs, by action uid; the first place where it has several."""
-    places: dict[str, Place] = {}
+    places: dict[str, ActionPlace] = {}
     for operation in operations(graph):
         for uid, place in _leaves(operation):
             places.setdefault(uid, place)
@@ -56,16 +56,16 @@ def action_places(graph: SceneGraph) -> dict[str, Place]:
     return places
 
 
-def _leaves(operation: LessonNode) -> Iterator[tuple[str, Place]]:
+def _leaves(operation: LessonNode) -> Iterator[tuple[str, ActionPlace]]:
     counts = {"lesson": 0, "stage": 0, "action": 0}
 
-    def walk(node: LessonNode, lesson: int, stage: int, depth: int) -> Iterator[tuple[str, Place]]:
+    def walk(node: LessonNode, lesson: int, stage: int, depth: int) -> Iterator[tuple[str, ActionPlace]]:
         """The places of all actions below a node."""
         for order, child in enumerate(node.children):
             number = counts[child.kind]
             counts[child.kind] += 1
             if child.kind == "action":
-                place = Place(
+                place = ActionPlace(
                     lesson, stage, order, number, depth, len(child.requires), child.optional, node.ordered
                 )  # fmt: skip
                 yield child.action, place
@@ -77,7 +77,7 @@ def _leaves(operation: LessonNode) -> Iterator[tuple[str, Place]]:
     yield from walk(operation, 0, 0, 0)
 
 
-def _place_members(group: str, by_uid: Mapping[str, ActionData], places: dict[str, Place]) -> None:
+def _place_members(group: str, by_uid: Mapping[str, ActionData], places: dict[str, ActionPlace]) -> None:
     pending = [group]
     while pending:
         action = by_uid.get(pending.pop())

@@ -14,13 +14,13 @@ from numpy.typing import NDArray
 
 from ...scene.action_data import TYPES, ActionData, Thresholds
 from ...scene.graph import SceneGraph
-from .action_places import Place, action_places, all_actions
+from .action_places import ActionPlace, action_places, all_actions
 
 ANSWER_SLOTS = 8
 
 _LIMITS = tuple(item.name for item in fields(Thresholds))
 _COUNTS = ("targets", "tools", "members", "answers")
-_PLACE = tuple(item.name for item in fields(Place))
+_PLACE = tuple(item.name for item in fields(ActionPlace))
 
 CHANNELS = (
     *(f"type.{name}" for name in (*TYPES, "own")),
@@ -78,7 +78,7 @@ def action_vector(graph: SceneGraph) -> ActionVectors:
 
 
 def encode_action(
-    action: ActionData, place: Place | None, values: NDArray[np.float64], mask: NDArray[np.bool_]
+    action: ActionData, place: ActionPlace | None, values: NDArray[np.float64], mask: NDArray[np.bool_]
 ) -> None:
     """Write one action into a row of ``values`` and ``mask``, both (:data:`WIDTH`,) and zero."""
 

@@ -18,7 +18,7 @@ STILL = 1e-7
 """Matrices that differ less, relative to their size, have not moved."""
 
 
-class Recorder:
+class PoseRecorder:
     """Collects the local matrices of everything that moves, by uid.
 
     ``poses`` holds, for every uid that moved, (seconds, local matrix) in order.

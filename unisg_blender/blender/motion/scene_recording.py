@@ -7,8 +7,7 @@ from functools import lru_cache
 import bpy
 
 from ...behaviour import Event, Input, begin, play, prepare
-from ...behaviour.record import pose_recorder as recorder
-from ...behaviour.record.pose_recorder import needed_keys
+from ...behaviour.record.pose_recorder import PoseRecorder, needed_keys
 from ...behaviour.record.recorded_events import later, new_inputs, with_events
 from ...errors import UniSGError
 from ...scene.components import ANIMATION, EVENTS, RECORDING
@@ -23,11 +22,12 @@ from .event_markers import show_events
 from .sampled_animation import sample_animation, write_animation
 
 __all__ = [
-    "Recorder", "clear_recording", "needed_keys", "record_playback", "replay", "scene_recording", "store_recording",
+    "SceneRecorder", "clear_recording", "needed_keys", "record_playback", "replay", "scene_recording",
+    "store_recording",
 ]  # fmt: skip
 
 
-class Recorder(recorder.Recorder):
+class SceneRecorder(PoseRecorder):
     """Looks at a Blender scene; it holds uids and numbers, no Blender objects."""
 
     def sample(self, scene: bpy.types.Scene, seconds: float) -> int:

@@ -37,7 +37,7 @@ NEW_NAMES = {"GPENCIL": "GREASEPENCIL"}
 
 
 @dataclass(frozen=True)
-class Reader:
+class SceneReader:
     """What stays the same while one scene is read."""
 
     depsgraph: bpy.types.Depsgraph
@@ -98,7 +98,7 @@ def read_scene(
     report = ReadReport() if report is None else report
     view_layer, depsgraph = updated_depsgraph(scene)
     shelf = MeshShelf(depsgraph, geometry == "evaluated", report)
-    reader = Reader(depsgraph, view_layer, geometry, details, animation, shelf, report)
+    reader = SceneReader(depsgraph, view_layer, geometry, details, animation, shelf, report)
     graph = read_objects(scene.objects, scene.name, scene.collection, reader)
     if details:
         report_scene_losses(scene, view_layer, report)
@@ -117,7 +117,7 @@ def read_scenes(
 
 
 def read_objects(
-    objects: bpy.types.bpy_prop_collection, title: str, top: bpy.types.Collection, reader: Reader
+    objects: bpy.types.bpy_prop_collection, title: str, top: bpy.types.Collection, reader: SceneReader
 ) -> SceneGraph:
     """The scenegraph of the objects of a scene or of a collection, whose outermost collection is ``top``."""
     items = list(objects)
@@ -188,7 +188,7 @@ def _with_used_meshes(graph: SceneGraph) -> SceneGraph:
     return graph.replace(mesh=place[graph.mesh], meshes=tuple(graph.meshes[index] for index in used))
 
 
-def _materials(items: Sequence[bpy.types.Object], mesh: NDArray[np.int32], reader: Reader) -> dict[str, Material]:
+def _materials(items: Sequence[bpy.types.Object], mesh: NDArray[np.int32], reader: SceneReader) -> dict[str, Material]:
     """The materials of meshes and objects, by name."""
     if reader.geometry == "none":
         return {}

@@ -34,7 +34,7 @@ KEPT = frozenset((
 
 
 @dataclass
-class Writer:
+class SceneWriter:
     """What stays the same while one scenegraph and the prototypes of its instances are written."""
 
     report: ReadReport
@@ -46,12 +46,12 @@ class Writer:
         """The collection of an instanced scenegraph, made once."""
         if id(prototype) not in self.collections:
             collection = self.collections[id(prototype)] = bpy.data.collections.new(prototype.title)
-            write_objects(prototype, range(len(prototype)), {}, Place(collection, collection, None), self)
+            write_objects(prototype, range(len(prototype)), {}, InsertionPoint(collection, collection, None), self)
         return self.collections[id(prototype)]
 
 
 @dataclass(frozen=True)
-class Place:
+class InsertionPoint:
     """Where new objects go: collections hang under ``top``, objects in none go into ``default``; no scene: unseen."""
 
     top: bpy.types.Collection
@@ -119,11 +119,11 @@ def write_rows(
     rows = [int(row) for row in rows]
     check_graph(graph, rows)
     standing = _standing_objects(graph, rows, scene)
-    writer = Writer(ReadReport() if report is None else report)
+    writer = SceneWriter(ReadReport() if report is None else report)
     for name in sorted(set(graph.components) - KEPT):
         writer.report.add("", f"the component {name!r} has no place in Blender")
     _share_meshes(graph, standing, writer)
-    place = Place(scene.collection, collection or scene.collection, scene)
+    place = InsertionPoint(scene.collection, collection or scene.collection, scene)
     return write_objects(graph, rows, standing, place, writer)
 
 
@@ -140,7 +140,7 @@ def check_graph(graph: SceneGraph, rows: Iterable[int]) -> None:
 
 
 def write_objects(
-    graph: SceneGraph, rows: Iterable[int], standing: Objects, place: Place, writer: Writer
+    graph: SceneGraph, rows: Iterable[int], standing: Objects, place: InsertionPoint, writer: SceneWriter
 ) -> list[bpy.types.Object]:
     """Make objects for rows of a checked scenegraph; ``standing`` are the objects of other rows."""
     rows = list(rows)
@@ -184,7 +184,7 @@ def _used_materials(graph: SceneGraph, rows: Sequence[int]) -> dict[str, bpy.typ
     return write_materials(graph.materials[name] for name in sorted(names) if name in graph.materials)
 
 
-def _share_meshes(graph: SceneGraph, standing: Objects, writer: Writer) -> None:
+def _share_meshes(graph: SceneGraph, standing: Objects, writer: SceneWriter) -> None:
     """New objects share the mesh data of standing ones, where modifiers did not make another mesh of them."""
     for row, item in standing.items():
         index = int(graph.mesh[row])
@@ -192,7 +192,7 @@ def _share_meshes(graph: SceneGraph, standing: Objects, writer: Writer) -> None:
             writer.data.setdefault(id(graph.meshes[index]), item.data)
 
 
-def _new_object(graph: SceneGraph, row: int, writer: Writer) -> bpy.types.Object:
+def _new_object(graph: SceneGraph, row: int, writer: SceneWriter) -> bpy.types.Object:
     data = object_data(graph, row, writer.data, writer.materials, writer.report)
     item = bpy.data.objects.new(graph.name[row], data)
     if item.name != graph.name[row]:

@@ -179,7 +179,7 @@ def _earlier_answer(job: dict[str, Any], key: str) -> dict[str, Any] | None:
 
 
 @dataclass(frozen=True)
-class Part:
+class ReadPart:
     """What was read of one file: its scenes, what their numbers mean, and what was collected of their geometry."""
 
     columns: Columns
@@ -188,7 +188,7 @@ class Part:
     answer: dict[str, Any]
 
 
-def read_part(path: Path) -> Part:
+def read_part(path: Path) -> ReadPart:
     """A part; DamagedError if it is not what its name says.
 
     Columns are in memory, arrays of assets when they are fetched: the file stays open as long as the part is in use.
@@ -203,7 +203,7 @@ def read_part(path: Path) -> Part:
         """The arrays of those assets that the shard has."""
         return {name: np.array(shard.columns[ASSETS + name]) for name in names if ASSETS + name in shard.columns}
 
-    return Part(columns, notes["vocabulary"], Assets(notes["assets"], fetch), notes["answer"])
+    return ReadPart(columns, notes["vocabulary"], Assets(notes["assets"], fetch), notes["answer"])
 
 
 def _ask(job: dict[str, Any]) -> dict[str, Any]:

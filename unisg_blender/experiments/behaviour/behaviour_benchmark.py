@@ -32,10 +32,10 @@ from ...behaviour import check_scene, moments, operations, prepare, rehearse, si
 from ...dataset.assets.asset import object_graph
 from ...errors import UniSGError
 from ...generate.behaviour.action_kinds import Kinds
-from ...generate.behaviour.action_policy import Chooser
+from ...generate.behaviour.action_policy import ActionPolicy
 from ...generate.behaviour.behaviour_adder import add_behaviour
-from ...generate.behaviour.frequency_policy import FrequencyChooser, LackingChooser
-from ...generate.behaviour.roled_actions import read_acts
+from ...generate.behaviour.frequency_policy import FrequencyPolicy, LackingPolicy
+from ...generate.behaviour.roled_actions import read_roled_actions
 from ...generate.place.scene_extension import uid_maker
 from ...scene import SceneGraph, subtree, take
 from ...spatial.structure import STRUCTURE
@@ -54,15 +54,19 @@ def behaviour_cases(graphs: Iterable[SceneGraph], seed: int, acting: bool = True
     do not although others of their category do)."""
     rng, cases = np.random.default_rng(seed), []
     for graph in graphs:
-        acts = read_acts(graph)
-        rows = sorted({row for act in acts for row in act.slots if row >= 0})
+        roled = read_roled_actions(graph)
+        rows = sorted({row for roled_action in roled for row in roled_action.slots if row >= 0})
         if not acting:
             names = {graph.category_name(row) for row in rows}
             rows = [row for row in range(len(graph)) if row not in rows and graph.category_name(row) in names]
         if rows:
             row = int(rng.choice(rows))
             bare, uid = without_behaviour(graph, row)
-            cases.append(BehaviourCase(graph, bare, uid, tuple(act for act in acts if row in act.slots)))
+            cases.append(
+                BehaviourCase(
+                    graph, bare, uid, tuple(roled_action for roled_action in roled if row in roled_action.slots)
+                )
+            )
     return cases
 
 
@@ -70,13 +74,13 @@ Make = Callable[[BehaviourCase, int], tuple[SceneGraph, str]]
 """Gives the object of a case its behaviour, with a seed: the scene and the object's uid there."""
 
 
-def by_chooser(chooser: Chooser, draws: bool = False) -> Make:
+def by_chooser(policy: ActionPolicy, draws: bool = False) -> Make:
     """The object stays where it is and gets the actions that a chooser wants; rarer ones by draw."""
 
     def make(case: BehaviourCase, seed: int) -> tuple[SceneGraph, str]:
         """The case's scene with behaviour by the chooser, and the uid of its object."""
         rng = np.random.default_rng(seed) if draws else None
-        return add_behaviour(case.bare, [case.uid], chooser, uid_maker(case.bare, seed), rng).scene, case.uid
+        return add_behaviour(case.bare, [case.uid], policy, uid_maker(case.bare, seed), rng).scene, case.uid
 
     return make
 
@@ -116,11 +120,11 @@ def compare_behaviour(
     free = [case for case in cases if _is_free(case, generator)]
     runs: list[tuple[str, Sequence[BehaviourCase], Make]] = [
         ("network", cases, by_chooser(network, draws=True)),
-        ("what the lesson lacks, nearest", cases, by_chooser(LackingChooser(kinds))),
-        ("most frequent, nearest", cases, by_chooser(FrequencyChooser(kinds))),
+        ("what the lesson lacks, nearest", cases, by_chooser(LackingPolicy(kinds))),
+        ("most frequent, nearest", cases, by_chooser(FrequencyPolicy(kinds))),
         ("network, placed by the generator", free, by_generator(generator)),
         ("network, things that had no actions", others, by_chooser(network, draws=True)),
-        ("what the lesson lacks, things that had none", others, by_chooser(LackingChooser(kinds))),
+        ("what the lesson lacks, things that had none", others, by_chooser(LackingPolicy(kinds))),
     ]
     rows = []
     for name, some, make in runs:

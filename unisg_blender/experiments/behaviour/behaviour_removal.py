@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from ...behaviour import operations
-from ...generate.behaviour.roled_actions import read_acts
+from ...generate.behaviour.roled_actions import read_roled_actions
 from ...scene import ActionData, LessonNode, SceneGraph, Table, table
 from ...scene.identity import derived_uid
 
@@ -20,9 +20,9 @@ def without_behaviour(graph: SceneGraph, row: int) -> tuple[SceneGraph, str]:
     member left; relations and parents stay.
     """
     old, uid = graph.uid[row], derived_uid(graph.uid[row], "again")
-    acts = read_acts(graph)
-    gone = {act.action.uid for act in acts if row in act.slots}
-    owners = {act.action.uid: act.owner for act in acts}
+    roled = read_roled_actions(graph)
+    gone = {roled_action.action.uid for roled_action in roled if row in roled_action.slots}
+    owners = {roled_action.action.uid: roled_action.owner for roled_action in roled}
     found = graph.components.get("actions")
     rows, data = [], []
     for owner, action in [] if found is None else zip(found.rows.tolist(), found.columns["data"], strict=True):

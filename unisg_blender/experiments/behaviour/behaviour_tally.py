@@ -10,7 +10,7 @@ import numpy as np
 
 from ...behaviour import all_actions
 from ...generate.behaviour.action_kinds import Kinds
-from ...generate.behaviour.roled_actions import Act, read_acts
+from ...generate.behaviour.roled_actions import RoledAction, read_roled_actions
 from ...scene import SceneGraph, Thresholds
 
 USUAL = 0.9
@@ -54,7 +54,7 @@ class BehaviourCase:
     real: SceneGraph
     bare: SceneGraph
     uid: str
-    gone: tuple[Act, ...]
+    gone: tuple[RoledAction, ...]
 
 
 class Tally:
@@ -72,59 +72,69 @@ class Tally:
         """Compare what was made with what had been there."""
         real = case.real
         uids = {action.uid for action in all_actions(case.bare)}
-        made = [act for act in read_acts(scene) if act.action.uid not in uids]
+        made = [roled_action for roled_action in read_roled_actions(scene) if roled_action.action.uid not in uids]
         moved = {uid: next(iter(set(real.uid) - set(case.bare.uid)), uid)}
-        wanted, got = Counter(_cast(real, act) for act in case.gone), Counter(_cast(scene, act) for act in made)
-        right = sum((wanted & got).values())
-        exact = Counter(_scene_objects(real, act, {}) for act in case.gone) & Counter(
-            _scene_objects(scene, act, moved) for act in made
+        wanted, got = (
+            Counter(_cast(real, roled_action) for roled_action in case.gone),
+            Counter(_cast(scene, roled_action) for roled_action in made),
         )
-        usual = Counter(cast for act in case.gone if self._usual(act) for cast in [_cast(real, act)])
+        right = sum((wanted & got).values())
+        exact = Counter(_scene_objects(real, roled_action, {}) for roled_action in case.gone) & Counter(
+            _scene_objects(scene, roled_action, moved) for roled_action in made
+        )
+        usual = Counter(
+            cast for roled_action in case.gone if self._usual(roled_action) for cast in [_cast(real, roled_action)]
+        )
         self.counts += Counter(
             wanted=sum(wanted.values()), made=sum(got.values()), right=right, entities=sum(exact.values()),
             exact=int(wanted == got), usual=sum(usual.values()), usual_right=sum((usual & got).values()),
         )  # fmt: skip
         self._pairs(case, scene, made)
 
-    def _usual(self, act: Act) -> bool:
-        number = self.kinds.number_of.get(act.key, -1)
+    def _usual(self, roled_action: RoledAction) -> bool:
+        number = self.kinds.number_of.get(roled_action.key, -1)
         return number >= 0 and self.kinds.kinds[number].chance >= USUAL
 
-    def _pairs(self, case: BehaviourCase, scene: SceneGraph, made: Sequence[Act]) -> None:
+    def _pairs(self, case: BehaviourCase, scene: SceneGraph, made: Sequence[RoledAction]) -> None:
         """Compare place, limits and poses of the right ones."""
         left = list(made)
-        for act in case.gone:
-            twin = next((other for other in left if _cast(scene, other) == _cast(case.real, act)), None)
+        for roled_action in case.gone:
+            twin = next((other for other in left if _cast(scene, other) == _cast(case.real, roled_action)), None)
             if twin is None:
                 continue
             left.remove(twin)
-            if act.stage is not None:
+            if roled_action.stage is not None:
                 self.counts["placed"] += 1
-                self.counts["stage"] += twin.stage is not None and twin.stage.name == act.stage.name
-                self._order(act, twin)
-            if act.action.type == "Question":
+                self.counts["stage"] += twin.stage is not None and twin.stage.name == roled_action.stage.name
+                self._order(roled_action, twin)
+            if roled_action.action.type == "Question":
                 self.counts["asked"] += 1
-                self.counts["answered"] += _answer(act) == _answer(twin)
+                self.counts["answered"] += _answer(roled_action) == _answer(twin)
             for limit in fields(Thresholds):
-                true, value = (getattr(each.action.thresholds, limit.name) for each in (act, twin))
+                true, value = (getattr(each.action.thresholds, limit.name) for each in (roled_action, twin))
                 if true:
                     self.thresholds.append(abs((value or 0.0) - true) / true)
-            self._pose(act, twin)
+            self._pose(roled_action, twin)
 
-    def _order(self, act: Act, twin: Act) -> None:
-        if act.stage is None or twin.stage is None or not act.stage.ordered or act.leaf is None:
+    def _order(self, roled_action: RoledAction, twin: RoledAction) -> None:
+        if (
+            roled_action.stage is None
+            or twin.stage is None
+            or not roled_action.stage.ordered
+            or roled_action.leaf is None
+        ):
             return
-        before = [leaf.name for leaf in act.stage.children]
+        before = [leaf.name for leaf in roled_action.stage.children]
         after = [leaf.name for leaf in twin.stage.children]
-        if before.count(act.action.name) != 1 or after.count(twin.action.name) != 1:
+        if before.count(roled_action.action.name) != 1 or after.count(twin.action.name) != 1:
             return
-        for name in set(before) & set(after) - {act.action.name}:
+        for name in set(before) & set(after) - {roled_action.action.name}:
             self.counts["pairs"] += 1
-            same = before.index(name) < before.index(act.action.name)
+            same = before.index(name) < before.index(roled_action.action.name)
             self.counts["ordered"] += same == (after.index(name) < after.index(twin.action.name))
 
-    def _pose(self, act: Act, twin: Act) -> None:
-        true, pose = act.action.reference_matrix, twin.action.reference_matrix
+    def _pose(self, roled_action: RoledAction, twin: RoledAction) -> None:
+        true, pose = roled_action.action.reference_matrix, twin.action.reference_matrix
         if true is not None and pose is not None:
             apart = 100 * float(np.linalg.norm(true[:3, 3] - pose[:3, 3]))
             turn = np.clip((np.trace(true[:3, :3].T @ pose[:3, :3]) - 1) / 2, -1, 1)
@@ -143,19 +153,19 @@ class Tally:
         )  # fmt: skip
 
 
-def _cast(graph: SceneGraph, act: Act) -> tuple[object, ...]:
+def _cast(graph: SceneGraph, roled_action: RoledAction) -> tuple[object, ...]:
     """What has to agree for an action to be right."""
-    return *act.key[:3], *(graph.category_name(row) if row >= 0 else "" for row in act.slots)
+    return *roled_action.key[:3], *(graph.category_name(row) if row >= 0 else "" for row in roled_action.slots)
 
 
-def _scene_objects(graph: SceneGraph, act: Act, moved: dict[str, str]) -> tuple[object, ...]:
+def _scene_objects(graph: SceneGraph, roled_action: RoledAction, moved: dict[str, str]) -> tuple[object, ...]:
     """The same with the objects themselves."""
-    uids = (graph.uid[row] if row >= 0 else "" for row in act.slots)
-    return *act.key[:3], *(moved.get(uid, uid) for uid in uids)
+    uids = (graph.uid[row] if row >= 0 else "" for row in roled_action.slots)
+    return *roled_action.key[:3], *(moved.get(uid, uid) for uid in uids)
 
 
-def _answer(act: Act) -> set[str]:
-    return {act.action.answers[place] for place in act.action.correct}
+def _answer(roled_action: RoledAction) -> set[str]:
+    return {roled_action.action.answers[place] for place in roled_action.action.correct}
 
 
 def _share(part: float, whole: float) -> float:

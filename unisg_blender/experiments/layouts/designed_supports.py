@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...generate.observe.proposals import Scene
+from ...generate.observe.proposals import ObservedScene
 from ...generate.propose.anchor_proposer import AnchorProposer
 from ...scene import SceneGraph, world_matrices
 from ...spatial.objects import scene_objects
@@ -120,7 +120,7 @@ def by_model(generator: Generator) -> Scores:
         """Chances (N, N) that a row stands on another by the generator's choice of supports."""
         renamed = graph.replace(vocabulary=tuple(OURS.get(name, name) for name in graph.vocabulary))
         objects = scene_objects(renamed, generator.categories)
-        scene = Scene.of(objects, world_matrices(graph)[objects.row])
+        scene = ObservedScene.of(objects, world_matrices(graph)[objects.row])
         scene.support = np.full(len(scene.support), -1)  # nothing is known of what stands on what
         found, each = np.zeros((len(graph), len(graph))), np.arange(len(objects))
         for obj in range(len(objects)):

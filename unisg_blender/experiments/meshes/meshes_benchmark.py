@@ -16,7 +16,7 @@ from ...meshes import reconstruct, sample_surface
 from ...meshes.decode import decode_unit
 from ...meshes.normalise import normalise
 from ...meshes.shape_feature import POINTS, default_encoder
-from ...meshes.shape_files import Model, of_split
+from ...meshes.shape_files import ShapeFile, of_split
 from ...meshes.similar import MeshLibrary, mesh_library, quarter_turn_features
 from ...meshes.sphere import sphere_template
 from ...metrics.point_clouds import chamfer_l2, diagonal, f_score
@@ -33,10 +33,10 @@ MOST = 20
 
 
 @dataclass(frozen=True, eq=False)
-class Surface:
+class SurfaceErrors:
     """A model with dense points of its surface in the unit sphere."""
 
-    model: Model
+    model: ShapeFile
     seed: int = 0
 
     @cached_property
@@ -57,18 +57,18 @@ class Surface:
 
 
 def measure_reconstruction(
-    training: Sequence[Model], sets: dict[str, list[Model]], progress: Callable[[str], None]
+    training: Sequence[ShapeFile], sets: dict[str, list[ShapeFile]], progress: Callable[[str], None]
 ) -> Table:
     """Chamfer distance (x 1000, unit sphere) and F-score (%) at 1 % of the diagonal: medians over each set."""
-    known = [Surface(model) for model in training]
+    known = [SurfaceErrors(model) for model in training]
     library = mesh_library([model.name for model in training], [model.mesh for model in training])
     rows = []
     for name, models in sets.items():
         progress(f"reconstruction of {len(models)} meshes: {name}")
         scores: dict[str, list[tuple[float, float]]] = {}
         for model in models:
-            for method, points in _attempts(Surface(model), known, library).items():
-                truth = Surface(model).points
+            for method, points in _attempts(SurfaceErrors(model), known, library).items():
+                truth = SurfaceErrors(model).points
                 scores.setdefault(method, []).append(
                     (1000 * chamfer_l2(truth, points), 100 * f_score(points, truth, 0.01 * diagonal(truth)))
                 )
@@ -85,7 +85,9 @@ def measure_reconstruction(
     return rows
 
 
-def _attempts(truth: Surface, known: Sequence[Surface], library: MeshLibrary) -> dict[str, NDArray[np.floating]]:
+def _attempts(
+    truth: SurfaceErrors, known: Sequence[SurfaceErrors], library: MeshLibrary
+) -> dict[str, NDArray[np.floating]]:
     """Points (6000, 3) of the surface by each method."""
     mesh = truth.model.mesh
     vector = default_encoder().encode([mesh])[0].vector
@@ -99,7 +101,7 @@ def _attempts(truth: Surface, known: Sequence[Surface], library: MeshLibrary) ->
         "copy of the nearest training mesh, by feature": known[copied].points,
         "copy of the nearest training mesh, by chamfer distance": known[others[int(np.argmin(apart))]].points,
         "screened Poisson from 6,000 oriented points": sample_surface(closed, DENSE, 1).points,
-        "the same surface, sampled again": Surface(truth.model, 1).points,
+        "the same surface, sampled again": SurfaceErrors(truth.model, 1).points,
     }
 
 
@@ -107,7 +109,7 @@ def _decoded_points(vector: NDArray[np.float32]) -> NDArray[np.floating]:
     return sample_surface(mesh_from_faces("decoded", *decode_unit(vector, FACES)), DENSE, 1).points
 
 
-def measure_categories(training: Sequence[Model], held_out: Sequence[Model]) -> Table:
+def measure_categories(training: Sequence[ShapeFile], held_out: Sequence[ShapeFile]) -> Table:
     """Top-1 and top-3 accuracy (%) of categories for held-out models."""
     labels = LabelModel.load()
     plain = replace(labels, lexicon=tuple(build_lexicon(labels.vocabulary, training, {})))
@@ -136,7 +138,7 @@ def measure_categories(training: Sequence[Model], held_out: Sequence[Model]) -> 
 
 
 def _label_scores(
-    model: Model, vector: NDArray[np.float32], labels: LabelModel, plain: LabelModel
+    model: ShapeFile, vector: NDArray[np.float32], labels: LabelModel, plain: LabelModel
 ) -> dict[str, NDArray[np.float64]]:
     shape = labels.shape_scores(vector[None], np.ptp(model.mesh.bounds, axis=0)[None])[0]
     name, plain_name = labels.name_scores((model.name,)), plain.name_scores((model.name,))
@@ -154,7 +156,7 @@ def _accuracy(orders: Sequence[Sequence[str]], truth: Sequence[str]) -> dict[str
     return {f"top_{k}": round(100 * float(np.mean([p < k for p in place])), 1) for k in (1, 3)}
 
 
-def measure_stability(models: Sequence[Model]) -> Table:
+def measure_stability(models: Sequence[ShapeFile]) -> Table:
     """How far the feature moves, in % of the mean distance between two models, and whether it still finds its model."""
     encoder = default_encoder()
     clouds = [normalise(sample_surface(model.mesh, POINTS, 0).points)[0] for model in models]
@@ -174,7 +176,7 @@ def measure_stability(models: Sequence[Model]) -> Table:
 
 
 def _changes(
-    models: Sequence[Model], clouds: Sequence[NDArray[np.float32]]
+    models: Sequence[ShapeFile], clouds: Sequence[NDArray[np.float32]]
 ) -> list[tuple[str, list[NDArray[np.float32]]]]:
     generator = np.random.default_rng(0)
     again = [normalise(sample_surface(model.mesh, POINTS, 1).points)[0] for model in models]
@@ -233,7 +235,7 @@ def _median_ms(job: Callable[[], object], repeats: int) -> float:
     return 1000 * float(np.median(spent))
 
 
-def split_sets(models: Sequence[Model], rooms: Sequence[Model]) -> dict[str, list[Model]]:
+def split_sets(models: Sequence[ShapeFile], rooms: Sequence[ShapeFile]) -> dict[str, list[ShapeFile]]:
     """The sets that are reported, 20 meshes of each at most: trained on, and three kinds of held-out ones."""
     sets = {
         "trained on": of_split(models, "train"),

@@ -11,7 +11,7 @@ import numpy as np
 from ...errors import MissingPackageError
 from ...meshes import decode_mesh
 from ...meshes.shape_feature import default_encoder
-from ...meshes.shape_files import Model
+from ...meshes.shape_files import ShapeFile
 from ...meshes.triangulate import inner_triangles
 from ...scene.mesh import Mesh
 
@@ -19,7 +19,7 @@ LIGHT = np.array([0.35, -0.6, 0.72])
 COLUMNS = 6
 
 
-def draw_meshes(models: Sequence[Model], paths: Sequence[Path]) -> None:
+def draw_meshes(models: Sequence[ShapeFile], paths: Sequence[Path]) -> None:
     """Two rows of pictures: models (at most six) and their decoded meshes.
 
     Raises

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from ...errors import UniSGError
-from ...meshes.shape_files import Model, of_split, read_models, world_models
+from ...meshes.shape_files import ShapeFile, of_split, read_models, world_models
 from ..poses.poses_report import machine, write_csv
 from .meshes_benchmark import (
     Table,
@@ -65,7 +65,7 @@ def write_meshes_report(args: argparse.Namespace, folder: Path, progress: Callab
 
 
 def measure_all(
-    models: list[Model], rooms: list[Model], repeats: int, progress: Callable[[str], None]
+    models: list[ShapeFile], rooms: list[ShapeFile], repeats: int, progress: Callable[[str], None]
 ) -> dict[str, Table]:
     """All tables by name."""
     training = of_split(models, "train") + of_split(rooms, "train")

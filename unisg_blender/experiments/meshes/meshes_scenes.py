@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ...meshes.shape_files import Model
+from ...meshes.shape_files import ShapeFile
 from ...predict.category_model import LabelModel
 from ...predict.category_proposals import propose_categories
 from ...scene.builder import SceneBuilder
@@ -47,7 +47,7 @@ def _hits(graph: SceneGraph, use: Sequence[str]) -> tuple[int, int, int]:
     return len(found), first, third
 
 
-def measure_unknown(known: Sequence[Model], unknown: Sequence[Model]) -> list[dict[str, Any]]:
+def measure_unknown(known: Sequence[ShapeFile], unknown: Sequence[ShapeFile]) -> list[dict[str, Any]]:
     """Confidence of the best proposal, without names: right, wrong, and for objects of no category in the model."""
     vocabulary = set(LabelModel.load().vocabulary)
     groups: dict[str, list[float]] = {"right": [], "wrong": [], "thing of an unknown category": []}

@@ -16,7 +16,7 @@ from ...learn.paper.experiment_scenes import make_data
 from ..poses.poses_report import machine, write_csv
 from .paper_figures import draw_errors, draw_panels
 from .paper_tables import Table, make_tables, to_markdown
-from .plan import QUICK_PLAN, Plan, all_runs
+from .plan import QUICK_PLAN, PaperPlan, all_runs
 from .runs import finished, run_all, write_json
 
 MARKDOWN: dict[str, tuple[str, dict[str, str]]] = {
@@ -73,7 +73,7 @@ def write_paper_report(args: argparse.Namespace, folder: Path, progress: Callabl
     progress
         Called with the name of each step.
     """
-    plan = QUICK_PLAN if args.quick else Plan()
+    plan = QUICK_PLAN if args.quick else PaperPlan()
     jobs = args.jobs or os.cpu_count() or 1
     folder.mkdir(parents=True, exist_ok=True)
     _claim(folder, bool(args.quick))

@@ -10,7 +10,7 @@ import numpy as np
 from ...errors import UniSGError
 from ...learn.paper.experiment_scenes import TESTS
 from ...metrics.pose_errors import interval
-from .plan import PAPER_FORMS, Plan, few_runs, link_runs, pair_runs, paper_runs, pose_runs, rule_runs, scale_runs
+from .plan import PAPER_FORMS, PaperPlan, few_runs, link_runs, pair_runs, paper_runs, pose_runs, rule_runs, scale_runs
 from .runs import Run
 
 Results = Mapping[str, Mapping[str, Any]]
@@ -31,7 +31,7 @@ POSE_NUMBERS = (
 )  # fmt: skip
 
 
-def make_tables(results: Results, plan: Plan) -> dict[str, Table]:
+def make_tables(results: Results, plan: PaperPlan) -> dict[str, Table]:
     """All tables by name; those without a single result are empty."""
     tables = {name: paper_table(results, plan, name) for name in LAST}
     tables |= {f"{name}_curves": curve_table(results, plan, name) for name in LAST}
@@ -48,7 +48,7 @@ def _there(runs: Sequence[Run], results: Results) -> list[Mapping[str, Any]]:
     return [results[run.key]["result"] for run in runs if run.key in results]
 
 
-def by_form(results: Results, plan: Plan, experiment: str) -> dict[str, list[Mapping[str, Any]]]:
+def by_form(results: Results, plan: PaperPlan, experiment: str) -> dict[str, list[Mapping[str, Any]]]:
     """Results of one of the paper's experiments by the name of the form, those forms that have any."""
     found = {}
     for title, form in PAPER_FORMS.items():
@@ -58,7 +58,7 @@ def by_form(results: Results, plan: Plan, experiment: str) -> dict[str, list[Map
     return found
 
 
-def paper_table(results: Results, plan: Plan, experiment: str) -> Table:
+def paper_table(results: Results, plan: PaperPlan, experiment: str) -> Table:
     """After the last epoch: mean over runs and standard deviation."""
     table = []
     for title, found in by_form(results, plan, experiment).items():
@@ -70,7 +70,7 @@ def paper_table(results: Results, plan: Plan, experiment: str) -> Table:
     return table
 
 
-def curve_table(results: Results, plan: Plan, experiment: str) -> Table:
+def curve_table(results: Results, plan: PaperPlan, experiment: str) -> Table:
     """Mean and standard deviation over runs after every epoch."""
     table = []
     for title, found in by_form(results, plan, experiment).items():
@@ -93,7 +93,7 @@ def with_intervals(rows: Sequence[Mapping[str, float]], names: Sequence[str]) ->
     return result
 
 
-def decoded_table(results: Results, plan: Plan) -> Table:
+def decoded_table(results: Results, plan: PaperPlan) -> Table:
     """What the CGVAE reconstructs in held-out rooms, decoded; beside it the training mean and zeros."""
     table = []
     for title, found in by_form(results, plan, "generation").items():
@@ -103,7 +103,7 @@ def decoded_table(results: Results, plan: Plan) -> Table:
     return table
 
 
-def pose_table(results: Results, plan: Plan) -> Table:
+def pose_table(results: Results, plan: PaperPlan) -> Table:
     """Forms as targets, as inputs and as both, one factor at a time."""
     table = []
     for (factor, form), run in pose_runs(plan).items():
@@ -122,7 +122,7 @@ def pose_table(results: Results, plan: Plan) -> Table:
     return table
 
 
-def unseen_table(results: Results, plan: Plan) -> Table:
+def unseen_table(results: Results, plan: PaperPlan) -> Table:
     """What stands on what in unseen scenes: rules, the paper's autoencoder, networks over pairs."""
     table: Table = []
     for rotation, run in rule_runs().items():
@@ -154,12 +154,12 @@ def unseen_table(results: Results, plan: Plan) -> Table:
     return table
 
 
-def scale_table(results: Results, plan: Plan) -> Table:
+def scale_table(results: Results, plan: PaperPlan) -> Table:
     """What a field of cubes costs."""
     return [{"cubes": run.settings["cubes"], **result} for run in scale_runs(plan) for result in _there([run], results)]
 
 
-def few_table(results: Results, plan: Plan) -> Table:
+def few_table(results: Results, plan: PaperPlan) -> Table:
     """Classification from few training scenes: accuracy in five sets of test scenes."""
     table = []
     for (see, count, form), runs in few_runs(plan).items():

@@ -53,7 +53,7 @@ FIRST = sum(len(forms) for _, forms in list(POSE_FACTORS.values())[:6])
 
 
 @dataclass(frozen=True)
-class Plan:
+class PaperPlan:
     """Sizes of everything."""
 
     sizes: Sizes = FULL
@@ -67,12 +67,12 @@ class Plan:
     most_cubes: int = 1_000_000
 
 
-QUICK_PLAN = Plan(
+QUICK_PLAN = PaperPlan(
     QUICK, seeds=2, classification=10, few=20, topology=15, generation=5, links=15, steps=60, most_cubes=10_000
 )
 
 
-def paper_runs(plan: Plan) -> list[Run]:
+def paper_runs(plan: PaperPlan) -> list[Run]:
     """The paper's three experiments; for each seed all five forms before the next seed."""
     epochs = {"classification": plan.classification, "topology": plan.topology, "generation": plan.generation}
     return [
@@ -82,7 +82,7 @@ def paper_runs(plan: Plan) -> list[Run]:
     ]
 
 
-def pose_runs(plan: Plan) -> dict[tuple[str, str], Run]:
+def pose_runs(plan: PaperPlan) -> dict[tuple[str, str], Run]:
     """By factor and form."""
     size = {"seeds": plan.seeds, "steps": plan.steps}
     return {
@@ -92,7 +92,7 @@ def pose_runs(plan: Plan) -> dict[tuple[str, str], Run]:
     }
 
 
-def pair_runs(plan: Plan) -> dict[tuple[str, str, str], Run]:
+def pair_runs(plan: PaperPlan) -> dict[tuple[str, str, str], Run]:
     """By rotation, what is shown of the poses, and form."""
     size = {"seeds": plan.seeds, "steps": plan.steps}
     forms = {"full": NARROW_FORMS, "yaw": FEW_FORMS}
@@ -108,12 +108,12 @@ def rule_runs() -> dict[str, Run]:
     return {rotation: Run("rules", {"rotation": rotation}) for rotation in ("full", "yaw")}
 
 
-def scale_runs(plan: Plan) -> list[Run]:
+def scale_runs(plan: PaperPlan) -> list[Run]:
     """By number of cubes, tenfold each time."""
     return [Run("scale", {"cubes": count}) for count in (10_000, 100_000, 1_000_000) if count <= plan.most_cubes]
 
 
-def link_runs(plan: Plan) -> dict[str, list[Run]]:
+def link_runs(plan: PaperPlan) -> dict[str, list[Run]]:
     """The paper's autoencoder on unseen scenes: by form, one run per seed."""
     return {
         form: [
@@ -136,7 +136,7 @@ FEW_FACTORS: dict[str, tuple[dict[str, Any], tuple[int, ...], tuple[str, ...]]] 
 """What the network sees: settings, numbers of training scenes, and forms."""
 
 
-def few_runs(plan: Plan) -> dict[tuple[str, int, str], list[Run]]:
+def few_runs(plan: PaperPlan) -> dict[tuple[str, int, str], list[Run]]:
     """Classification from few scenes: by what the network sees, number of scenes and form, one run per seed."""
     found = {}
     for see, (factor, counts, forms) in FEW_FACTORS.items():
@@ -151,7 +151,7 @@ def few_runs(plan: Plan) -> dict[tuple[str, int, str], list[Run]]:
     return found
 
 
-def all_runs(plan: Plan) -> list[Run]:
+def all_runs(plan: PaperPlan) -> list[Run]:
     """Everything, the main questions first, then seed by seed: what is there when it is stopped is balanced."""
     poses, pairs = list(pose_runs(plan).values()), list(pair_runs(plan).values())
     seeds: list[list[Run]] = [[] for _ in range(plan.seeds)]

@@ -13,11 +13,11 @@ from numpy.typing import NDArray
 from ...errors import UniSGError
 from ...generate import Generator
 from ...generate.observe.contract import Contract
-from ...generate.observe.proposals import Proposals, Scene
+from ...generate.observe.proposals import ObservedScene, Proposals
 from ...generate.observe.scene_tokens import ground_of, room_middle
-from ...generate.observe.support_priors import Habits
-from ...generate.place.placeable import Piece
-from ...generate.trained_model import Model
+from ...generate.observe.support_priors import CategoryPriors
+from ...generate.place.placeable import Placeable
+from ...generate.trained_model import TrainedModel
 from ...runtime.onnx_session import open_session
 from .baselines import carrier_of
 
@@ -38,7 +38,7 @@ def load_generator(path: str | os.PathLike[str]) -> Generator:
     return Generator.load(path) if model is None else Generator(model, AtissProposer(model))
 
 
-def _open(path: str | os.PathLike[str]) -> Model | None:
+def _open(path: str | os.PathLike[str]) -> TrainedModel | None:
     """The model, None if it is none of this kind."""
     try:
         session, text = open_session(path, "")
@@ -48,45 +48,47 @@ def _open(path: str | os.PathLike[str]) -> Model | None:
     if record.get("kind") != KIND:
         return None
     try:
-        habits = Habits.from_record(record["habits"])
-        contract = Contract(KIND, tuple(record["vocabulary"]), habits, provenance=record["provenance"])
+        priors = CategoryPriors.from_record(record["habits"])
+        contract = Contract(KIND, tuple(record["vocabulary"]), priors, provenance=record["provenance"])
     except (KeyError, TypeError):
         raise UniSGError(f"{path}: the model's metadata is damaged: train it again") from None
-    return Model(Path(path), session, contract)
+    return TrainedModel(Path(path), session, contract)
 
 
 class AtissProposer:
     """Draws positions, then headings, from the network's mixtures of logistics; the carrier is found afterwards."""
 
-    def __init__(self, model: Model) -> None:
+    def __init__(self, model: TrainedModel) -> None:
         self.model = model
         self.unknown = len(model.contract.vocabulary)
 
     def propose(
-        self, scene: Scene, category: int, piece: Piece, count: int, rng: np.random.Generator,
+        self, scene: ObservedScene, category: int, placeable: Placeable, count: int, rng: np.random.Generator,
         allowed: NDArray[np.bool_], coming: Mapping[int, int],
     ) -> Proposals:  # fmt: skip
         """See :class:`~unisg_blender.generate.observe.proposals.Proposer`."""
         origin = np.array([*room_middle(scene), ground_of(scene)])
-        position, _ = self._mixtures(scene, category, piece, np.zeros((1, 3)))
+        position, _ = self._mixtures(scene, category, placeable, np.zeros((1, 3)))
         drawn = np.column_stack([_draw(position[0, axis], count, rng) for axis in range(3)])
-        _, heading = self._mixtures(scene, category, piece, drawn)
+        _, heading = self._mixtures(scene, category, placeable, drawn)
         turn = np.array([_draw(mixture, 1, rng)[0] for mixture in heading])
         places = np.column_stack([drawn + origin, turn])
         return Proposals(np.array([carrier_of(scene, place, allowed) for place in places], np.int64), places)
 
-    def log_density(self, scene: Scene, category: int, piece: Piece, support: int, place: NDArray[np.float64]) -> float:
+    def log_density(
+        self, scene: ObservedScene, category: int, placeable: Placeable, support: int, place: NDArray[np.float64]
+    ) -> float:
         """Of a position (x, y) and heading, whatever the support, nats (metres, radians)."""
         where = place[:3] - np.array([*room_middle(scene), ground_of(scene)])
-        position, heading = self._mixtures(scene, category, piece, where[None])
+        position, heading = self._mixtures(scene, category, placeable, where[None])
         around = place[3] + 2 * np.pi * np.arange(-1, 2)
         turn = np.logaddexp.reduce([_log_logistics(heading[0], value) for value in around])
         return float(sum(_log_logistics(position[0, axis], where[axis]) for axis in range(2)) + turn)
 
     def _mixtures(
-        self, scene: Scene, category: int, piece: Piece, places: NDArray[np.float64]
+        self, scene: ObservedScene, category: int, placeable: Placeable, places: NDArray[np.float64]
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Mixtures of position (T, 3, 3, M) and heading (T, 3, M) for a piece at each of places (T, 3)."""
+        """Mixtures of position (T, 3, 3, M) and heading (T, 3, M) for a placeable at each of places (T, 3)."""
         count, seen = len(places), slice(TOKENS)
         center = scene.center[seen] - np.array([*room_middle(scene), ground_of(scene)])
         yaw, kind = scene.yaw[seen], scene.category[seen]
@@ -98,7 +100,7 @@ class AtissProposer:
             box=box[None].astype(np.float32),
             mask=np.ones((1, len(box)), np.float32),
             target_category=np.full((1, count), category, np.int64),
-            target_half=np.tile(piece.half, (1, count, 1)).astype(np.float32),
+            target_half=np.tile(placeable.half, (1, count, 1)).astype(np.float32),
             place=places[None].astype(np.float32),
         )
         return position[0].astype(np.float64), heading[0].astype(np.float64)

@@ -8,9 +8,9 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ...generate.observe.proposals import Proposals, Scene
+from ...generate.observe.proposals import ObservedScene, Proposals
 from ...generate.observe.scene_tokens import ground_of, room_middle
-from ...generate.place.placeable import Piece
+from ...generate.place.placeable import Placeable
 from ...scene import SceneGraph
 from ...spatial.floor_plan import FLOOR, room_outline
 
@@ -32,7 +32,7 @@ class GaussianProposer:
         Factor on the standard deviations.
     """
 
-    def __init__(self, scenes: Sequence[Scene], spread: float = 1.0) -> None:
+    def __init__(self, scenes: Sequence[ObservedScene], spread: float = 1.0) -> None:
         found: dict[tuple[int, int], list[NDArray[np.float64]]] = defaultdict(list)
         for scene in scenes:
             kinds = np.append(scene.category, -2)[scene.support]
@@ -44,7 +44,7 @@ class GaussianProposer:
         self.spread = spread
 
     def propose(
-        self, scene: Scene, category: int, piece: Piece, count: int, rng: np.random.Generator,
+        self, scene: ObservedScene, category: int, placeable: Placeable, count: int, rng: np.random.Generator,
         allowed: NDArray[np.bool_], coming: Mapping[int, int],
     ) -> Proposals:  # fmt: skip
         """See :class:`~unisg_blender.generate.observe.proposals.Proposer`."""
@@ -65,7 +65,9 @@ class GaussianProposer:
             places[row] += (*scene.center[obj, :2], scene.center[obj, 2] - scene.half[obj, 2], scene.yaw[obj])
         return Proposals(supports.astype(np.int64), places)
 
-    def log_density(self, scene: Scene, category: int, piece: Piece, support: int, place: NDArray[np.float64]) -> float:
+    def log_density(
+        self, scene: ObservedScene, category: int, placeable: Placeable, support: int, place: NDArray[np.float64]
+    ) -> float:
         """Of a position and heading on a known support, nats (metres, radians)."""
         kind = int(scene.category[support]) if support >= 0 else -2
         mean, deviation = self.fits.get((category, kind), _NOWHERE)
@@ -84,7 +86,7 @@ class WorldGaussianProposer:
     What carries the object is found afterwards, see :func:`carrier_of`.
     """
 
-    def __init__(self, scenes: Sequence[Scene]) -> None:
+    def __init__(self, scenes: Sequence[ObservedScene]) -> None:
         found: dict[int, list[NDArray[np.float64]]] = defaultdict(list)
         for scene in scenes:
             origin = np.array([*room_middle(scene), ground_of(scene)])
@@ -94,7 +96,7 @@ class WorldGaussianProposer:
         self.fits = {key: _fit(np.array(values)) for key, values in found.items()}
 
     def propose(
-        self, scene: Scene, category: int, piece: Piece, count: int, rng: np.random.Generator,
+        self, scene: ObservedScene, category: int, placeable: Placeable, count: int, rng: np.random.Generator,
         allowed: NDArray[np.bool_], coming: Mapping[int, int],
     ) -> Proposals:  # fmt: skip
         """See :class:`~unisg_blender.generate.observe.proposals.Proposer`."""
@@ -103,13 +105,15 @@ class WorldGaussianProposer:
         places[:, :3] += (*room_middle(scene), ground_of(scene))
         return Proposals(np.array([carrier_of(scene, place, allowed) for place in places], np.int64), places)
 
-    def log_density(self, scene: Scene, category: int, piece: Piece, support: int, place: NDArray[np.float64]) -> float:
+    def log_density(
+        self, scene: ObservedScene, category: int, placeable: Placeable, support: int, place: NDArray[np.float64]
+    ) -> float:
         """Of a position and heading, whatever the support, nats (metres, radians)."""
         mean, deviation = self.fits.get(category, _NOWHERE)
         return _log_normal(place[:2] - room_middle(scene), place[3], mean, deviation)
 
 
-def carrier_of(scene: Scene, place: NDArray[np.float64], allowed: NDArray[np.bool_]) -> int:
+def carrier_of(scene: ObservedScene, place: NDArray[np.float64], allowed: NDArray[np.bool_]) -> int:
     """Which of the allowed objects a bottom at a place (4,) is nearest to: apart from its top, and beside it, metres.
 
     -1 where none is allowed.
@@ -126,7 +130,7 @@ def carrier_of(scene: Scene, place: NDArray[np.float64], allowed: NDArray[np.boo
     return int(objects[np.argmin(aside + apart)])
 
 
-def offsets(scene: Scene) -> NDArray[np.float64]:
+def offsets(scene: ObservedScene) -> NDArray[np.float64]:
     """x, y, height of the bottom above the support's bottom, and heading (K, 4), in the frames of the supports."""
     held = scene.support >= 0
     support = np.maximum(scene.support, 0)

@@ -120,10 +120,10 @@ def without(graph: SceneGraph, gone: NDArray[np.bool_]) -> SceneGraph:
 
 def place_of(graph: SceneGraph, row: int) -> NDArray[np.float64]:
     """Place (4,) of an entity: x, y and bottom of its upright box's middle, metres, and its turn, radians."""
-    from ...generate.place.placeable import Piece
+    from ...generate.place.placeable import Placeable
 
     world = world_matrices(graph)
-    x, y, z = Piece(object_graph(graph, row, world=world)).foot
+    x, y, z = Placeable(object_graph(graph, row, world=world)).foot
     yaw = float(heading(world[row, :3, :3]))
     cos, sin = np.cos(yaw), np.sin(yaw)
     return np.array([*(world[row, :3, 3] + (cos * x - sin * y, sin * x + cos * y, z)), yaw])

@@ -14,8 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ...generate.observe.proposals import Proposer, Scene
-from ...generate.place.placeable import Piece
+from ...generate.observe.proposals import ObservedScene, Proposer
+from ...generate.place.placeable import Placeable
 from ...metrics.layout_features import wrapped
 from ...metrics.requested_relations import is_beside, is_on
 from ...scene import SceneGraph, world_matrices
@@ -99,18 +99,18 @@ def pose_error(drawn: Sequence[NDArray[np.float64]], true: NDArray[np.float64]) 
     return 100 * float(far.min()), float(np.degrees(abs(turn)))
 
 
-def _ranked_first(way: ByModel, hole: Hole, scene: Scene, uids: Sequence[str]) -> str:
+def _ranked_first(way: ByModel, hole: Hole, scene: ObservedScene, uids: Sequence[str]) -> str:
     """uid of the support with the highest chance; "" for models that give none. See :func:`_seen` for the last two."""
     of = getattr(way.generator._proposer, "support_chances", None)
     if of is None:
         return ""
     generator = way.generator
-    usual = {habit.support for habit in generator.contract.habits.supports[hole.category]}
+    usual = {prior.support for prior in generator.contract.priors.supports[hole.category]}
     kinds = [hole.rest.category_name(hole.rest.row_of_uid[uid]) for uid in uids]
     allowed = np.array([kind in usual for kind in kinds], bool)
     if not allowed.any():
         return ""
-    chances = of(scene, generator.categories.index(hole.category), Piece(hole.asset).half, allowed)
+    chances = of(scene, generator.categories.index(hole.category), Placeable(hole.asset).half, allowed)
     return uids[int(np.argmax(chances))]
 
 
@@ -138,14 +138,16 @@ def _uids(graph: SceneGraph) -> list[str]:
     return [graph.uid[row] for row in np.unique(rows[rows >= 0])]
 
 
-def _seen(hole: Hole, vocabulary: tuple[str, ...]) -> tuple[Scene, list[str]]:
+def _seen(hole: Hole, vocabulary: tuple[str, ...]) -> tuple[ObservedScene, list[str]]:
     """The half-emptied room as a proposer sees it, and the uids of its objects."""
     objects = scene_objects(hole.rest, vocabulary)
-    return Scene.of(objects, world_matrices(hole.rest)[objects.row]), [hole.rest.uid[row] for row in objects.row]
+    return ObservedScene.of(objects, world_matrices(hole.rest)[objects.row]), [
+        hole.rest.uid[row] for row in objects.row
+    ]
 
 
 def log_density(
-    proposer: Proposer, vocabulary: tuple[str, ...], hole: Hole, scene: Scene, uids: Sequence[str]
+    proposer: Proposer, vocabulary: tuple[str, ...], hole: Hole, scene: ObservedScene, uids: Sequence[str]
 ) -> float:
     """Log-density of where the object was, given what it stood on, nats; NaN for proposers without a density.
 
@@ -157,7 +159,7 @@ def log_density(
     if hole.support not in uids:
         return np.nan
     category = vocabulary.index(hole.category)
-    return float(of(scene, category, Piece(hole.asset), uids.index(hole.support), hole.places[0]))
+    return float(of(scene, category, Placeable(hole.asset), uids.index(hole.support), hole.places[0]))
 
 
 def paired_test(model: NDArray[np.float64], other: NDArray[np.float64]) -> float:

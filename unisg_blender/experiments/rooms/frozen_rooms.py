@@ -32,7 +32,7 @@ DIGITS = 6
 
 
 @dataclass(frozen=True)
-class Part:
+class FrozenPart:
     """``count`` rooms of a world from ``seed`` on, in a folder, and the digest of the scenes."""
 
     folder: str
@@ -43,28 +43,28 @@ class Part:
 
 
 PARTS = (
-    Part(
+    FrozenPart(
         "operating-room/training",
         "operating-room",
         0,
         1000,
         "cb0916cf17ab0f7ef0a5362c8392c2539eacd5e87c2f0aacfa8e8d8e5bd78972",
     ),
-    Part(
+    FrozenPart(
         "operating-room/test",
         "operating-room",
         100_000,
         300,
         "ad5f5858389fdc4d7f35a77f3ebedbd2590bf6eadc8c2677e5648ec083eb9cb8",
     ),
-    Part(
+    FrozenPart(
         "living-room/training",
         "living-room",
         0,
         1000,
         "d316836ce60464e02e7aca034ae7e6d0363b677ce3d31ea880ca5b1de831ad59",
     ),
-    Part(
+    FrozenPart(
         "living-room/test",
         "living-room",
         100_000,
@@ -95,7 +95,7 @@ def write_rooms(args: argparse.Namespace, folder: Path, progress: Callable[[str]
     return report
 
 
-def write_part(part: Part, folder: Path, progress: Callable[[str], None]) -> dict[str, Any]:
+def write_part(part: FrozenPart, folder: Path, progress: Callable[[str], None]) -> dict[str, Any]:
     """Make one part, unless it is there; returns its record."""
     note = folder / "part.json"
     if note.is_file():
@@ -117,7 +117,7 @@ def write_part(part: Part, folder: Path, progress: Callable[[str], None]) -> dic
     return record
 
 
-def _told(scenes: Iterable[SceneGraph], part: Part, progress: Callable[[str], None]) -> Iterator[SceneGraph]:
+def _told(scenes: Iterable[SceneGraph], part: FrozenPart, progress: Callable[[str], None]) -> Iterator[SceneGraph]:
     for number, graph in enumerate(scenes):
         if number % 100 == 0:
             progress(f"{part.folder}: {number} of {part.count} rooms")

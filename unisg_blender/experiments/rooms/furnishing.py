@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ...generate import Generator
 from ...generate.observe.proposals import Proposer
-from ...generate.place.placeable import Piece
+from ...generate.place.placeable import Placeable
 from ...generate.place.scene_extension import Addition, Names, extend, uid_maker
 from ...scene import SceneGraph
 from ...spatial.objects import SceneObjects, scene_objects
@@ -117,7 +117,7 @@ def _copied(case: Case, model: SceneGraph, jitter: float, rng: np.random.Generat
         for obj, shape in zip(rows, shapes, strict=False):
             made[int(obj)] = make_uid(name)
             place = _place(objects, obj, rng.normal(0, jitter, 2) if jitter else np.zeros(2))
-            world, own = Piece(shape).world(place), names.new(name)
+            world, own = Placeable(shape).world(place), names.new(name)
             relation = objects.relation[obj]
             additions.append((int(obj), Addition(shape, made[int(obj)], own, "", world, name, relation)))
     order = np.argsort([_depth(objects.support, obj) for obj, _ in additions], kind="stable")

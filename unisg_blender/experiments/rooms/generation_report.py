@@ -11,7 +11,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from .row_summary import Row
+from .row_summary import TableRow
 
 COLUMNS = {
     "colliding": ("collide %", 100, 1), "overlapping": ("overlap %", 100, 1), "off_support": ("float %", 100, 1),
@@ -27,7 +27,7 @@ COLUMNS = {
 """Heading, factor and digits of each value; those that no row has are left out."""
 
 
-def table(rows: Sequence[Row]) -> str:
+def table(rows: Sequence[TableRow]) -> str:
     """The rows as a Markdown table; "±" is the standard deviation between seeds."""
     known = [name for name in COLUMNS if any(name in row.to_record()["values"] for row in rows)]
     head = ["", "seeds x scenes", *(COLUMNS[name][0] for name in known)]
@@ -37,7 +37,7 @@ def table(rows: Sequence[Row]) -> str:
     return "\n".join(lines)
 
 
-def _cell(row: Row, name: str) -> str:
+def _cell(row: TableRow, name: str) -> str:
     record = row.to_record()
     if name not in record["values"]:
         return ""
@@ -51,7 +51,7 @@ def _line(cells: Sequence[str]) -> str:
     return f"| {' | '.join(cells)} |"
 
 
-def write_report(rows: Sequence[Row], facts: dict[str, Any], folder: Path) -> dict[str, Any]:
+def write_report(rows: Sequence[TableRow], facts: dict[str, Any], folder: Path) -> dict[str, Any]:
     """Write ``table.md``, ``table.csv``, ``table.json`` and ``table.png``, whole or not at all.
 
     The figure is left out where there is no matplotlib.
@@ -76,7 +76,7 @@ def write_report(rows: Sequence[Row], facts: dict[str, Any], folder: Path) -> di
     return report
 
 
-def _write_csv(rows: Sequence[Row], path: Path) -> None:
+def _write_csv(rows: Sequence[TableRow], path: Path) -> None:
     """One line per row and value: mean, spread between seeds, and the interval by scene."""
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
@@ -92,7 +92,7 @@ def _write_csv(rows: Sequence[Row], path: Path) -> None:
 FIGURE = ("colliding", "off_support", "c2st_objects_0.03", "c2st_scene_0.03", "novelty", "completion_cm")
 
 
-def _draw(rows: Sequence[Row], path: Path) -> None:
+def _draw(rows: Sequence[TableRow], path: Path) -> None:
     """Bars of the main values with their intervals."""
     import matplotlib
 

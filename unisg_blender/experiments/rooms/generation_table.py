@@ -18,14 +18,14 @@ from numpy.typing import NDArray
 
 from ...dataset.format.reader import open_dataset
 from ...generate.behaviour import behaviour_path
-from ...metrics.layout_distances import Rooms, mean_pairwise, nearest_distances
+from ...metrics.layout_distances import LayoutSet, mean_pairwise, nearest_distances
 from ...metrics.layout_features import VERSION as FEATURES_VERSION
 from ...metrics.scene_validity import overlapping_categories
 from ...metrics.two_sample_test import FOLDS, LEVELS, NOISES, TREES, c2st
 from ...runtime.result_cache import Task, run_all
 from ..behaviour.behaviour_benchmark import count_right
 from .room_measures import VERSION, Arrays, features_of, joined, measure_rooms, split_ragged, training_layouts
-from .row_summary import Measured, Row, row_of
+from .row_summary import Measured, TableRow, row_of
 from .table_rows import LEARNED, Data, RowSpec, generator_of, table_rows, test_rooms, training_rooms, vocabulary_of
 
 LOT, LAYOUT_LOT = 20, 200
@@ -36,7 +36,7 @@ Progress = Callable[[str, int, int], None]
 
 
 @dataclass(frozen=True)
-class Plan:
+class TablePlan:
     """What to measure: the model, other models beside it, on which data, how many seeds, first of them, trees.
 
     The model itself is measured with all seeds, what stands beside it with the first one.
@@ -58,7 +58,7 @@ class Plan:
         return range(self.first_seed, self.first_seed + (self.seeds if spec.model == str(self.model) else 1))
 
 
-def compare(plan: Plan, folder: Path, jobs: int, progress: Progress = lambda *_: None) -> list[Row]:
+def compare(plan: TablePlan, folder: Path, jobs: int, progress: Progress = lambda *_: None) -> list[TableRow]:
     """The whole table; ``folder`` keeps results, and a second run with the same plan goes on there."""
     rows = plan.rows()
     sums = {
@@ -89,7 +89,7 @@ Key = tuple[RowSpec, int]
 
 
 def _measured(
-    plan: Plan, rows: Sequence[RowSpec], depends: dict[str, Any], sums: dict[str, str], folder: Path, jobs: int,
+    plan: TablePlan, rows: Sequence[RowSpec], depends: dict[str, Any], sums: dict[str, str], folder: Path, jobs: int,
     progress: Progress,
 ) -> dict[Key, Arrays]:  # fmt: skip
     """The rooms of all rows and seeds."""
@@ -126,7 +126,7 @@ def _overlapping(data: Data) -> Arrays:
 
 
 def _judged(
-    plan: Plan, rows: Sequence[RowSpec], found: dict[Key, Arrays], depends: dict[str, Any], sums: dict[str, str],
+    plan: TablePlan, rows: Sequence[RowSpec], found: dict[Key, Arrays], depends: dict[str, Any], sums: dict[str, str],
     folder: Path, jobs: int, progress: Progress,
 ) -> dict[Key, dict[str, NDArray[np.float64]]]:  # fmt: skip
     """Shares of right answers per scene of the classifiers, by row and by "level noise"."""
@@ -157,7 +157,7 @@ def told_apart(
 
 
 def _acted(
-    plan: Plan, rows: Sequence[RowSpec], depends: dict[str, Any], sums: dict[str, str], folder: Path, jobs: int,
+    plan: TablePlan, rows: Sequence[RowSpec], depends: dict[str, Any], sums: dict[str, str], folder: Path, jobs: int,
     progress: Progress,
 ) -> dict[Key, float]:  # fmt: skip
     """Recall of the actions of the model's settled row, by seed; nothing if no behaviour lies beside it."""
@@ -184,7 +184,7 @@ def behaviour_of_rooms(spec: RowSpec, data: Data, seed: int, numbers: Sequence[i
     return {"counts": count_right(generator_of(spec.model), rooms, 1000 * seed + numbers[0])}
 
 
-def _training_layouts(plan: Plan, depends: dict[str, Any], folder: Path, jobs: int, progress: Progress) -> Arrays:
+def _training_layouts(plan: TablePlan, depends: dict[str, Any], folder: Path, jobs: int, progress: Progress) -> Arrays:
     """Layouts of all training rooms, joined; none without a training set."""
     if not plan.data.training:
         return {"layout": np.zeros((0, 4)), "counts": np.zeros((0, 1))}
@@ -195,7 +195,7 @@ def _training_layouts(plan: Plan, depends: dict[str, Any], folder: Path, jobs: i
 
 
 def _varieties(
-    plan: Plan, found: dict[Key, Arrays], training: Arrays, depends: dict[str, Any], sums: dict[str, str],
+    plan: TablePlan, found: dict[Key, Arrays], training: Arrays, depends: dict[str, Any], sums: dict[str, str],
     folder: Path, jobs: int, progress: Progress,
 ) -> dict[Key, tuple[NDArray[np.float64], float]]:  # fmt: skip
     """Of each row and seed: distances to the nearest training rooms, and the mean distance between its rooms."""
@@ -220,7 +220,7 @@ def _only_layouts(found: Arrays) -> Arrays:
 
 def variety_of(found: Arrays, training: Arrays, categories: int) -> Arrays:
     """Distances of rooms to the nearest training rooms, NaN without any, and the mean distance between the rooms."""
-    layouts, rooms = _layouts(found), Rooms(_layouts(training), categories)
+    layouts, rooms = _layouts(found), LayoutSet(_layouts(training), categories)
     near = nearest_distances(layouts, rooms) if len(training["counts"]) else np.full(len(layouts), np.nan)
     return {"nearest": near, "pairwise": np.array(mean_pairwise(layouts, categories))}
 

@@ -39,7 +39,7 @@ class Measured:
 
 
 @dataclass(frozen=True)
-class Row:
+class TableRow:
     """One line of the table.
 
     ``values`` are means over the seeds, ``spread`` the standard deviations between
@@ -67,7 +67,7 @@ class Row:
         }  # fmt: skip
 
 
-def row_of(name: str, seeds: Sequence[Measured], real: Measured, ours: Sequence[Measured]) -> Row:
+def row_of(name: str, seeds: Sequence[Measured], real: Measured, ours: Sequence[Measured]) -> TableRow:
     """The line of a row from its seeds; ``real`` are the test rooms, ``ours`` the model's, to compare errors with."""
     single = [_values(one, real) for one in seeds]
     values = {key: float(np.mean([one[key] for one in single])) for key in single[0]}
@@ -79,7 +79,7 @@ def row_of(name: str, seeds: Sequence[Measured], real: Measured, ours: Sequence[
         values["p_model_better"] = paired_test(our_errors[: len(errors)], errors)
     counts = np.concatenate([one.found["counts"] for one in seeds])
     objects = int(counts[:, COUNTS.index("objects")].sum())
-    return Row(name, len(seeds), len(seeds[0].found["counts"]), objects, values, spread, _intervals(seeds))
+    return TableRow(name, len(seeds), len(seeds[0].found["counts"]), objects, values, spread, _intervals(seeds))
 
 
 def _errors(group: Sequence[Measured]) -> NDArray[np.float64]:

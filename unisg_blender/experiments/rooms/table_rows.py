@@ -13,9 +13,9 @@ from ...dataset.assets.shaped_scenes import scenes_with_shapes
 from ...dataset.format.reader import open_dataset
 from ...generate import Generator
 from ...generate.observe.contract import Contract
-from ...generate.observe.proposals import Scene
-from ...generate.observe.support_priors import Habits, learn_habits
-from ...generate.trained_model import Model
+from ...generate.observe.proposals import ObservedScene
+from ...generate.observe.support_priors import CategoryPriors, learn_priors
+from ...generate.trained_model import TrainedModel
 from ...scene import SceneGraph, world_matrices
 from ...spatial.objects import scene_objects
 from ...spatial.structure import STRUCTURE
@@ -107,13 +107,15 @@ def _baseline(kind: str, data: Data) -> Generator:
     """A generator without a network: what is usual for the categories, and the Gaussians, from the training rooms."""
     vocabulary = vocabulary_of(data)
     objects = [scene_objects(graph, vocabulary) for graph in training_rooms(data)]
-    contract = Contract("anchors", vocabulary, _habits(data))
+    contract = Contract("anchors", vocabulary, _priors(data))
     scenes = [
-        Scene.of(found, world_matrices(graph)[found.row])
+        ObservedScene.of(found, world_matrices(graph)[found.row])
         for found, graph in zip(objects, training_rooms(data), strict=True)
     ]
     proposer = GaussianProposer(scenes, 0.0 if kind == "mean" else 1.0) if kind != "world" else None
-    return Generator(Model(Path("baseline.onnx"), _NoNetwork(), contract), proposer or WorldGaussianProposer(scenes))
+    return Generator(
+        TrainedModel(Path("baseline.onnx"), _NoNetwork(), contract), proposer or WorldGaussianProposer(scenes)
+    )
 
 
 class _NoNetwork:
@@ -125,9 +127,9 @@ class _NoNetwork:
 
 
 @cache
-def _habits(data: Data) -> Habits:
+def _priors(data: Data) -> CategoryPriors:
     vocabulary = vocabulary_of(data)
-    return learn_habits((scene_objects(graph, vocabulary) for graph in training_rooms(data)), vocabulary)
+    return learn_priors((scene_objects(graph, vocabulary) for graph in training_rooms(data)), vocabulary)
 
 
 @cache

@@ -38,7 +38,7 @@ class Reference:
 
 
 @dataclass(frozen=True)
-class Right:
+class AnswerRule:
     """Which answer of a Question is right, by a rule that held in all training scenes.
 
     ``rule`` "count": the number of objects ``of`` a category (or "category|relation"); "always": the answer
@@ -87,7 +87,7 @@ class Kind:
     trigger: bool = False
     reference: Reference | None = None
     answers: tuple[str, ...] = ()
-    right: Right | None = None
+    right: AnswerRule | None = None
 
     @property
     def key(self) -> Key:
@@ -168,7 +168,7 @@ def _kind(item: dict[str, Any]) -> Kind:
     if item["reference"] is not None:
         item["reference"] = Reference(**_tuples(item["reference"], "rule", "value", "rotation"))
     if item["right"] is not None:
-        item["right"] = Right(**_tuples(item["right"], "answers"))
+        item["right"] = AnswerRule(**_tuples(item["right"], "answers"))
     return Kind(**item)
 
 

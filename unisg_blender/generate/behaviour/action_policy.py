@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .action_kinds import Kinds
-from .observation import Play, Slots
+from .observation import BehaviourObservation, Slots
 
 CASTS = 3
 """Casts offered for one kind, at most."""
@@ -33,7 +33,7 @@ class Scores:
 
 
 @dataclass(frozen=True)
-class Choice:
+class ActionChoice:
     """An action to make: its kind, which objects play target, tool and frame in it (-1: none), its probability."""
 
     kind: int
@@ -41,15 +41,15 @@ class Choice:
     score: float
 
 
-class Chooser(Protocol):
+class ActionPolicy(Protocol):
     """Says what actions are missing in a scene."""
 
     kinds: Kinds
 
-    def scores(self, play: Play) -> Scores:
+    def scores(self, play: BehaviourObservation) -> Scores:
         """The scores for the next action."""
 
-    def after(self, play: Play, choice: Choice) -> int:
+    def after(self, play: BehaviourObservation, choice: ActionChoice) -> int:
         """Behind which act's leaf, of the kind's stage, the new one goes; -1: it is the stage's first."""
 
 
@@ -66,13 +66,13 @@ class Casting:
                 self.used[number, slot] = bool(names)
                 self.allowed[number, slot, [place[name] for name in names if name in place]] = True
 
-    def candidates(self, play: Play, kind: int, slot: int) -> NDArray[np.int64]:
+    def candidates(self, play: BehaviourObservation, kind: int, slot: int) -> NDArray[np.int64]:
         """The objects that may play a part, [-1] where the kind has no such part."""
         if not self.used[kind, slot]:
             return np.array([-1])
         return np.flatnonzero(self.allowed[kind, slot, play.category])
 
-    def anybody(self, play: Play) -> bool:
+    def anybody(self, play: BehaviourObservation) -> bool:
         """Whether something new may play any part."""
         return bool(play.new.any() and self.allowed[:, :, play.category[play.new]].any())
 
@@ -81,7 +81,7 @@ class Casting:
         count = len(self.kinds.kinds)
         return np.full(count, SURE) if rng is None else rng.random(count).clip(NEVER, SURE)
 
-    def choices(self, play: Play, scores: Scores, least: NDArray[np.float64]) -> list[Choice]:
+    def choices(self, play: BehaviourObservation, scores: Scores, least: NDArray[np.float64]) -> list[ActionChoice]:
         """Actions that are wanted with at least these probabilities (K,), best first, each kind with its best casts."""
         found = []
         wanted = np.flatnonzero(scores.wanted >= least)
@@ -89,7 +89,7 @@ class Casting:
             found += self.casts(play, scores, kind)
         return found
 
-    def casts(self, play: Play, scores: Scores, kind: int) -> list[Choice]:
+    def casts(self, play: BehaviourObservation, scores: Scores, kind: int) -> list[ActionChoice]:
         """The best casts of one kind in which something new plays and that can be performed."""
         targets, tools, frames = (self.candidates(play, kind, slot) for slot in range(3))
         if not (len(targets) and len(tools) and len(frames)):
@@ -103,10 +103,15 @@ class Casting:
         order = np.lexsort((near, -total))
         order = order[possible[order]][:CASTS]
         wanted = float(scores.wanted[kind])
-        return [Choice(kind, (int(target[i]), int(tool[i]), int(frame[i])), wanted) for i in order]
+        return [ActionChoice(kind, (int(target[i]), int(tool[i]), int(frame[i])), wanted) for i in order]
 
     def _possible(
-        self, play: Play, kind: int, target: NDArray[np.int64], tool: NDArray[np.int64], frame: NDArray[np.int64]
+        self,
+        play: BehaviourObservation,
+        kind: int,
+        target: NDArray[np.int64],
+        tool: NDArray[np.int64],
+        frame: NDArray[np.int64],
     ) -> NDArray[np.bool_]:
         new = np.append(play.new, False)
         possible = new[target] | new[tool] | new[frame]
@@ -121,7 +126,7 @@ class Casting:
 
 
 def _tie_break(
-    play: Play, target: NDArray[np.int64], tool: NDArray[np.int64], frame: NDArray[np.int64]
+    play: BehaviourObservation, target: NDArray[np.int64], tool: NDArray[np.int64], frame: NDArray[np.int64]
 ) -> NDArray[np.float64]:
     """Of equals the nearest: metres between what plays together."""
     there = np.append(play.place, np.full((1, 3), np.nan), axis=0)

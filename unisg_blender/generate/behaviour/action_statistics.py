@@ -11,9 +11,9 @@ import numpy as np
 from ...behaviour import all_actions, operations
 from ...scene import LessonNode, SceneGraph, Thresholds
 from .action_kinds import Kind, Kinds, StageKind
-from .answer_rules import Asked, asked_of, learn_right
-from .reference_poses import Sample, learn_reference, sample_of
-from .roled_actions import SLOTS, Act, Key, read_acts
+from .answer_rules import Asked, asked_of, learn_answer_rule
+from .reference_poses import PoseSample, learn_reference, sample_of
+from .roled_actions import SLOTS, Key, RoledAction, read_roled_actions
 
 MOST_KINDS = 256
 SAMPLES = 400
@@ -27,11 +27,11 @@ Slots = tuple[dict[str, int], dict[str, int], dict[str, int]]
 class _Seen:
     """What was seen of one kind."""
 
-    acts: list[Act]
+    roled: list[RoledAction]
     per_scene: list[int]
     ranks: list[float]
     slots: tuple[Counter[str], Counter[str], Counter[str]]
-    poses: list[Sample]
+    poses: list[PoseSample]
     asked: list[Asked]
 
 
@@ -67,22 +67,22 @@ def _order(seen: dict[Key, _Seen], key: Key) -> tuple[float, Key]:
 
 
 def _watch(graph: SceneGraph, seen: dict[Key, _Seen]) -> None:
-    acts = read_acts(graph)
-    for key, number in Counter(act.key for act in acts).items():
+    roled = read_roled_actions(graph)
+    for key, number in Counter(roled_action.key for roled_action in roled).items():
         empty = Counter[str](), Counter[str](), Counter[str]()
         seen.setdefault(key, _Seen([], [], [], empty, [], [])).per_scene.append(number)
-    for act in acts:
-        one = seen[act.key]
-        one.acts.append(act)
-        for counter, row in zip(one.slots, act.slots, strict=True):
+    for roled_action in roled:
+        one = seen[roled_action.key]
+        one.roled.append(roled_action)
+        for counter, row in zip(one.slots, roled_action.slots, strict=True):
             if row >= 0:
                 counter[graph.category_name(row)] += 1
-        if act.stage is not None and act.order >= 0:
-            one.ranks.append((act.order + 0.5) / len(act.stage.children))
-        if act.action.reference is not None and len(one.poses) < SAMPLES:
-            one.poses.append(sample_of(graph, act))
-        if act.action.type == "Question" and len(one.asked) < SAMPLES:
-            one.asked.append(asked_of(graph, act))
+        if roled_action.stage is not None and roled_action.order >= 0:
+            one.ranks.append((roled_action.order + 0.5) / len(roled_action.stage.children))
+        if roled_action.action.reference is not None and len(one.poses) < SAMPLES:
+            one.poses.append(sample_of(graph, roled_action))
+        if roled_action.action.type == "Question" and len(one.asked) < SAMPLES:
+            one.asked.append(asked_of(graph, roled_action))
 
 
 def _watch_stages(
@@ -120,7 +120,7 @@ def _kind(key: Key, one: _Seen, counts: Sequence[Counter[str]]) -> Kind:
     kind, name, stage, group = key
     slots: Slots = (dict(one.slots[0]), dict(one.slots[1]), dict(one.slots[2]))
     total = sum(counts, Counter[str]())
-    first = one.acts[0]
+    first = one.roled[0]
     return Kind(
         type=kind, name=name, stage=stage, group=group, slots=slots,
         roles={
@@ -132,12 +132,12 @@ def _kind(key: Key, one: _Seen, counts: Sequence[Counter[str]]) -> Kind:
         chance=_chance(one, counts),
         most=max(one.per_scene),
         rank=round(float(np.mean(one.ranks)), 4) if one.ranks else 0.5,
-        thresholds=_limits(one.acts),
-        optional=_mostly([act.leaf is not None and act.leaf.optional for act in one.acts]),
-        trigger=_mostly([act.action.trigger for act in one.acts]),
+        thresholds=_limits(one.roled),
+        optional=_mostly([roled_action.leaf is not None and roled_action.leaf.optional for roled_action in one.roled]),
+        trigger=_mostly([roled_action.action.trigger for roled_action in one.roled]),
         reference=learn_reference(one.poses),
         answers=first.action.answers,
-        right=learn_right(one.asked),
+        right=learn_answer_rule(one.asked),
     )  # fmt: skip
 
 
@@ -152,11 +152,13 @@ def _chance(one: _Seen, counts: Sequence[Counter[str]]) -> float:
     return round(min(len(one.per_scene) / max(able, 1), 1.0), 4)
 
 
-def _limits(acts: Sequence[Act]) -> dict[str, float]:
+def _limits(roled: Sequence[RoledAction]) -> dict[str, float]:
     found = {}
     for name in LIMITS:
-        values = [value for act in acts if (value := getattr(act.action.thresholds, name)) is not None]
-        if len(values) * 2 >= len(acts):
+        values = [
+            value for roled_action in roled if (value := getattr(roled_action.action.thresholds, name)) is not None
+        ]
+        if len(values) * 2 >= len(roled):
             middle = float(np.median(values))
             found[name] = float(round(middle)) if name == "hits" else round(middle, 6)
     return found

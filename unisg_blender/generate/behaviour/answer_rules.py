@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...scene import SceneGraph, world_matrices
-from .action_kinds import Kind, Right
-from .roled_actions import Act, relation_kinds, support_rows
+from .action_kinds import AnswerRule, Kind
+from .roled_actions import RoledAction, relation_kinds, support_rows
 
 HOLDS = 0.99
 """Share of the training scenes in which a rule has to be right."""
@@ -29,11 +29,15 @@ class Asked:
     place: NDArray[np.float64]
 
 
-def asked_of(graph: SceneGraph, act: Act) -> Asked:
+def asked_of(graph: SceneGraph, roled_action: RoledAction) -> Asked:
     """What there is to learn from a question with one right answer ("" for the right one otherwise)."""
-    correct = act.action.correct
-    right = act.action.answers[correct[0]] if len(correct) == 1 and correct[0] < len(act.action.answers) else ""
-    return Asked(act.action.answers, right, object_counts(graph), _place(graph, act.slots[0]))
+    correct = roled_action.action.correct
+    right = (
+        roled_action.action.answers[correct[0]]
+        if len(correct) == 1 and correct[0] < len(roled_action.action.answers)
+        else ""
+    )
+    return Asked(roled_action.action.answers, right, object_counts(graph), _place(graph, roled_action.slots[0]))
 
 
 def object_counts(graph: SceneGraph) -> Counter[str]:
@@ -55,23 +59,23 @@ def _place(graph: SceneGraph, row: int) -> NDArray[np.float64]:
     return world[row, :3, 3] if above < 0 else (np.linalg.pinv(world[above]) @ world[row])[:3, 3]
 
 
-def learn_right(asked: Sequence[Asked]) -> Right | None:
+def learn_answer_rule(asked: Sequence[Asked]) -> AnswerRule | None:
     """The first rule that is right in (nearly) all training scenes; None if none is."""
     if not asked or not all(question.right for question in asked):
         return None
     always = Counter(question.right for question in asked).most_common(1)[0]
     if always[1] >= HOLDS * len(asked) and all(always[0] in question.answers for question in asked):
-        return Right("always", always[0], asked[0].answers)
+        return AnswerRule("always", always[0], asked[0].answers)
     names = sorted(set().union(*(question.counts for question in asked)))
     for name in sorted(names, key=lambda name: ("|" in name, name)):
         if np.mean([str(question.counts[name]) == question.right for question in asked]) >= HOLDS:
-            return Right("count", name)
+            return AnswerRule("count", name)
     answers = tuple(sorted(set().union(*(question.answers for question in asked))))
     for axis in range(3) if len(answers) == 2 else ():
         for first, second in (answers, answers[::-1]):
             said = [first if question.place[axis] > 0 else second for question in asked]
             if np.mean([one == question.right for one, question in zip(said, asked, strict=True)]) >= HOLDS:
-                return Right("side", AXES[axis], (first, second))
+                return AnswerRule("side", AXES[axis], (first, second))
     return None
 
 

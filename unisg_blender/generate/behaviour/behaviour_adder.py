@@ -11,12 +11,12 @@ from numpy.typing import NDArray
 
 from ...behaviour import check_scene, operations
 from ...scene import ActionData, LessonNode, SceneGraph
-from .action_policy import Casting, Choice, Chooser
+from .action_policy import ActionChoice, ActionPolicy, Casting
 from .feasibility import unperformed
 from .lesson_draft import LessonDraft, UidMaker
-from .new_actions import NewAct, make_action, with_actions, with_operation
-from .observation import Slots, read_play
-from .roled_actions import read_acts
+from .new_actions import NewAction, make_action, with_actions, with_operation
+from .observation import Slots, observe_behaviour
+from .roled_actions import read_roled_actions
 
 MOST = 500
 """Actions made in one call, at most."""
@@ -37,7 +37,7 @@ class Behaviour:
 
 
 def add_behaviour(
-    graph: SceneGraph, new: Collection[str], chooser: Chooser, make_uid: UidMaker,
+    graph: SceneGraph, new: Collection[str], policy: ActionPolicy, make_uid: UidMaker,
     rng: np.random.Generator | None = None,
 ) -> Behaviour:  # fmt: skip
     """Give actions to the objects with the uids ``new``, and places in the lesson to the actions.
@@ -49,10 +49,10 @@ def add_behaviour(
     last none, and a note says so. What is done in some scenes only is made if ``rng`` draws it, without
     one only if it is done more often than not.
     """
-    limits = Casting(chooser.kinds).limits(rng)
+    limits = Casting(policy.kinds).limits(rng)
     banned: dict[Cast, str] = {}
     for _ in range(ROUNDS):
-        work = _Work(graph, new, chooser, make_uid, limits, banned)
+        work = _Work(graph, new, policy, make_uid, limits, banned)
         work.choose()
         scene, bad = work.checked()
         if not bad:
@@ -66,18 +66,18 @@ class _Work:
     """One round of :func:`add_behaviour`."""
 
     def __init__(
-        self, graph: SceneGraph, new: Collection[str], chooser: Chooser, make_uid: UidMaker,
+        self, graph: SceneGraph, new: Collection[str], policy: ActionPolicy, make_uid: UidMaker,
         limits: NDArray[np.float64], banned: Mapping[Cast, str],
     ) -> None:  # fmt: skip
-        self.graph, self.chooser, self.make_uid = graph, chooser, make_uid
+        self.graph, self.policy, self.make_uid = graph, policy, make_uid
         self.limits, self.banned = limits, banned
-        self.kinds, self.casting = chooser.kinds, Casting(chooser.kinds)
-        acts = read_acts(graph)
-        self.play = read_play(graph, self.kinds, new, acts)
+        self.kinds, self.casting = policy.kinds, Casting(policy.kinds)
+        roled = read_roled_actions(graph)
+        self.play = observe_behaviour(graph, self.kinds, new, roled)
         self.draft = LessonDraft(_operation(graph, self.kinds.stage_number), self.kinds, make_uid)
-        self.leaf_uids = ["" if act.leaf is None else act.leaf.uid for act in acts]
-        self.made: list[NewAct] = []
-        self.groups: list[NewAct] = []
+        self.leaf_uids = ["" if roled_action.leaf is None else roled_action.leaf.uid for roled_action in roled]
+        self.made: list[NewAction] = []
+        self.groups: list[NewAction] = []
         self.casts: list[Cast] = []
         self.notes: dict[str, list[str]] = defaultdict(list)
 
@@ -85,7 +85,7 @@ class _Work:
         """Make actions until the chooser wants no more."""
         blocked: set[int] = set()
         while len(self.made) < MOST and self.casting.anybody(self.play):
-            scores = self.chooser.scores(self.play)
+            scores = self.policy.scores(self.play)
             scores.wanted[list(blocked)] = 0.0
             choices = self.casting.choices(self.play, scores, self.limits)
             if not choices:
@@ -95,7 +95,7 @@ class _Work:
                 blocked.add(casts[0].kind)
         self._add_groups()
 
-    def _make(self, choice: Choice) -> bool:
+    def _make(self, choice: ActionChoice) -> bool:
         """Make the action of a choice unless it is known not to do."""
         kind, rows = self.kinds.kinds[choice.kind], self._rows(choice.slots)
         if (choice.kind, choice.slots) in self.banned:
@@ -106,12 +106,12 @@ class _Work:
             return self._note(choice.slots, f"no {kind.name!r}: no rule tells the right answer")
         leaf, after = "", None
         if kind.stage and not kind.group:
-            after = self.chooser.after(self.play, choice)
+            after = self.policy.after(self.play, choice)
             leaf = self.make_uid("leaf")
             node = LessonNode("action", leaf, action.name, action=uid, optional=kind.optional)
             self.draft.add_leaf(node, kind.stage, self.leaf_uids[after] if after >= 0 else "")
         owner = next(row for row, slot in zip(rows, choice.slots, strict=True) if slot >= 0 and self.play.new[slot])
-        self.made.append(NewAct(kind, owner, action, leaf))
+        self.made.append(NewAction(kind, owner, action, leaf))
         self.casts.append((choice.kind, choice.slots))
         self.leaf_uids.append(leaf)
         stage = self.kinds.stage_number.get(kind.stage, -1)
@@ -135,17 +135,17 @@ class _Work:
     def names(self) -> dict[str, list[str]]:
         """Names of the actions by uid of the new objects that play in them."""
         found: dict[str, list[str]] = defaultdict(list)
-        for act, (_, slots) in zip(self.made, self.casts, strict=True):
+        for roled_action, (_, slots) in zip(self.made, self.casts, strict=True):
             for uid in self._new_of(slots):
-                found[uid].append(act.action.name)
+                found[uid].append(roled_action.action.name)
         return dict(found)
 
     def _add_groups(self) -> None:
         """Members of Parallel groups: one new group for all of a name, or leaves beside a group that is there."""
         members: dict[tuple[str, str], list[int]] = defaultdict(list)
-        for place, act in enumerate(self.made):
-            if act.kind.group:
-                members[act.kind.stage, act.kind.group].append(place)
+        for place, roled_action in enumerate(self.made):
+            if roled_action.kind.group:
+                members[roled_action.kind.stage, roled_action.kind.group].append(place)
         for (stage, group), places in members.items():
             actions = [self.made[place].action for place in places]
             if len(places) > 1 and not self._has_leaf(stage, group):
@@ -154,7 +154,7 @@ class _Work:
                     mode=self.kinds.groups.get(group, "all"), names={action.uid: action.name for action in actions},
                 )  # fmt: skip
                 first = self.made[places[0]]
-                self.groups.append(NewAct(first.kind, first.owner, action, self._last_leaf(stage, action)))
+                self.groups.append(NewAction(first.kind, first.owner, action, self._last_leaf(stage, action)))
                 continue
             for place, action in zip(places, actions, strict=True):
                 self.made[place] = replace(self.made[place], leaf=self._last_leaf(stage, action))
@@ -182,12 +182,14 @@ class _Work:
         found = [item for item in check_scene(scene) if (item.uid, item.message) not in before]
         why = {item.uid: item.message for item in found if item.severe or tree is not None}
         order = {} if tree is None else {node.action: place for place, node in enumerate(tree.walk())}
-        ordered = sorted((act.action for act in self.made), key=lambda action: order.get(action.uid, len(order)))
+        ordered = sorted(
+            (roled_action.action for roled_action in self.made), key=lambda action: order.get(action.uid, len(order))
+        )
         why = why or unperformed(scene, ordered)
         bad = {
-            cast: why.get(act.action.uid, why.get(act.leaf, ""))
-            for act, cast in zip(self.made, self.casts, strict=True)
-            if act.action.uid in why or (act.leaf and act.leaf in why)
+            cast: why.get(roled_action.action.uid, why.get(roled_action.leaf, ""))
+            for roled_action, cast in zip(self.made, self.casts, strict=True)
+            if roled_action.action.uid in why or (roled_action.leaf and roled_action.leaf in why)
         }
         if why and not bad:  # the complaint is about a stage or group: begin without the last action
             bad = {self.casts[-1]: next(iter(why.values()))}

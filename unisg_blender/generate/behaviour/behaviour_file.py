@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 from ...errors import UniSGError
 from ...runtime.onnx_session import open_session
 from .action_kinds import Kinds
-from .network_policy import OUTPUTS, NetworkChooser
+from .network_policy import OUTPUTS, NetworkPolicy
 
 
-def load_behaviour(path: Path, threads: int = 1) -> NetworkChooser:
+def load_behaviour(path: Path, threads: int = 1) -> NetworkPolicy:
     """The behaviour of a file that ``unisg train cgvae`` wrote.
 
     Raises
@@ -36,4 +36,4 @@ def load_behaviour(path: Path, threads: int = 1) -> NetworkChooser:
         )
         return found
 
-    return NetworkChooser(Kinds.from_json(text, path), run)
+    return NetworkPolicy(Kinds.from_json(text, path), run)

@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .action_kinds import Kind, Kinds
-from .action_policy import Choice, Scores
-from .observation import Play, distances
+from .action_policy import ActionChoice, Scores
+from .observation import BehaviourObservation, distances
 from .roled_actions import SLOTS
 
 OFTEN = 0.5
@@ -16,7 +16,7 @@ OFTEN = 0.5
 FAR = 1e3
 
 
-class FrequencyChooser:
+class FrequencyPolicy:
     """What most objects of the category have: the commonest other category, and the nearest object of it.
 
     An action is made for a new object if at least half of the training objects of its category play that part in an
@@ -35,7 +35,7 @@ class FrequencyChooser:
                     self.share[number, slot, place[category]] = kind.roles.get(f"{name}|{category}", 0.0)
                     self.usual[number, slot, place[category]] = 0.0 if count == most else -FAR * (1 - count / most)
 
-    def scores(self, play: Play) -> Scores:
+    def scores(self, play: BehaviourObservation) -> Scores:
         """Probabilities of kinds, and closeness of those who may play in them."""
         plays = self.share[:, :, play.category] * play.new
         usual = self.usual[:, :, play.category]
@@ -44,7 +44,7 @@ class FrequencyChooser:
         tool, frame = (usual[:, slot, None, :] + near for slot in (1, 2))
         return Scores(wanted, usual[:, 0], tool, frame)
 
-    def _wanted(self, play: Play, kind: int, plays: NDArray[np.float64]) -> float:
+    def _wanted(self, play: BehaviourObservation, kind: int, plays: NDArray[np.float64]) -> float:
         """The largest share that speaks for an action with a new object that has none of the kind yet."""
         busy = play.slots[play.kind == kind]
         for slot in range(3):
@@ -52,16 +52,16 @@ class FrequencyChooser:
             plays[slot, there[there >= 0]] = 0.0
         return float(plays.max(initial=0.0))
 
-    def after(self, play: Play, choice: Choice) -> int:
+    def after(self, play: BehaviourObservation, choice: ActionChoice) -> int:
         """The last action of the stage that usually comes before."""
         return last_before(self.kinds, play, choice.kind)
 
 
-class LackingChooser(FrequencyChooser):
+class LackingPolicy(FrequencyPolicy):
     """What the lesson lacks: kinds that most rooms with these objects have, with objects that play in it already,
     else of the commonest category, else the nearest."""
 
-    def scores(self, play: Play) -> Scores:
+    def scores(self, play: BehaviourObservation) -> Scores:
         """As before, but a kind is wanted while the scene has fewer actions of it than training scenes had."""
         scores = super().scores(play)
         there = np.bincount(play.kind[play.kind >= 0], minlength=len(self.kinds.kinds))
@@ -71,17 +71,19 @@ class LackingChooser(FrequencyChooser):
         acting[used] = FAR / 10
         return Scores(wanted, scores.target + acting, scores.tool + acting, scores.frame)
 
-    def _wanted(self, play: Play, kind: int, plays: NDArray[np.float64]) -> float:
+    def _wanted(self, play: BehaviourObservation, kind: int, plays: NDArray[np.float64]) -> float:
         return 0.0
 
 
-def last_before(kinds: Kinds, play: Play, kind: int) -> int:
+def last_before(kinds: Kinds, play: BehaviourObservation, kind: int) -> int:
     """The last action of the kind's stage that comes before it by the usual places; -1 if none does."""
     wanted = kinds.kinds[kind]
     stage = kinds.stage_number.get(wanted.stage, -1)
     inside = np.flatnonzero((play.leaf_stage == stage) & (play.leaf_order >= 0) & (play.kind >= 0))
-    earlier = [act for act in inside.tolist() if _rank(kinds.kinds[play.kind[act]]) < _rank(wanted)]
-    return max(earlier, key=lambda act: play.leaf_order[act]) if earlier else -1
+    earlier = [
+        roled_action for roled_action in inside.tolist() if _rank(kinds.kinds[play.kind[roled_action]]) < _rank(wanted)
+    ]
+    return max(earlier, key=lambda roled_action: play.leaf_order[roled_action]) if earlier else -1
 
 
 def _rank(kind: Kind) -> tuple[float, str]:

@@ -9,23 +9,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .action_kinds import Kinds
-from .action_policy import Choice, Scores
-from .observation import Play
+from .action_policy import ActionChoice, Scores
+from .observation import BehaviourObservation
 
 INPUTS = ("category", "new", "relation", "holds", "place", "mask", "kind", "stage", "order", "plays", "act_mask")
 OUTPUTS = ("wanted", "target", "tool", "frame", "after")
 Run = Callable[[dict[str, NDArray[Any]]], list[NDArray[np.float32]]]
 
 
-def play_arrays(play: Play, kinds: Kinds) -> dict[str, NDArray[Any]]:
+def observation_arrays(play: BehaviourObservation, kinds: Kinds) -> dict[str, NDArray[Any]]:
     """Inputs of the network for one scene, without the dimension of the batch; names as in the network's forward."""
-    objects, acts = len(play.rows), len(play.kind)
+    objects, roled = len(play.rows), len(play.kind)
     holds = np.zeros((objects, objects), np.float32)
     held = np.flatnonzero(play.support >= 0)
     holds[held, play.support[held]] = 1
-    plays = np.zeros((acts, 3, objects), np.float32)
-    act, slot = np.nonzero(play.slots >= 0)
-    plays[act, slot, play.slots[act, slot]] = 1
+    plays = np.zeros((roled, 3, objects), np.float32)
+    roled_action, slot = np.nonzero(play.slots >= 0)
+    plays[roled_action, slot, play.slots[roled_action, slot]] = 1
     return {
         "category": np.where(play.category < 0, len(kinds.categories), play.category).astype(np.int64),
         "new": play.new.astype(np.float32),
@@ -37,29 +37,29 @@ def play_arrays(play: Play, kinds: Kinds) -> dict[str, NDArray[Any]]:
         "stage": np.where(play.leaf_stage < 0, len(kinds.stages), play.leaf_stage).astype(np.int64),
         "order": play.leaf_order.astype(np.float32),
         "plays": plays,
-        "act_mask": np.ones(acts, np.float32),
+        "act_mask": np.ones(roled, np.float32),
     }
 
 
-class NetworkChooser:
+class NetworkPolicy:
     """Asks a network; ``run`` computes its outputs for a batch of one."""
 
     def __init__(self, kinds: Kinds, run: Run) -> None:
         self.kinds = kinds
         self._run = run
-        self._asked: tuple[Play | None, NDArray[np.float32]] = (None, np.zeros(0, np.float32))
+        self._asked: tuple[BehaviourObservation | None, NDArray[np.float32]] = (None, np.zeros(0, np.float32))
 
-    def scores(self, play: Play) -> Scores:
+    def scores(self, play: BehaviourObservation) -> Scores:
         """The network's scores for the next action."""
-        arrays = play_arrays(play, self.kinds)
+        arrays = observation_arrays(play, self.kinds)
         if not len(play.kind):  # one blank action: the network is not asked about none
-            blank = play_arrays(play.with_act(-1, (-1, -1, -1), -1, None), self.kinds)
+            blank = observation_arrays(play.with_act(-1, (-1, -1, -1), -1, None), self.kinds)
             arrays = blank | {"act_mask": np.zeros(1, np.float32)}
         wanted, target, tool, frame, after = self._run({name: value[None] for name, value in arrays.items()})
         self._asked = play, after[0]
         return Scores(1 / (1 + np.exp(-wanted[0].astype(np.float64))), target[0], tool[0], frame[0])
 
-    def after(self, play: Play, choice: Choice) -> int:
+    def after(self, play: BehaviourObservation, choice: ActionChoice) -> int:
         """The leaf of the kind's stage that the network points to."""
         asked, scores = self._asked
         assert asked is play, "ask for scores first"
@@ -67,7 +67,7 @@ class NetworkChooser:
         leaves = np.flatnonzero((play.leaf_stage == stage) & (play.leaf_order >= 0))
         if stage < 0 or not len(leaves):
             return -1
-        acts = max(len(play.kind), 1)
-        options = np.append(scores[choice.kind, leaves], scores[choice.kind, acts + stage])
+        roled = max(len(play.kind), 1)
+        options = np.append(scores[choice.kind, leaves], scores[choice.kind, roled + stage])
         best = int(options.argmax())
         return int(leaves[best]) if best < len(leaves) else -1

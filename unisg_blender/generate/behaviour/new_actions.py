@@ -18,7 +18,7 @@ OPERATION = "Operation"
 
 
 @dataclass(frozen=True, eq=False)
-class NewAct:
+class NewAction:
     """An action to be added: its kind, the row of the entity that carries it, and its leaf's uid ("" for none)."""
 
     kind: Kind
@@ -53,14 +53,17 @@ def make_action(kind: Kind, graph: SceneGraph, slots: tuple[int, int, int], uid:
     )  # fmt: skip
 
 
-def with_actions(graph: SceneGraph, acts: Sequence[NewAct]) -> SceneGraph:
+def with_actions(graph: SceneGraph, roled: Sequence[NewAction]) -> SceneGraph:
     """The scene with further actions, each entity's own ones first."""
-    if not acts:
+    if not roled:
         return graph
     before = graph.components.get("actions")
     rows = [] if before is None else before.rows.tolist()
     data = [] if before is None else list(before.columns["data"])
-    added = table([*rows, *(act.owner for act in acts)], data=[*data, *(act.action for act in acts)])
+    added = table(
+        [*rows, *(roled_action.owner for roled_action in roled)],
+        data=[*data, *(roled_action.action for roled_action in roled)],
+    )
     return graph.with_component("actions", added)
 
 

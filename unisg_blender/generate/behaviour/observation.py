@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ...scene import SceneGraph, world_matrices
 from .action_kinds import Kinds
-from .roled_actions import Act, read_acts, relation_kinds, support_rows
+from .roled_actions import RoledAction, read_roled_actions, relation_kinds, support_rows
 
 RELATIONS = ("", "on_top_of", "inside", "hangs_from")
 """How an object is held; others count as the first."""
@@ -19,7 +19,7 @@ Slots = tuple[int, int, int]
 
 
 @dataclass(frozen=True, eq=False)
-class Play:
+class BehaviourObservation:
     """The objects that may play in actions and what holds them, E of them, and the actions, A of them.
 
     Attributes
@@ -54,14 +54,14 @@ class Play:
     leaf_stage: NDArray[np.int64]
     leaf_order: NDArray[np.int64]
 
-    def with_acts(self, keep: NDArray[np.integer] | NDArray[np.bool_]) -> Play:
+    def with_acts(self, keep: NDArray[np.integer] | NDArray[np.bool_]) -> BehaviourObservation:
         """The same with some of the actions."""
         return replace(
             self, kind=self.kind[keep], slots=self.slots[keep], leaf_stage=self.leaf_stage[keep],
             leaf_order=self.leaf_order[keep],
         )  # fmt: skip
 
-    def with_act(self, kind: int, slots: Slots, stage: int, after: int | None) -> Play:
+    def with_act(self, kind: int, slots: Slots, stage: int, after: int | None) -> BehaviourObservation:
         """The same with one action more, whose leaf stands behind that of act ``after`` (-1: first; None: no leaf)."""
         order, orders = -1, self.leaf_order
         if after is not None:
@@ -73,7 +73,9 @@ class Play:
         )  # fmt: skip
 
 
-def read_play(graph: SceneGraph, kinds: Kinds, new: Collection[str] = (), acts: Iterable[Act] | None = None) -> Play:
+def observe_behaviour(
+    graph: SceneGraph, kinds: Kinds, new: Collection[str] = (), roled: Iterable[RoledAction] | None = None
+) -> BehaviourObservation:
     """The objects and actions of a scene; ``new`` are the uids of the objects that actions are wanted for."""
     above = support_rows(graph)
     rows = _cast(graph, kinds, above)
@@ -84,10 +86,13 @@ def read_play(graph: SceneGraph, kinds: Kinds, new: Collection[str] = (), acts: 
     support = number[above[rows]]
     held = relation_kinds(graph)
     relation = np.array([_relation(held.get(row, "")) for row in rows.tolist()], np.int64)
-    found = read_acts(graph) if acts is None else list(acts)
-    stage = [-1 if act.stage is None else kinds.stage_number.get(act.stage.name, -1) for act in found]
+    found = read_roled_actions(graph) if roled is None else list(roled)
+    stage = [
+        -1 if roled_action.stage is None else kinds.stage_number.get(roled_action.stage.name, -1)
+        for roled_action in found
+    ]
     wanted = set(new)
-    return Play(
+    return BehaviourObservation(
         rows=rows,
         category=codes[graph.category[rows]],
         new=np.array([graph.uid[row] in wanted for row in rows.tolist()], bool),
@@ -95,10 +100,12 @@ def read_play(graph: SceneGraph, kinds: Kinds, new: Collection[str] = (), acts: 
         relation=relation,
         place=world_matrices(graph)[rows, :3, 3],
         below=_below(graph)[np.ix_(rows, rows)],
-        kind=np.array([kinds.number_of.get(act.key, -1) for act in found], np.int64),
-        slots=number[np.array([act.slots for act in found], np.int64).reshape(-1, 3)],
+        kind=np.array([kinds.number_of.get(roled_action.key, -1) for roled_action in found], np.int64),
+        slots=number[np.array([roled_action.slots for roled_action in found], np.int64).reshape(-1, 3)],
         leaf_stage=np.array(stage, np.int64),
-        leaf_order=np.array([act.order if act.leaf is not None else -1 for act in found], np.int64),
+        leaf_order=np.array(
+            [roled_action.order if roled_action.leaf is not None else -1 for roled_action in found], np.int64
+        ),
     )
 
 
@@ -123,6 +130,6 @@ def _below(graph: SceneGraph) -> NDArray[np.bool_]:
     return below
 
 
-def distances(play: Play) -> NDArray[np.float64]:
+def distances(play: BehaviourObservation) -> NDArray[np.float64]:
     """Distances (E, E) between the objects' origins, metres."""
     return np.linalg.norm(play.place[:, None] - play.place[None], axis=2)

@@ -9,16 +9,20 @@ import numpy as np
 
 from ...scene import SceneGraph
 from ..results import Placement
-from .action_policy import Chooser
+from .action_policy import ActionPolicy
 from .behaviour_adder import add_behaviour
 from .lesson_draft import UidMaker
 
 
 def with_behaviour(
-    graph: SceneGraph, placements: Sequence[Placement], chooser: Chooser, make_uid: UidMaker, rng: np.random.Generator
+    graph: SceneGraph,
+    placements: Sequence[Placement],
+    policy: ActionPolicy,
+    make_uid: UidMaker,
+    rng: np.random.Generator,
 ) -> tuple[SceneGraph, list[Placement]]:
     """The scene with actions of the new objects, and the placements with the actions' names and with notes."""
-    made = add_behaviour(graph, [item.uid for item in placements if item.uid], chooser, make_uid, rng)
+    made = add_behaviour(graph, [item.uid for item in placements if item.uid], policy, make_uid, rng)
 
     def told(item: Placement) -> Placement:
         """The placement with its actions and notes."""

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ...behaviour.play.body_contact import body_bounds
 from ...scene import SceneGraph, world_matrices
 from .action_kinds import Reference
-from .roled_actions import Act
+from .roled_actions import RoledAction
 
 RULES = ("own", "frame", "high", "low", "share")
 TURNED = 0.01
@@ -21,7 +21,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class Sample:
+class PoseSample:
     """A ``reference`` pose (4, 4), the target's ``own`` pose (4, 4) in the same frame, and the ``middle`` and
     ``half`` extents (3,) of the frame's box, metres."""
 
@@ -31,13 +31,13 @@ class Sample:
     half: Array
 
 
-def sample_of(graph: SceneGraph, act: Act) -> Sample:
+def sample_of(graph: SceneGraph, roled_action: RoledAction) -> PoseSample:
     """What there is to learn from an action with a reference pose."""
-    target, tool, frame = act.slots
-    reference = act.action.reference_matrix
+    target, tool, frame = roled_action.slots
+    reference = roled_action.action.reference_matrix
     assert reference is not None
-    own, middle, half = surroundings(graph, tool if act.action.type == "Tool" else target, frame)
-    return Sample(reference, own, middle, half)
+    own, middle, half = surroundings(graph, tool if roled_action.action.type == "Tool" else target, frame)
+    return PoseSample(reference, own, middle, half)
 
 
 def surroundings(graph: SceneGraph, target: int, frame: int) -> tuple[Array, Array, Array]:
@@ -50,7 +50,7 @@ def surroundings(graph: SceneGraph, target: int, frame: int) -> tuple[Array, Arr
     return np.linalg.pinv(world[frame]) @ place, box[:3], box[3:]
 
 
-def learn_reference(samples: Sequence[Sample]) -> Reference | None:
+def learn_reference(samples: Sequence[PoseSample]) -> Reference | None:
     """The rule by which the reference poses vary least; None without examples."""
     if not samples:
         return None

@@ -19,7 +19,7 @@ Key = tuple[str, str, str, str]
 
 
 @dataclass(frozen=True, eq=False)
-class Act:
+class RoledAction:
     """An action with its place.
 
     Attributes
@@ -53,18 +53,20 @@ class Act:
         return self.action.type, self.name, "" if self.stage is None else self.stage.name, self.group
 
 
-def read_acts(graph: SceneGraph) -> list[Act]:
+def read_roled_actions(graph: SceneGraph) -> list[RoledAction]:
     """The actions of a scene except the Parallel groups, in the order of its ``actions`` table."""
     found = graph.components.get("actions")
     actions = all_actions(graph)
     places = _places(graph, {action.uid: action for action in reversed(actions)})
-    acts = []
+    roled = []
     for owner, action in zip([] if found is None else found.rows.tolist(), actions, strict=True):
         if action.type != "Parallel":
             stage, leaf, order, group = places.get(action.uid, (None, None, -1, ""))
             slots = slots_of(graph, action)
-            acts.append(Act(action, owner, slots, stage, leaf, group, order, _without_names(graph, action, slots)))
-    return acts
+            roled.append(
+                RoledAction(action, owner, slots, stage, leaf, group, order, _without_names(graph, action, slots))
+            )
+    return roled
 
 
 def slots_of(graph: SceneGraph, action: ActionData) -> tuple[int, int, int]:

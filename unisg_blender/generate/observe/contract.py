@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from ...errors import UniSGError
-from .support_priors import Habits
+from .support_priors import CategoryPriors
 
 VERSION = 5
 SINCE = {"anchors": 5}
@@ -38,7 +38,7 @@ class Contract:
         Channels that the network has; the others are constant.
     latent
         Width of the noise input; 0 for none.
-    habits
+    priors
         What the training scenes say about the categories.
     provenance
         Dataset, counts, software, command and seed that the model comes from.
@@ -46,7 +46,7 @@ class Contract:
 
     kind: str
     vocabulary: tuple[str, ...]
-    habits: Habits
+    priors: CategoryPriors
     form: str = ""
     mean: tuple[float, ...] = ()
     scale: tuple[float, ...] = ()
@@ -56,7 +56,10 @@ class Contract:
 
     def to_json(self) -> str:
         """The metadata entry."""
-        return json.dumps({"contract": VERSION, "task": TASK, **asdict(self)}, ensure_ascii=False, sort_keys=True)
+        record = asdict(self)
+        del record["priors"]
+        record |= {"contract": VERSION, "task": TASK, "habits": self.priors.to_record()}
+        return json.dumps(record, ensure_ascii=False, sort_keys=True)
 
     @staticmethod
     def from_json(text: str, path: Path) -> Contract:
@@ -79,9 +82,9 @@ class Contract:
         if version < SINCE.get(record["kind"], 1):
             raise UniSGError(f"{path} was trained for an older version of this software: train it again")
         try:
-            habits = Habits.from_record(record.pop("habits"))
+            priors = CategoryPriors.from_record(record.pop("habits"))
             lists: dict[str, Any] = {name: tuple(record.pop(name)) for name in ("vocabulary", "mean", "scale", "kept")}
-            return Contract(habits=habits, **lists, **record)
+            return Contract(priors=priors, **lists, **record)
         except (KeyError, TypeError, AttributeError):
             raise UniSGError(f"{path}: the model's metadata is damaged: train it again") from None
 

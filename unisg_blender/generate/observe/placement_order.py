@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...spatial.structure import STRUCTURE
-from .proposals import Scene
-from .support_priors import Habits
+from .proposals import ObservedScene
+from .support_priors import CategoryPriors
 
 DEEPEST = 8
 """Supports under one another told apart; where objects of two kinds may stand on each other there is no end."""
@@ -25,11 +25,11 @@ ORDERS = 24
 """Positions of a category on a kind of support that are remembered."""
 
 
-def levels(habits: Habits) -> dict[str, int]:
+def levels(priors: CategoryPriors) -> dict[str, int]:
     """How many supports may be under each category, at most :data:`DEEPEST`: all that may hold it come before it."""
     below = {
-        name: [habit.support for habit in found if habit.support in habits.supports and habit.support != name]
-        for name, found in habits.supports.items()
+        name: [prior.support for prior in found if prior.support in priors.supports and prior.support != name]
+        for name, found in priors.supports.items()
         if found
     }
     level = dict.fromkeys(below, 0)
@@ -38,38 +38,38 @@ def levels(habits: Habits) -> dict[str, int]:
     return level
 
 
-def in_order(counts: Mapping[str, int], habits: Habits) -> list[str]:
+def in_order(counts: Mapping[str, int], priors: CategoryPriors) -> list[str]:
     """One entry per object asked for, in the order of placing."""
-    level = levels(habits)
-    first = {name: place for place, name in enumerate(habits.leaders)}
+    level = levels(priors)
+    first = {name: place for place, name in enumerate(priors.references)}
 
     def key(name: str) -> tuple[int, int, float, str]:
-        """What categories are sorted by: level, leaders, footprint, name."""
-        width, depth, _ = habits.sizes.get(name, (0.0, 0.0, 0.0))
+        """What categories are sorted by: level, reference objects, footprint, name."""
+        width, depth, _ = priors.sizes.get(name, (0.0, 0.0, 0.0))
         return level.get(name, 0), first.get(name, len(first)), -width * depth, name
 
     return [name for name in sorted(counts, key=key) for _ in range(int(counts[name]))]
 
 
-def holders(habits: Habits) -> set[str]:
+def holders(priors: CategoryPriors) -> set[str]:
     """The categories that are there first: those on which others usually stand, and the building."""
-    return {found[0].support for found in habits.supports.values() if found} | {*STRUCTURE}
+    return {found[0].support for found in priors.supports.values() if found} | {*STRUCTURE}
 
 
-def groups(vocabulary: Sequence[str], habits: Habits) -> NDArray[np.int64]:
+def groups(vocabulary: Sequence[str], priors: CategoryPriors) -> NDArray[np.int64]:
     """By category number: the level at which objects are placed (C + 1,); -1 for unknown ones, which are there."""
-    level = levels(habits)
+    level = levels(priors)
     return np.array([level.get(name, 0) for name in vocabulary] + [-1], np.int64)
 
 
-def ranks(vocabulary: Sequence[str], habits: Habits) -> NDArray[np.int64]:
+def ranks(vocabulary: Sequence[str], priors: CategoryPriors) -> NDArray[np.int64]:
     """By category number: the order in which supports are chosen, and in which a floor is filled (C + 1,)."""
-    order = in_order({name: 1 for name in vocabulary}, habits)
+    order = in_order({name: 1 for name in vocabulary}, priors)
     return np.array([1 + order.index(name) for name in vocabulary] + [0], np.int64)
 
 
-def along(scene: Scene) -> NDArray[np.float64]:
-    """How far along its support each object stands, board after board, in 0..1 (K,); 0 without a support."""
+def along(scene: ObservedScene) -> NDArray[np.float64]:
+    """How far along its support each object stands, surface after surface, in 0..1 (K,); 0 without a support."""
     found = np.zeros(len(scene.category))
     for obj in np.flatnonzero(scene.support >= 0):
         support = int(scene.support[obj])
@@ -77,12 +77,12 @@ def along(scene: Scene) -> NDArray[np.float64]:
         side = int(half[1] > half[0])
         axis = (np.cos(yaw), np.sin(yaw)) if side == 0 else (-np.sin(yaw), np.cos(yaw))
         share = (np.dot(axis, offset[:2]) / max(half[side], 1e-6) + 1) / 2
-        boards = max(len(scene.boards(support)), 1)
-        found[obj] = (max(scene.board[obj], 0) + np.clip(share, 0, 1)) / boards
+        surfaces = max(len(scene.surfaces(support)), 1)
+        found[obj] = (max(scene.surface[obj], 0) + np.clip(share, 0, 1)) / surfaces
     return found
 
 
-def middles(scene: Scene, share: NDArray[np.float64]) -> dict[tuple[int, int], float]:
+def middles(scene: ObservedScene, share: NDArray[np.float64]) -> dict[tuple[int, int], float]:
     """The mean of :func:`along` of the objects of one category on one support, by (support, category)."""
     found: dict[tuple[int, int], list[float]] = defaultdict(list)
     for obj in np.flatnonzero(scene.support >= 0):
@@ -90,7 +90,7 @@ def middles(scene: Scene, share: NDArray[np.float64]) -> dict[tuple[int, int], f
     return {key: float(np.mean(values)) for key, values in found.items()}
 
 
-def learn_orders(scenes: Iterable[Scene], vocabulary: Sequence[str]) -> dict[str, list[float]]:
+def learn_orders(scenes: Iterable[ObservedScene], vocabulary: Sequence[str]) -> dict[str, list[float]]:
     """Where along a kind of support each category is found, by "Tray>Clamp": some of the training scenes' values."""
     names, found = (*vocabulary, ""), defaultdict(list)
     for scene in scenes:
@@ -100,14 +100,16 @@ def learn_orders(scenes: Iterable[Scene], vocabulary: Sequence[str]) -> dict[str
     return {key: values[:: max(1, len(values) // ORDERS)][:ORDERS] for key, values in sorted(found.items())}
 
 
-def row_order(names: Sequence[str], kind: str, floor: bool, habits: Habits, rng: np.random.Generator) -> list[int]:
+def row_order(
+    names: Sequence[str], kind: str, floor: bool, priors: CategoryPriors, rng: np.random.Generator
+) -> list[int]:
     """In which order objects of some categories are put on a support of a kind: positions in ``names``."""
     if floor:
-        place = {name: number for number, name in enumerate(in_order(dict.fromkeys(names, 1), habits))}
+        place = {name: number for number, name in enumerate(in_order(dict.fromkeys(names, 1), priors))}
         return sorted(range(len(names)), key=lambda number: place[names[number]])
-    first = holders(habits)
+    first = holders(priors)
     share = {}
     for name in sorted(set(names)):
-        seen = habits.orders.get(f"{kind}>{name}", ())
+        seen = priors.orders.get(f"{kind}>{name}", ())
         share[name] = (name not in first, seen[rng.integers(len(seen))] if seen else rng.random())
     return sorted(range(len(names)), key=lambda number: (*share[names[number]], names[number]))

@@ -11,12 +11,12 @@ from numpy.typing import NDArray
 
 from ...scene import Boxes
 from ...spatial.objects import SceneObjects
-from ...spatial.support_surfaces import board_at, boards_of
-from ..place.placeable import Piece
+from ...spatial.support_surfaces import support_surfaces, surface_at
+from ..place.placeable import Placeable
 
 
 @dataclass(eq=False)
-class Scene:
+class ObservedScene:
     """The objects of a scene that is growing, K of them.
 
     Attributes
@@ -27,8 +27,8 @@ class Scene:
         (K, 4, 4): matrices of the objects' entities in the world.
     center, half, yaw
         (K, 3), (K, 3), (K,): the upright boxes, as in :class:`~...spatial.objects.SceneObjects`.
-    board
-        int64 (K,): which of its support's boards each stands on, -1 for none of them.
+    surface
+        int64 (K,): which of its support's surfaces each stands on, -1 for none of them.
     parts
         Gives the world boxes of an object's parts by its number.
     room
@@ -41,21 +41,21 @@ class Scene:
     center: NDArray[np.float64]
     half: NDArray[np.float64]
     yaw: NDArray[np.float64]
-    board: NDArray[np.int64]
+    surface: NDArray[np.int64]
     parts: Callable[[int], Boxes]
     room: object = None
-    _boards: dict[int, NDArray[np.float64]] = field(default_factory=dict)
-    _pieces: dict[int, Piece] = field(default_factory=dict)
+    _surfaces: dict[int, NDArray[np.float64]] = field(default_factory=dict)
+    _placeables: dict[int, Placeable] = field(default_factory=dict)
 
     @staticmethod
-    def of(objects: SceneObjects, world: NDArray[np.float64]) -> Scene:
+    def of(objects: SceneObjects, world: NDArray[np.float64]) -> ObservedScene:
         """The scene of some objects whose entities have ``world`` (K, 4, 4) matrices."""
         none = np.full(len(objects), -1, np.int64)
-        scene = Scene(
+        scene = ObservedScene(
             objects.category, objects.support, world, objects.center, objects.half, objects.yaw, none, objects.parts_of
         )
         held = np.flatnonzero(objects.support >= 0)
-        none[held] = [scene.board_of(objects.bottom[obj], objects.support[obj]) for obj in held]
+        none[held] = [scene.surface_of(objects.bottom[obj], objects.support[obj]) for obj in held]
         return scene
 
     @property
@@ -63,34 +63,34 @@ class Scene:
         """Matrices (K, 4, 4) relative to the objects' supports."""
         return relative(self.world, self.support)
 
-    def boards(self, obj: int) -> NDArray[np.float64]:
-        """The boards of an object, see :func:`~...spatial.support_surfaces.boards_of`."""
-        if obj in self._pieces:
-            return self._pieces[obj].boards
-        if obj not in self._boards:
+    def surfaces(self, obj: int) -> NDArray[np.float64]:
+        """The surfaces of an object, see :func:`~...spatial.support_surfaces.support_surfaces`."""
+        if obj in self._placeables:
+            return self._placeables[obj].surfaces
+        if obj not in self._surfaces:
             bottom = float(self.center[obj, 2] - self.half[obj, 2])
-            self._boards[obj] = boards_of(self.parts(obj), bottom)
-        return self._boards[obj]
+            self._surfaces[obj] = support_surfaces(self.parts(obj), bottom)
+        return self._surfaces[obj]
 
-    def board_of(self, bottom: float, support: int) -> int:
-        """Which board of a support carries something whose bottom is at a height, metres; -1 for none."""
-        return board_at(self.boards(support), bottom - (self.center[support, 2] - self.half[support, 2]))
+    def surface_of(self, bottom: float, support: int) -> int:
+        """Which surface of a support carries something whose bottom is at a height, metres; -1 for none."""
+        return surface_at(self.surfaces(support), bottom - (self.center[support, 2] - self.half[support, 2]))
 
     def add(
-        self, category: int, support: int, world: NDArray[np.float64], piece: Piece, place: NDArray[np.float64]
+        self, category: int, support: int, world: NDArray[np.float64], placeable: Placeable, place: NDArray[np.float64]
     ) -> int:
         """A further object at a place (4,); returns its number."""
         number, self.room = len(self.category), None
-        center = place[:3] + np.array([0, 0, piece.half[2]])
-        board = self.board_of(float(place[2]), support) if support >= 0 else -1
+        center = place[:3] + np.array([0, 0, placeable.half[2]])
+        surface = self.surface_of(float(place[2]), support) if support >= 0 else -1
         self.category = np.append(self.category, category)
         self.support = np.append(self.support, support)
-        self.board = np.append(self.board, board)
+        self.surface = np.append(self.surface, surface)
         self.world = np.concatenate([self.world, world[None]])
         self.center = np.concatenate([self.center, center[None]])
-        self.half = np.concatenate([self.half, piece.half[None]])
+        self.half = np.concatenate([self.half, placeable.half[None]])
         self.yaw = np.append(self.yaw, place[3])
-        self._pieces[number] = piece
+        self._placeables[number] = placeable
         return number
 
 
@@ -136,15 +136,15 @@ class Proposer(Protocol):
 
     def propose(
         self,
-        scene: Scene,
+        scene: ObservedScene,
         category: int,
-        piece: Piece,
+        placeable: Placeable,
         count: int,
         rng: np.random.Generator,
         allowed: NDArray[np.bool_],
         coming: Mapping[int, int],
     ) -> Proposals:
-        """``count`` proposals for a piece of a category.
+        """``count`` proposals for a placeable of a category.
 
         ``allowed`` bool (K,) says which objects may hold it, ``coming`` how many objects of
         which categories are still to be placed after it.

@@ -1,8 +1,8 @@
-"""Leaders: the objects from which one can tell where others are, such as an operating table or a sofa; they come first.
+"""Reference objects, from which one can tell where others are, such as an operating table or a sofa; they come first.
 
 A category leads another as far as the other's places spread less in its frame than
 in the room: the logarithm of the ratio of the spreads, nats, times how often the two
-are found together. Leaders are chosen greedily by what they add.
+are found together. Reference objects are chosen greedily by what they add.
 """
 
 from __future__ import annotations
@@ -19,12 +19,12 @@ FEWEST = 12
 """Pairs that a spread is measured from, at least."""
 
 GAIN = 1.0
-"""Nats a scene that a further leader adds at least."""
+"""Nats a scene that a further reference object adds at least."""
 
 Offsets = dict[tuple[int, int], list[NDArray[np.float64]]]
 
 
-def find_leaders(scenes: Iterable[SceneObjects], vocabulary: Sequence[str]) -> list[str]:
+def find_reference_objects(scenes: Iterable[SceneObjects], vocabulary: Sequence[str]) -> list[str]:
     """The leading categories of what stands on the floor, the most telling one first."""
     offsets: Offsets = defaultdict(list)
     count = 0
@@ -33,10 +33,10 @@ def find_leaders(scenes: Iterable[SceneObjects], vocabulary: Sequence[str]) -> l
         count += 1
     spread = {key: _spread(values) for key, values in offsets.items() if len(values) >= FEWEST}
     gains: dict[int, dict[int, float]] = defaultdict(dict)
-    for (leader, other), width in spread.items():
-        if leader >= 0 and (-1, other) in spread and spread[-1, other] > width:
-            told = np.log(spread[-1, other] / width) * len(offsets[leader, other]) / count
-            gains[leader][other] = float(told)
+    for (reference, other), width in spread.items():
+        if reference >= 0 and (-1, other) in spread and spread[-1, other] > width:
+            told = np.log(spread[-1, other] / width) * len(offsets[reference, other]) / count
+            gains[reference][other] = float(told)
     return [vocabulary[number] for number in _greedy(gains)]
 
 
@@ -52,12 +52,12 @@ def _collect(objects: SceneObjects, offsets: Offsets) -> None:
     for number, offset in zip(kind.tolist(), place - middle, strict=True):
         offsets[-1, number].append(offset)
     known, times = np.unique(kind, return_counts=True)
-    for leader in known[times == 1].tolist():
-        row = int(np.flatnonzero(kind == leader)[0])
+    for reference in known[times == 1].tolist():
+        row = int(np.flatnonzero(kind == reference)[0])
         (x, y), cos, sin = (place - place[row]).T, np.cos(yaw[row]), np.sin(yaw[row])
         seen = np.column_stack([cos * x + sin * y, cos * y - sin * x])
         for other in np.flatnonzero(np.arange(len(rows)) != row):
-            offsets[leader, int(kind[other])].append(seen[other])
+            offsets[reference, int(kind[other])].append(seen[other])
 
 
 def _spread(values: list[NDArray[np.float64]]) -> float:
@@ -72,11 +72,11 @@ def _greedy(gains: dict[int, dict[int, float]]) -> list[int]:
     told: dict[int, float] = defaultdict(float)
     while True:
         added = {
-            leader: sum(max(gain - told[other], 0.0) for other, gain in of.items())
-            for leader, of in gains.items()
-            if leader not in chosen
+            reference: sum(max(gain - told[other], 0.0) for other, gain in of.items())
+            for reference, of in gains.items()
+            if reference not in chosen
         }
-        best = max(added, key=lambda leader: (added[leader], -leader), default=-1)
+        best = max(added, key=lambda reference: (added[reference], -reference), default=-1)
         if best < 0 or added[best] < GAIN:
             return chosen
         chosen.append(best)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .proposals import Scene
+from .proposals import ObservedScene
 
 TOKENS = 32
 """Objects that the model looks at, at most: the support with what holds it and what it holds, then what is near."""
@@ -56,9 +56,9 @@ def chain(support: NDArray[np.int64], obj: int) -> list[int]:
 
 
 def tokens_for(
-    scene: Scene, seen: NDArray[np.bool_], parent: int, board: int, bottom: float, target: NDArray[np.float64]
+    scene: ObservedScene, seen: NDArray[np.bool_], parent: int, surface: int, bottom: float, target: NDArray[np.float64]
 ) -> NDArray[np.int64]:
-    """The objects that matter for a target on a board of ``parent``: at most :data:`TOKENS`, the parent first.
+    """The objects that matter for a target on a surface of ``parent``: at most :data:`TOKENS`, the parent first.
 
     ``seen`` bool (K,) says what is there; ``target`` (3,) are half extents, its bottom is at ``bottom``, metres.
     """
@@ -77,8 +77,8 @@ def tokens_for(
             rank[held_by] = rank[parent] = np.inf
             rank[np.where(seen, rank, np.inf).argsort(kind="stable")[MOST_NEAR:]] = np.inf
         siblings = support == parent
-        rank = np.where(siblings & (beside | (scene.board == board)), -2 - half.max(axis=1), rank)
-        rank = np.where(siblings & (scene.board == board), rank - 20, rank)
+        rank = np.where(siblings & (beside | (scene.surface == surface)), -2 - half.max(axis=1), rank)
+        rank = np.where(siblings & (scene.surface == surface), rank - 20, rank)
         rank[held_by] = -1000
         rank[parent] = -2000
     rank = np.where(seen, rank, np.inf)
@@ -86,7 +86,7 @@ def tokens_for(
     return order[np.isfinite(rank[order])]
 
 
-def _apart(scene: Scene, parent: int) -> NDArray[np.float64]:
+def _apart(scene: ObservedScene, parent: int) -> NDArray[np.float64]:
     """How far each object's middle is from the parent's footprint, or the parent's from the object's, metres (K,)."""
     x, y = (scene.center[:, :2] - scene.center[parent, :2]).T
     found = []
@@ -98,7 +98,7 @@ def _apart(scene: Scene, parent: int) -> NDArray[np.float64]:
 
 
 def context_arrays(
-    scene: Scene, tokens: NDArray[np.int64], category: int, parent: int, board: int, unknown: int
+    scene: ObservedScene, tokens: NDArray[np.int64], category: int, parent: int, surface: int, unknown: int
 ) -> Arrays:
     """Inputs of the model for one target and its tokens (M,).
 
@@ -122,7 +122,7 @@ def context_arrays(
     flags[:, 3] = kind == category
     flags[:, 4] = room.inner[tokens]
     flags[:, 5] = room.level[tokens] / 4
-    flags[:, 6] = sibling & (scene.board[tokens] == board)
+    flags[:, 6] = sibling & (scene.surface[tokens] == surface)
     return {"category": np.where(kind < 0, unknown, kind), "box": box, "flags": flags}
 
 
@@ -140,7 +140,7 @@ class Room:
     inner: NDArray[np.float64]
 
 
-def room_of(scene: Scene) -> Room:
+def room_of(scene: ObservedScene) -> Room:
     """Found once for a scene, and again when something was added."""
     if not isinstance(scene.room, Room):
         half, middle = scene.half, room_middle(scene)
@@ -154,39 +154,39 @@ def room_of(scene: Scene) -> Room:
     return scene.room
 
 
-def room_root(scene: Scene) -> int:
+def room_root(scene: ObservedScene) -> int:
     """The object without a support that has the largest footprint, -1 for none."""
     roots = np.flatnonzero(scene.support < 0)
     return int(roots[np.argmax(scene.half[roots, 0] * scene.half[roots, 1])]) if len(roots) else -1
 
 
-def room_middle(scene: Scene) -> NDArray[np.float64]:
+def room_middle(scene: ObservedScene) -> NDArray[np.float64]:
     """Where the room's middle is, (2,) metres."""
     root = room_root(scene)
     return scene.center[root, :2] if root >= 0 else np.zeros(2)
 
 
-def ground_of(scene: Scene) -> float:
+def ground_of(scene: ObservedScene) -> float:
     """Height on which the room's furniture stands: the upper side of a flat root, metres."""
     root = room_root(scene)
     return float(scene.center[root, 2] + scene.half[root, 2]) if root >= 0 and scene.half[root, 2] < FLAT else 0.0
 
 
 def plan_vector(
-    scene: Scene, seen: NDArray[np.bool_], category: int, parent: int, board: int, half: NDArray[np.float64],
+    scene: ObservedScene, seen: NDArray[np.bool_], category: int, parent: int, surface: int, half: NDArray[np.float64],
     coming: Mapping[int, int], coming_area: float, whole: bool,
 ) -> NDArray[np.float32]:  # fmt: skip
-    """What is there and what is still to come to this board besides the target, (PLAN_WIDTH,).
+    """What is there and what is still to come to this surface besides the target, (PLAN_WIDTH,).
 
-    Logarithms of counts, shares of the board's area that are covered, the target's own, and still to be covered, and
-    whether that is the ``whole`` of what the board will hold, put there in order.
+    Logarithms of counts, shares of the surface's area that are covered, the target's own, and still to be covered, and
+    whether that is the ``whole`` of what the surface will hold, put there in order.
     """
-    there = seen & (scene.support == parent) & (scene.board == board) & (parent >= 0)
+    there = seen & (scene.support == parent) & (scene.surface == surface) & (parent >= 0)
     same = seen & (scene.category == category)
     area = TINY
     if parent >= 0:
-        boards = scene.boards(parent)
-        area = float(boards[board, 1]) if board >= 0 else float(4 * scene.half[parent, :2].prod())
+        surfaces = scene.surfaces(parent)
+        area = float(surfaces[surface, 1]) if surface >= 0 else float(4 * scene.half[parent, :2].prod())
     footprint = 4 * scene.half[there, :2].prod(axis=1).sum()
     counts = [same.sum(), (same & there).sum(), there.sum(), coming.get(category, 0), sum(coming.values())]
     shares = np.minimum(np.array([footprint + 4 * half[:2].prod(), coming_area]) / max(area, TINY), 2.0)

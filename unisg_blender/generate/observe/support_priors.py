@@ -12,9 +12,9 @@ import numpy as np
 from ...geometry.box_overlap import nearby_pairs, penetration
 from ...geometry.boxes import covers, part_tops, turned_reach
 from ...spatial.objects import CONTACT, SceneObjects
-from .reference_objects import find_leaders
+from .reference_objects import find_reference_objects
 
-RESTS, HANGS, BESIDE, INSIDE = "rests", "hangs", "beside", "inside"
+RESTS, HANGS, AT_SIDE, INSIDE = "rests", "hangs", "beside", "inside"
 """How an object is held: on a surface, from the underside, at the side, or anywhere within its support."""
 
 RARE = 0.01
@@ -34,7 +34,7 @@ Seen = tuple[str, float, str]
 
 
 @dataclass(frozen=True)
-class Habit:
+class SupportPrior:
     """How objects of a category stand on one kind of support.
 
     ``support`` "" means that they have none; ``count`` how often that was seen;
@@ -50,13 +50,13 @@ class Habit:
 
 
 @dataclass(frozen=True)
-class Habits:
-    """The habits of all categories, JSON-ready through :meth:`to_record`.
+class CategoryPriors:
+    """The priors of all categories, JSON-ready through :meth:`to_record`.
 
     Attributes
     ----------
     supports
-        By category: its habits, the commonest first.
+        By category: its priors, the commonest first.
     sizes
         By category: median width, depth and height in metres.
     overlaps
@@ -66,40 +66,41 @@ class Habits:
         Counts of the categories (in vocabulary order) in some of the scenes.
     orders
         By "Support>Category": where along such a support the category was found, see :mod:`.placement_order`.
-    leaders
+    reference objects
         Categories that come first on the floor, see :mod:`.reference_objects`.
     spans
         Categories that reach from one holder to another, see :mod:`..place.spanning_objects`.
     """
 
-    supports: dict[str, list[Habit]]
+    supports: dict[str, list[SupportPrior]]
     sizes: dict[str, list[float]]
     overlaps: dict[str, float]
     rooms: list[list[int]]
     orders: dict[str, list[float]] = field(default_factory=dict)
-    leaders: list[str] = field(default_factory=list)
+    references: list[str] = field(default_factory=list)
     spans: list[str] = field(default_factory=list)
 
     def to_record(self) -> dict[str, Any]:
         """Plain data for JSON."""
-        return asdict(self)
+        record = asdict(self)
+        return record | {"leaders": record.pop("references")}
 
     @staticmethod
-    def from_record(record: dict[str, Any]) -> Habits:
-        """The habits of a record; KeyError or TypeError if it is none."""
-        supports = {name: [Habit(**habit) for habit in habits] for name, habits in record["supports"].items()}
-        return Habits(
+    def from_record(record: dict[str, Any]) -> CategoryPriors:
+        """The priors of a record; KeyError or TypeError if it is none."""
+        supports = {name: [SupportPrior(**prior) for prior in priors] for name, priors in record["supports"].items()}
+        return CategoryPriors(
             supports, record["sizes"], record["overlaps"], record["rooms"], record.get("orders", {}),
             record.get("leaders", []), record.get("spans", []),
         )  # fmt: skip
 
-    def habit(self, category: str, support: str) -> Habit | None:
+    def prior(self, category: str, support: str) -> SupportPrior | None:
         """How a category stands on a kind of support; None if that was never seen."""
-        return next((habit for habit in self.supports.get(category, ()) if habit.support == support), None)
+        return next((prior for prior in self.supports.get(category, ()) if prior.support == support), None)
 
 
-def learn_habits(scenes: Iterable[SceneObjects], vocabulary: Sequence[str], rooms: int = 256) -> Habits:
-    """Habits out of the objects of training scenes, whose categories are numbered as in ``vocabulary``."""
+def learn_priors(scenes: Iterable[SceneObjects], vocabulary: Sequence[str], rooms: int = 256) -> CategoryPriors:
+    """Priors out of the objects of training scenes, whose categories are numbered as in ``vocabulary``."""
     names = (*vocabulary, "")
     contacts: dict[tuple[str, str], list[Seen]] = defaultdict(list)
     sizes: dict[str, list[Any]] = defaultdict(list)
@@ -114,15 +115,15 @@ def learn_habits(scenes: Iterable[SceneObjects], vocabulary: Sequence[str], room
             below = names[objects.category[support]] if support >= 0 else ""
             contacts[category, below].append((*contact(objects, int(obj), support), objects.relation[obj]))
             sizes[category].append(2 * objects.half[obj])
-            across[category] += contacts[category, below][-1][0] == BESIDE and _spans(objects, int(obj), support)
+            across[category] += contacts[category, below][-1][0] == AT_SIDE and _spans(objects, int(obj), support)
         for pair, depth in _overlaps(objects, names) if number < OVERLAP_SCENES else ():
             depths[pair].append(depth)
-    return Habits(
+    return CategoryPriors(
         supports=_supports(contacts),
         sizes={name: np.median(sizes[name], axis=0).round(4).tolist() for name in vocabulary if name in sizes},
         overlaps={pair: round(limit, 4) for pair, values in depths.items() if (limit := _tolerance(values)) > _SHALLOW},
         rooms=counts[:: max(1, len(counts) // rooms)][:rooms],
-        leaders=find_leaders(scenes, vocabulary),
+        references=find_reference_objects(scenes, vocabulary),
         spans=[name for name in vocabulary if across[name] >= SPANS * max(1, len(sizes[name]))],
     )
 
@@ -138,7 +139,7 @@ def contact(objects: SceneObjects, obj: int, support: int) -> tuple[str, float]:
     if abs(objects.bottom[support] - objects.top[obj]) <= CONTACT:
         return HANGS, 0.0
     gap = side_gap(objects, obj, support)
-    return (BESIDE, gap) if -CONTACT <= gap <= 0.15 else (INSIDE, 0.0)
+    return (AT_SIDE, gap) if -CONTACT <= gap <= 0.15 else (INSIDE, 0.0)
 
 
 def side_gap(objects: SceneObjects, obj: int, support: int) -> float:
@@ -156,17 +157,17 @@ def _spans(objects: SceneObjects, obj: int, support: int) -> bool:
     return any(FAR_END[0] <= side_gap(objects, obj, int(other)) <= FAR_END[1] for other in alike if other != support)
 
 
-def _supports(contacts: dict[tuple[str, str], list[Seen]]) -> dict[str, list[Habit]]:
-    found: dict[str, list[Habit]] = defaultdict(list)
+def _supports(contacts: dict[tuple[str, str], list[Seen]]) -> dict[str, list[SupportPrior]]:
+    found: dict[str, list[SupportPrior]] = defaultdict(list)
     for (category, support), seen in contacts.items():
         kind = Counter(kind for kind, _, _ in seen).most_common(1)[0][0]
         gap = float(np.median([gap for other, gap, _ in seen if other == kind]))
         relation = Counter(relation for _, _, relation in seen).most_common(1)[0][0]
-        found[category].append(Habit(support, len(seen), kind, round(gap, 4), relation))
-    for habits in found.values():
-        habits.sort(key=lambda habit: (-habit.count, habit.support))
-        total = sum(habit.count for habit in habits)
-        habits[:] = [habit for habit in habits if habit.count >= RARE * total] or habits[:1]
+        found[category].append(SupportPrior(support, len(seen), kind, round(gap, 4), relation))
+    for priors in found.values():
+        priors.sort(key=lambda prior: (-prior.count, prior.support))
+        total = sum(prior.count for prior in priors)
+        priors[:] = [prior for prior in priors if prior.count >= RARE * total] or priors[:1]
     return dict(sorted(found.items()))
 
 

@@ -12,14 +12,14 @@ from ...geometry.boxes import world_bounds
 from ...geometry.planar import footprints
 from ...geometry.polygon import outside_distance
 from ...scene import Boxes
-from ..observe.support_priors import Habits
-from .placeable import Piece
+from ..observe.support_priors import CategoryPriors
+from .placeable import Placeable
 
 TOUCH = 0.001
 """Metres that boxes may reach into each other anyway."""
 
 
-class Space:
+class FreeSpace:
     """World boxes of all parts with whose they are, and the outline of the room.
 
     Parameters
@@ -34,13 +34,13 @@ class Space:
 
     def __init__(
         self, parts: Boxes, owner: NDArray[np.int64], category: NDArray[np.int64], outline: NDArray[np.float64] | None,
-        habits: Habits, vocabulary: Sequence[str],
+        priors: CategoryPriors, vocabulary: Sequence[str],
     ) -> None:  # fmt: skip
         self.boxes = parts
         self.owner = owner
         self.category = category
         self.outline = outline
-        self.limits, self.held_limits = _limits(habits, vocabulary)
+        self.limits, self.held_limits = _limits(priors, vocabulary)
         self.low, self.high = world_bounds(parts)
 
     def add(self, parts: Boxes, category: int) -> int:
@@ -62,17 +62,19 @@ class Space:
         self.owner = np.append(self.owner, np.full(len(parts.center), number))
         self.low, self.high = np.concatenate([self.low, low]), np.concatenate([self.high, high])
 
-    def surfaces(self, obj: int) -> Boxes:
+    def parts_of(self, obj: int) -> Boxes:
         """The parts of an object."""
         return self.boxes.take(np.flatnonzero(self.owner == obj))
 
-    def depth(self, piece: Piece, places: NDArray[np.float64], category: int, support: int = -1) -> NDArray[np.float64]:
-        """Metres (T,) by which a piece at places (T, 4) reaches too deep into anything; 0 where it fits.
+    def depth(
+        self, placeable: Placeable, places: NDArray[np.float64], category: int, support: int = -1
+    ) -> NDArray[np.float64]:
+        """Metres (T,) by which a placeable at places (T, 4) reaches too deep into anything; 0 where it fits.
 
         ``support`` is the object that holds it: some reach into what they lie in.
         """
         found = np.zeros(len(places))
-        boxes = piece.boxes_at(places)
+        boxes = placeable.boxes_at(places)
         count = len(boxes.center) // max(len(places), 1)
         if not count or not len(self.low):
             return found
@@ -88,11 +90,11 @@ class Space:
             np.maximum.at(found, mine // count, np.maximum(excess, 0))
         return found
 
-    def outside(self, piece: Piece, places: NDArray[np.float64]) -> NDArray[np.float64]:
+    def outside(self, placeable: Placeable, places: NDArray[np.float64]) -> NDArray[np.float64]:
         """Metres (T,) by which the footprint at places (T, 4) leaves the room; 0 without an outline."""
         if self.outline is None:
             return np.zeros(len(places))
-        return outside_distance(self.outline, footprints(piece.half, places)).max(axis=1)
+        return outside_distance(self.outline, footprints(placeable.half, places)).max(axis=1)
 
 
 def _meeting(
@@ -105,14 +107,14 @@ def _meeting(
     return hit
 
 
-def _limits(habits: Habits, vocabulary: Sequence[str]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _limits(priors: CategoryPriors, vocabulary: Sequence[str]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Allowed overlaps by two categories (C + 1, C + 1), of objects apart, and of an object with what holds it.
 
     The last row and column are for other categories.
     """
     place = {name: number for number, name in enumerate((*vocabulary, ""))}
     apart, held = np.zeros((len(place), len(place))), np.zeros((len(place), len(place)))
-    for pair, depth in habits.overlaps.items():
+    for pair, depth in priors.overlaps.items():
         first, second = (place.get(name, -1) for name in pair.replace(">", "|").split("|"))
         if ">" in pair:
             held[first, second] = depth

@@ -13,11 +13,11 @@ from ...geometry.boxes import upright_box
 from ...geometry.planar import turn
 from ...scene import Boxes, Mesh, SceneGraph, mesh_from_faces
 from ...spatial.part_boxes import part_boxes
-from ...spatial.support_surfaces import boards_of
+from ...spatial.support_surfaces import support_surfaces
 
 
 @dataclass(frozen=True, eq=False)
-class Piece:
+class Placeable:
     """An asset with its measures.
 
     A place is (x, y, z, yaw): the middle of the bottom of the upright box, metres,
@@ -53,9 +53,9 @@ class Piece:
         return np.array([*((low + high) / 2)[:2], low[2]])
 
     @cached_property
-    def boards(self) -> NDArray[np.float64]:
-        """What it can carry others on, see :func:`~...spatial.support_surfaces.boards_of`."""
-        return boards_of(self.parts, 0.0)
+    def surfaces(self) -> NDArray[np.float64]:
+        """What it can carry others on, see :func:`~...spatial.support_surfaces.support_surfaces`."""
+        return support_surfaces(self.parts, 0.0)
 
     def world(self, place: NDArray[np.float64]) -> NDArray[np.float64]:
         """World matrix of the asset's entity at a place (4,)."""
@@ -76,7 +76,7 @@ class Piece:
         return Boxes(center.reshape(-1, 3), axes.reshape(-1, 3, 3), half.reshape(-1, 3), np.ones(count, bool))
 
 
-def box_piece(category: str, size: NDArray[np.float64]) -> Piece:
+def box_placeable(category: str, size: NDArray[np.float64]) -> Placeable:
     """A plain box of a category's usual size, for where there is no mesh to show."""
     half = np.asarray(size, np.float64) / 2
     corners = np.stack(np.meshgrid(*[[-1, 1]] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
@@ -93,4 +93,4 @@ def box_piece(category: str, size: NDArray[np.float64]) -> Piece:
         mesh=np.zeros(1, np.int32),
         meshes=(mesh,),
     )
-    return Piece(Asset(category, graph))
+    return Placeable(Asset(category, graph))

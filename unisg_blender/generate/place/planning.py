@@ -13,34 +13,35 @@ from numpy.typing import NDArray
 from ...spatial.structure import STRUCTURE
 from ..observe.contract import Contract
 from ..observe.placement_order import groups, ranks, row_order
-from ..observe.proposals import Scene
-from ..observe.support_candidates import Load
-from ..observe.support_priors import Habits
-from ..propose.anchor_proposer import AnchorProposer, Choice, Row
-from .placeable import Piece
+from ..observe.proposals import ObservedScene
+from ..observe.support_candidates import SupportOccupancy
+from ..observe.support_priors import CategoryPriors
+from ..propose.anchor_proposer import AnchorProposer, SupportChoice, Upcoming
+from .placeable import Placeable
 from .spanning_objects import fit_for
 
 
 @dataclass(frozen=True, eq=False)
 class Planned:
-    """Object ``number`` and, where a support was chosen for it, the ``spot`` (object, board) and what else comes there.
+    """Object ``number`` and, where a support was chosen for it, the ``candidate`` (object, surface) and what else
+    comes there.
 
     ``milliseconds`` is its share of the time that planning took.
     """
 
     number: int
-    spot: tuple[int, int] | None = None
-    row: Row = field(default_factory=lambda: Row({}, 0.0))
-    choice: Choice | None = None
+    candidate: tuple[int, int] | None = None
+    row: Upcoming = field(default_factory=lambda: Upcoming({}, 0.0))
+    choice: SupportChoice | None = None
     milliseconds: float = 0.0
 
 
-def usual_kinds(vocabulary: Sequence[str], habits: Habits) -> NDArray[np.bool_]:
+def usual_kinds(vocabulary: Sequence[str], priors: CategoryPriors) -> NDArray[np.bool_]:
     """Which categories (columns) hold a category (row), (C, C + 1); the last column: it may stand on the ground."""
     place = {name: number for number, name in enumerate((*vocabulary, ""))}
     usual = np.zeros((len(vocabulary), len(vocabulary) + 1), bool)
     for row, name in enumerate(vocabulary):
-        usual[row, [place[habit.support] for habit in habits.supports.get(name, ()) if habit.support in place]] = True
+        usual[row, [place[prior.support] for prior in priors.supports.get(name, ()) if prior.support in place]] = True
     return usual
 
 
@@ -51,23 +52,23 @@ class Planner:
     """
 
     def __init__(
-        self, proposer: AnchorProposer, scene: Scene, contract: Contract, pieces: Sequence[Piece],
+        self, proposer: AnchorProposer, scene: ObservedScene, contract: Contract, placeables: Sequence[Placeable],
         usual: NDArray[np.bool_], rng: np.random.Generator,
     ) -> None:  # fmt: skip
-        self.proposer, self.scene, self.pieces, self.usual, self.rng = proposer, scene, pieces, usual, rng
-        self.vocabulary, self.habits = contract.vocabulary, contract.habits
+        self.proposer, self.scene, self.placeables, self.usual, self.rng = proposer, scene, placeables, usual, rng
+        self.vocabulary, self.priors = contract.vocabulary, contract.priors
         movable = np.array([name not in STRUCTURE for name in (*self.vocabulary, "")])
         there = movable[scene.category]
         self.furnished = set(scene.support[there].tolist())
-        fewest = min((int(np.dot(room, movable[:-1])) for room in self.habits.rooms), default=0)
-        if len(pieces) + there.sum() < fewest:  # no whole room: more may come
+        fewest = min((int(np.dot(room, movable[:-1])) for room in self.priors.rooms), default=0)
+        if len(placeables) + there.sum() < fewest:  # no whole room: more may come
             self.furnished |= set(np.flatnonzero(scene.support < 0).tolist())
 
     def order(self, wanted: Sequence[str], coming: Mapping[str, int]) -> Iterator[Planned]:
         """All objects in the order of placing; whoever takes one places it before asking for the next."""
         numbers = {name: number for number, name in enumerate(self.vocabulary)}
         category = np.array([numbers[name] for name in wanted])
-        level, rank = groups(self.vocabulary, self.habits)[category], ranks(self.vocabulary, self.habits)[category]
+        level, rank = groups(self.vocabulary, self.priors)[category], ranks(self.vocabulary, self.priors)[category]
         left = Counter(category.tolist())
         for step in np.unique(level):
             start = time.perf_counter()
@@ -76,53 +77,53 @@ class Planner:
             planned = self._level(mine, category, left)
             spent = 1e3 * (time.perf_counter() - start) / len(mine)
             for item in planned:
-                yield Planned(item.number, item.spot, item.row, item.choice, spent)
+                yield Planned(item.number, item.candidate, item.row, item.choice, spent)
 
     def _level(self, mine: NDArray[np.int64], category: NDArray[np.int64], left: Counter[int]) -> list[Planned]:
-        """The objects of one level: a spot for each, then support after support."""
-        load = Load.of(self.scene, np.ones(len(self.scene.category), bool))
-        spots: dict[int, tuple[int, int]] = {}
-        choices: dict[int, Choice] = {}
+        """The objects of one level: a candidate for each, then support after support."""
+        load = SupportOccupancy.of(self.scene, np.ones(len(self.scene.category), bool))
+        candidates: dict[int, tuple[int, int]] = {}
+        choices: dict[int, SupportChoice] = {}
         for number in mine.tolist():
-            kind, piece = int(category[number]), self.pieces[number]
+            kind, placeable = int(category[number]), self.placeables[number]
             left[kind] -= 1
             allowed = self.usual[kind][self.scene.category] & (self.scene.category >= 0)
-            allowed = fit_for(self.vocabulary[kind], piece.half, self.scene, allowed, self.habits)
+            allowed = fit_for(self.vocabulary[kind], placeable.half, self.scene, allowed, self.priors)
             if not allowed.any():
                 continue
             empty = not self.furnished.intersection(np.flatnonzero(allowed).tolist())
-            choice = self.proposer.choose(self.scene, load, kind, piece.half, allowed, left, empty)
+            choice = self.proposer.choose(self.scene, load, kind, placeable.half, allowed, left, empty)
             total = np.cumsum(np.exp(choice.score))
             drawn = int(np.searchsorted(total, self.rng.random() * total[-1]).clip(max=len(total) - 1))
-            spots[number] = int(choice.spots.obj[drawn]), int(choice.spots.board[drawn])
+            candidates[number] = int(choice.candidates.obj[drawn]), int(choice.candidates.surface[drawn])
             choices[number] = choice
-            load = load.with_object(*spots[number], kind, float(4 * piece.half[0] * piece.half[1]))
-        return self._filled(mine, category, spots, choices)
+            load = load.with_object(*candidates[number], kind, float(4 * placeable.half[0] * placeable.half[1]))
+        return self._filled(mine, category, candidates, choices)
 
     def _filled(
-        self, mine: NDArray[np.int64], category: NDArray[np.int64], spots: Mapping[int, tuple[int, int]],
-        choices: Mapping[int, Choice],
+        self, mine: NDArray[np.int64], category: NDArray[np.int64], candidates: Mapping[int, tuple[int, int]],
+        choices: Mapping[int, SupportChoice],
     ) -> list[Planned]:  # fmt: skip
-        """Support after support, each in the order of its row; what has no spot comes last."""
+        """Support after support, each in the order of its row; what has no candidate comes last."""
         on: dict[int, list[int]] = defaultdict(list)
-        for number, (obj, _) in spots.items():
+        for number, (obj, _) in candidates.items():
             on[obj].append(number)
-        for numbers in on.values():  # the lower boards first
-            numbers.sort(key=lambda number: spots[number][1])
+        for numbers in on.values():  # the lower surfaces first
+            numbers.sort(key=lambda number: candidates[number][1])
         result = []
         for obj, numbers in on.items():
             names = [self.vocabulary[category[number]] for number in numbers]
             kind = self.scene.category[obj]
             order = row_order(
-                names, self.vocabulary[kind] if kind >= 0 else "", self.scene.support[obj] < 0, self.habits, self.rng
+                names, self.vocabulary[kind] if kind >= 0 else "", self.scene.support[obj] < 0, self.priors, self.rng
             )
             numbers = [numbers[position] for position in order]
             counts = Counter(category[numbers].tolist())
-            area = sum(float(4 * self.pieces[number].half[:2].prod()) for number in numbers)
+            area = sum(float(4 * self.placeables[number].half[:2].prod()) for number in numbers)
             for number in numbers:
                 counts[int(category[number])] -= 1
-                area -= float(4 * self.pieces[number].half[:2].prod())
+                area -= float(4 * self.placeables[number].half[:2].prod())
                 left = {kind: count for kind, count in counts.items() if count}
-                row = Row(left, max(area, 0.0), obj not in self.furnished)
-                result.append(Planned(number, spots[number], row, choices[number]))
-        return result + [Planned(int(number)) for number in mine if int(number) not in spots]
+                row = Upcoming(left, max(area, 0.0), obj not in self.furnished)
+                result.append(Planned(number, candidates[number], row, choices[number]))
+        return result + [Planned(int(number)) for number in mine if int(number) not in candidates]

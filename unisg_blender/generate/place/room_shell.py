@@ -13,7 +13,7 @@ from ...errors import UniSGError
 from ...scene import SceneGraph, subtree, take, world_matrices
 from ...spatial.objects import scene_objects
 from ...spatial.structure import STRUCTURE
-from ..observe.proposals import Scene
+from ..observe.proposals import ObservedScene
 from ..results import Placement
 from ..shape_library import Library
 from .planning import usual_kinds
@@ -40,7 +40,7 @@ def add_shell(
     missing = np.array([_difference(shell.graph, wanted) for shell in shells])
     best = np.flatnonzero(missing == missing.min())
     drawn = rng.permutation(best)
-    spanning = [name for name in library.model.contract.habits.spans if name in counts]
+    spanning = [name for name in library.model.contract.priors.spans if name in counts]
     rooms = [shells[int(number)].graph for number in drawn]
     graph = next((room for room in rooms if _is_reached_across(room, spanning, library)), rooms[0])
     rows = _chosen(graph, wanted)
@@ -69,13 +69,13 @@ def _is_reached_across(graph: SceneGraph, spanning: Sequence[str], library: Libr
         return True
     contract = library.model.contract
     objects = scene_objects(graph, contract.vocabulary)
-    scene = Scene.of(objects, world_matrices(graph)[objects.row])
-    usual = usual_kinds(contract.vocabulary, contract.habits)
+    scene = ObservedScene.of(objects, world_matrices(graph)[objects.row])
+    usual = usual_kinds(contract.vocabulary, contract.priors)
 
     def spanned_by(name: str) -> bool:
         """Does any shape of a category?"""
         holders = usual[contract.vocabulary.index(name)][scene.category] & (scene.category >= 0)
-        return any(reaches(scene, holders, piece.half) for piece in library.pieces(name, graph))
+        return any(reaches(scene, holders, placeable.half) for placeable in library.placeables(name, graph))
 
     return all(map(spanned_by, spanning))
 
@@ -108,6 +108,6 @@ def _name_of(additions: list[Addition], uid: str) -> str:
 
 def _relation(library: Library, graph: SceneGraph, row: int) -> str:
     """What a part of the room usually is to what holds it."""
-    habits = library.model.contract.habits
-    habit = habits.habit(graph.category_name(row), graph.category_name(int(graph.parent[row])))
-    return habit.relation if habit else ""
+    priors = library.model.contract.priors
+    prior = priors.prior(graph.category_name(row), graph.category_name(int(graph.parent[row])))
+    return prior.relation if prior else ""

@@ -16,9 +16,9 @@ from ...spatial.floor_plan import FLOOR, room_outline
 from ...spatial.objects import SceneObjects, scene_objects
 from ...spatial.structure import STRUCTURE
 from ..observe.scene_tokens import levels_of
-from ..observe.support_priors import BESIDE, HANGS, RESTS, Habit, Habits, contact
-from .free_space import Space
-from .placeable import Piece
+from ..observe.support_priors import AT_SIDE, HANGS, RESTS, CategoryPriors, SupportPrior, contact
+from .free_space import FreeSpace
+from .placeable import Placeable
 from .settling import Support, fitting, rest, search
 
 SUNK = 0.5
@@ -48,15 +48,16 @@ def settle_rows(graph: SceneGraph, rows: Iterable[int]) -> list[Settled]:
     fixed = np.isin(objects.owner, [t for own in mine for t in (own, *_held_by(objects, own))], invert=True)
     outline = room_outline(graph) if FLOOR in names else None
     unknown = np.full(len(objects), -1, np.int64)
-    space = Space(
-        objects.parts.take(np.flatnonzero(fixed)), objects.owner[fixed], unknown, outline, Habits({}, {}, {}, []), ()
+    space = FreeSpace(
+        objects.parts.take(np.flatnonzero(fixed)), objects.owner[fixed], unknown, outline,
+        CategoryPriors({}, {}, {}, []), ()
     )  # fmt: skip
     found, level = [], levels_of(objects.support)
     for obj in sorted(mine, key=lambda t: (level[t], t)):
         row = int(objects.row[obj])
-        piece = Piece(object_graph(graph, row))
+        placeable = Placeable(object_graph(graph, row))
         now = np.array([*objects.center[obj, :2], objects.bottom[obj], objects.yaw[obj]])
-        place = _settled(piece, now, _support_of(objects, obj, names, space), space)
+        place = _settled(placeable, now, _support_of(objects, obj, names, space), space)
         held = _held_by(objects, obj)
         if place is not None:
             objects = _moved(objects, [obj, *held], now, place)
@@ -65,7 +66,7 @@ def settle_rows(graph: SceneGraph, rows: Iterable[int]) -> list[Settled]:
             if other not in mine:
                 space.take_up(objects.parts_of(other), other)
         here = now if place is None else place
-        found.append(Settled(row, piece.world(here), "" if place is not None else "no free place was found"))
+        found.append(Settled(row, placeable.world(here), "" if place is not None else "no free place was found"))
     return found
 
 
@@ -98,35 +99,37 @@ def _moved(
     return replace(objects, center=carried(objects.center, chosen), yaw=objects.yaw + spin * chosen, parts=parts)
 
 
-def _support_of(objects: SceneObjects, obj: int, names: list[str], space: Space) -> Support:
+def _support_of(objects: SceneObjects, obj: int, names: list[str], space: FreeSpace) -> Support:
     """What is to hold an object: what it hangs from or is fixed to, else what is below its middle."""
     parent = int(objects.support[obj])
     if parent >= 0:
         kind, gap = contact(objects, obj, parent)
-        if kind in (HANGS, BESIDE) and names[parent] != FLOOR:
-            return Support(parent, Habit(names[parent], 1, kind, gap), space.surfaces(parent), False)
+        if kind in (HANGS, AT_SIDE) and names[parent] != FLOOR:
+            return Support(parent, SupportPrior(names[parent], 1, kind, gap), space.parts_of(parent), False)
     tops = part_tops(space.boxes)
     limit = objects.bottom[obj] + SUNK * 2 * objects.half[obj, 2]
     under = covers(space.boxes, objects.center[obj, :2]) & (tops <= limit + 1e-6)
     if not under.any():
-        return Support(-1, Habit("", 1, RESTS), space.boxes.take(np.zeros(0, np.int64)), False)
+        return Support(-1, SupportPrior("", 1, RESTS), space.boxes.take(np.zeros(0, np.int64)), False)
     below = int(space.owner[under.nonzero()[0][tops[under].argmax()]])
-    return Support(below, Habit(names[below], 1, RESTS), space.surfaces(below), names[below] == FLOOR)
+    return Support(below, SupportPrior(names[below], 1, RESTS), space.parts_of(below), names[below] == FLOOR)
 
 
-def _settled(piece: Piece, now: NDArray[np.float64], support: Support, space: Space) -> NDArray[np.float64] | None:
+def _settled(
+    placeable: Placeable, now: NDArray[np.float64], support: Support, space: FreeSpace
+) -> NDArray[np.float64] | None:
     """The nearest free place (4,), None if there is none; as it is if it is settled already."""
-    place = rest(piece, now[None], support, space)
-    if fitting(piece, place, -1, support, space)[0]:
+    place = rest(placeable, now[None], support, space)
+    if fitting(placeable, place, -1, support, space)[0]:
         return place[0]
     steps = np.linspace(0.02, 0.6, 16)
     turns = np.linspace(0, 2 * np.pi, 16, endpoint=False)
     ring = np.concatenate([[[np.cos(turn) * step, np.sin(turn) * step] for turn in turns] for step in steps])
     places = np.tile(now, (len(ring), 1))
     places[:, :2] += ring
-    places = rest(piece, places, support, space)
-    good = fitting(piece, places, -1, support, space)
+    places = rest(placeable, places, support, space)
+    good = fitting(placeable, places, -1, support, space)
     if good.any():
         free = np.flatnonzero(good)
         return places[free[((places[free, :3] - now[:3]) ** 2).sum(axis=1).argmin()]]
-    return search(piece, now, -1, support, space)
+    return search(placeable, now, -1, support, space)

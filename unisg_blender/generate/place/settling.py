@@ -13,10 +13,10 @@ from ...geometry.boxes import turned_reach
 from ...geometry.planar import footprints
 from ...geometry.polygon import inside, next_corners, outside_distance
 from ...scene import Boxes
-from ...spatial.level_surfaces import LEVEL, Surfaces, rectangles, with_joined
-from ..observe.support_priors import BESIDE, HANGS, RESTS, Habit
-from .free_space import Space
-from .placeable import Piece
+from ...spatial.level_surfaces import LEVEL, LevelSurfaces, rectangles, with_joined
+from ..observe.support_priors import AT_SIDE, HANGS, RESTS, SupportPrior
+from .free_space import FreeSpace
+from .placeable import Placeable
 
 OUTSIDE = 0.001
 """Metres by which a footprint may leave the room."""
@@ -33,70 +33,70 @@ SEARCH = 9
 
 @dataclass(frozen=True, eq=False)
 class Support:
-    """What an object is to be held by: ``obj`` is its number (-1: the ground at height 0), ``habit`` how.
+    """What an object is to be held by: ``obj`` is its number (-1: the ground at height 0), ``prior`` how.
 
     ``floor`` says that it is the floor of the room, ``structural`` that what it is to
     hold is part of the building and may reach out of the room.
     """
 
     obj: int
-    habit: Habit
-    surfaces: Boxes
+    prior: SupportPrior
+    parts: Boxes
     floor: bool
     structural: bool = False
 
     @cached_property
-    def tops(self) -> Surfaces:
+    def tops(self) -> LevelSurfaces:
         """The upper sides of its parts."""
-        return with_joined(rectangles(self.surfaces))
+        return with_joined(rectangles(self.parts))
 
     @property
     def contact(self) -> str:
         """How the object is held."""
-        return self.habit.contact
+        return self.prior.contact
 
-    def indoors(self, space: Space) -> bool:
+    def indoors(self, space: FreeSpace) -> bool:
         """Is the support in the room or at its walls, so that what it holds should be in the room?"""
         if space.outline is None or self.structural:
             return False
-        if self.floor or not len(self.surfaces.center):
+        if self.floor or not len(self.parts.center):
             return True
-        return bool(outside_distance(space.outline, self.surfaces.center[:, :2]).min() < NEAR_ROOM)
+        return bool(outside_distance(space.outline, self.parts.center[:, :2]).min() < NEAR_ROOM)
 
 
-def rest(piece: Piece, places: NDArray[np.float64], support: Support, space: Space) -> NDArray[np.float64]:
-    """The places (T, 4), each moved as little as need be so that the piece is held the way its habit says."""
+def rest(placeable: Placeable, places: NDArray[np.float64], support: Support, space: FreeSpace) -> NDArray[np.float64]:
+    """The places (T, 4), each moved as little as need be so that the placeable is held the way its prior says."""
     places = places.copy()
     if support.contact == RESTS:
         if support.obj < 0:
             places[:, 2] = 0.0
-        elif len(support.surfaces.center):
-            places = _onto_surface(piece, places, support.tops, clamp=not support.floor)
+        elif len(support.parts.center):
+            places = _onto_surface(placeable, places, support.tops, clamp=not support.floor)
         if support.floor:
-            places = into_room(piece, places, space)
-    elif support.contact == HANGS and len(support.surfaces.center):
-        corners = support.surfaces
+            places = into_room(placeable, places, space)
+    elif support.contact == HANGS and len(support.parts.center):
+        corners = support.parts
         low = corners.center[:, 2] - (np.abs(corners.axes[:, 2, :]) * corners.half).sum(axis=1)
-        places[:, 2] = low.min() - 2 * piece.half[2]
-    elif support.contact == BESIDE and len(support.surfaces.center):
-        places = _to_side(piece, places, support, space)
-    if support.contact != RESTS and len(support.surfaces.center) and len(piece.parts.center):
-        places = _touching(piece, places, support.surfaces)
+        places[:, 2] = low.min() - 2 * placeable.half[2]
+    elif support.contact == AT_SIDE and len(support.parts.center):
+        places = _to_side(placeable, places, support, space)
+    if support.contact != RESTS and len(support.parts.center) and len(placeable.parts.center):
+        places = _touching(placeable, places, support.parts)
     return places
 
 
 def nearest_support(
-    piece: Piece, places: NDArray[np.float64], supports: Sequence[Support], space: Space
+    placeable: Placeable, places: NDArray[np.float64], supports: Sequence[Support], space: FreeSpace
 ) -> NDArray[np.int64]:
     """Which of the supports reaches each place (T, 4) by the shortest move, int64 (T,)."""
-    moves = [np.linalg.norm((rest(piece, places, support, space) - places)[:, :3], axis=1) for support in supports]
+    moves = [np.linalg.norm((rest(placeable, places, support, space) - places)[:, :3], axis=1) for support in supports]
     return np.argmin(moves, axis=0)
 
 
-def _touching(piece: Piece, places: NDArray[np.float64], parts: Boxes) -> NDArray[np.float64]:
-    """The places moved the shortest way until some part of the piece touches some of the support's parts."""
-    boxes = piece.boxes_at(places)
-    count = len(piece.parts.center)
+def _touching(placeable: Placeable, places: NDArray[np.float64], parts: Boxes) -> NDArray[np.float64]:
+    """The places moved the shortest way until some part of the placeable touches some of the support's parts."""
+    boxes = placeable.boxes_at(places)
+    count = len(placeable.parts.center)
     axes = parts.axes
     offset = np.einsum("sij,psi->psj", axes, boxes.center[:, None] - parts.center)
     reach = np.einsum("psij,pj->psi", np.abs(np.einsum("ski,pkj->psij", axes, boxes.axes)), boxes.half)
@@ -111,22 +111,24 @@ def _touching(piece: Piece, places: NDArray[np.float64], parts: Boxes) -> NDArra
     return result
 
 
-def _onto_surface(piece: Piece, places: NDArray[np.float64], tops: Surfaces, clamp: bool) -> NDArray[np.float64]:
+def _onto_surface(
+    placeable: Placeable, places: NDArray[np.float64], tops: LevelSurfaces, clamp: bool
+) -> NDArray[np.float64]:
     """Each place on the surface nearest to it, its footprint on it as far as it is large enough."""
     across = np.stack([-tops.along[:, 1], tops.along[:, 0]], axis=1)
     offset = places[:, None, :2] - tops.center
     local = np.stack([(offset * tops.along).sum(-1), (offset * across).sum(-1)], axis=2)  # (T, S, 2)
     beyond = np.maximum(np.abs(local) - tops.half, 0).sum(axis=2)
-    small = 0.05 * (tops.half.prod(axis=1) < 0.2 * piece.half[:2].prod())  # prefer what can carry the piece
+    small = 0.05 * (tops.half.prod(axis=1) < 0.2 * placeable.half[:2].prod())  # prefer what can carry the placeable
     nearest = (np.abs(tops.top - places[:, 2, None]) + 2 * beyond + small).argmin(axis=1)
     result = places.copy()
     result[:, 2] = tops.top[nearest]
     if len(tops.top) > 1:
-        result[:, 2] = _highest_under(piece, places, local, tops, nearest)
+        result[:, 2] = _highest_under(placeable, places, local, tops, nearest)
     if not clamp:
         return result
     turn = places[:, 3] - np.arctan2(tops.along[nearest, 1], tops.along[nearest, 0])
-    reach = turned_reach(piece.half, turn)
+    reach = turned_reach(placeable.half, turn)
     room = np.maximum(tops.half[nearest] - reach, 0)
     mine = np.clip(local[np.arange(len(places)), nearest], -room, room)
     result[:, :2] = tops.center[nearest] + mine[:, :1] * tops.along[nearest] + mine[:, 1:] * across[nearest]
@@ -134,28 +136,32 @@ def _onto_surface(piece: Piece, places: NDArray[np.float64], tops: Surfaces, cla
 
 
 def _highest_under(
-    piece: Piece, places: NDArray[np.float64], local: NDArray[np.float64], tops: Surfaces, nearest: NDArray[np.int64]
+    placeable: Placeable,
+    places: NDArray[np.float64],
+    local: NDArray[np.float64],
+    tops: LevelSurfaces,
+    nearest: NDArray[np.int64],
 ) -> NDArray[np.float64]:
     """Height (T,) of the highest surface of the nearest one's level under each footprint: a rug is thicker inside.
 
     ``local`` (T, S, 2) are the places as the surfaces see them.
     """
     turn = places[:, 3, None] - np.arctan2(tops.along[:, 1], tops.along[:, 0])
-    reach = turned_reach(piece.half, turn)
+    reach = turned_reach(placeable.half, turn)
     under = (np.abs(local) < tops.half + reach).all(axis=2)
     own = tops.top[nearest, None]
     level = under & (tops.top >= own) & (tops.top <= own + LEVEL)
     return np.where(level, tops.top, own).max(axis=1)
 
 
-def into_room(piece: Piece, places: NDArray[np.float64], space: Space) -> NDArray[np.float64]:
+def into_room(placeable: Placeable, places: NDArray[np.float64], space: FreeSpace) -> NDArray[np.float64]:
     """The places pulled into the room's outline where their footprints leave it."""
     if space.outline is None:
         return places
     result = places.copy()
     start, edge = space.outline, next_corners(space.outline) - space.outline
     for _ in range(4):
-        corners = footprints(piece.half, result)
+        corners = footprints(placeable.half, result)
         wrong = ~inside(space.outline, corners)
         if not wrong.any():
             break
@@ -173,13 +179,15 @@ def into_room(piece: Piece, places: NDArray[np.float64], space: Space) -> NDArra
     return result
 
 
-def _to_side(piece: Piece, places: NDArray[np.float64], support: Support, space: Space) -> NDArray[np.float64]:
+def _to_side(
+    placeable: Placeable, places: NDArray[np.float64], support: Support, space: FreeSpace
+) -> NDArray[np.float64]:
     """The places moved along the normal of the support's nearest side until the usual gap is left."""
-    parts = support.surfaces
+    parts = support.parts
     largest = int(parts.half.prod(axis=1).argmax())
     axes, half, middle = parts.axes[largest, :2, :2], parts.half[largest, :2], parts.center[largest, :2]
     turn = places[:, 3] - np.arctan2(axes[1, 0], axes[0, 0])
-    reach = turned_reach(piece.half, turn)
+    reach = turned_reach(placeable.half, turn)
     local = (places[:, :2] - middle) @ axes
     thin = int(half.argmin())
     sides = np.sign(local[:, thin]) + (local[:, thin] == 0)
@@ -188,7 +196,7 @@ def _to_side(piece: Piece, places: NDArray[np.float64], support: Support, space:
         into = inside(space.outline, inner)
         if into[0] != into[1]:
             sides[:] = 1.0 if into[0] else -1.0
-    local[:, thin] = sides * (half[thin] + reach[:, thin] + max(support.habit.gap, 0.0))
+    local[:, thin] = sides * (half[thin] + reach[:, thin] + max(support.prior.gap, 0.0))
     long = 1 - thin
     low, high = _extent(parts, middle, axes[:, long])
     between, room = (low + high) / 2, np.maximum((high - low) / 2 - reach[:, long], 0)
@@ -206,23 +214,23 @@ def _extent(parts: Boxes, origin: NDArray[np.float64], along: NDArray[np.float64
 
 
 def fitting(
-    piece: Piece, places: NDArray[np.float64], category: int, support: Support, space: Space
+    placeable: Placeable, places: NDArray[np.float64], category: int, support: Support, space: FreeSpace
 ) -> NDArray[np.bool_]:
-    """At which places (T,) the piece meets nothing and is in the room, if its support is."""
-    good = space.depth(piece, places, category, support.obj) <= 0
+    """At which places (T,) the placeable meets nothing and is in the room, if its support is."""
+    good = space.depth(placeable, places, category, support.obj) <= 0
     if good.any() and support.indoors(space):
-        good[good] = space.outside(piece, places[good]) <= OUTSIDE
+        good[good] = space.outside(placeable, places[good]) <= OUTSIDE
     return good
 
 
 def search(
-    piece: Piece, near: NDArray[np.float64], category: int, support: Support, space: Space
+    placeable: Placeable, near: NDArray[np.float64], category: int, support: Support, space: FreeSpace
 ) -> NDArray[np.float64] | None:
     """The free place nearest to ``near`` (4,) among a grid over the support's surface; None if there is none."""
     if support.contact != RESTS:
         return None
     straight = near[3] + np.pi / 4
-    if support.obj < 0 or not len(support.surfaces.center):
+    if support.obj < 0 or not len(support.parts.center):
         spread = np.linspace(-1.5, 1.5, SEARCH)
         grid = near[:2] + np.stack(np.meshgrid(spread, spread), axis=-1).reshape(-1, 2)
     else:
@@ -237,8 +245,8 @@ def search(
     turns = (near[3], straight, straight + np.pi / 2)
     places = np.stack([np.array([x, y, near[2], yaw]) for x, y in grid[order] for yaw in turns])
     for start in range(0, len(places), 81):
-        some = rest(piece, places[start : start + 81], support, space)
-        good = np.flatnonzero(fitting(piece, some, category, support, space))
+        some = rest(placeable, places[start : start + 81], support, space)
+        good = np.flatnonzero(fitting(placeable, some, category, support, space))
         if len(good):
             return some[good[0]]
     return None

@@ -9,15 +9,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..observe.proposals import Proposals, Scene
+from ..observe.proposals import ObservedScene, Proposals
 from ..observe.scene_tokens import Arrays, coming_vector, context_arrays, plan_vector, room_of, tokens_for
-from ..observe.support_candidates import Load, Nearness, Spots, support_arrays
-from ..place.placeable import Piece
-from ..trained_model import Model
+from ..observe.support_candidates import Proximity, SupportCandidates, SupportOccupancy, support_arrays
+from ..place.placeable import Placeable
+from ..trained_model import TrainedModel
 from .mixture import OUT, behind_walls, draw_places, log_density, snapped
 
-MOST_SPOTS = 3
-"""On how many different spots at most proposals are made at a time."""
+MOST_CANDIDATES = 3
+"""On how many different candidates at most proposals are made at a time."""
 
 SLACK = 0.6
 """Left of such a turn for objects on the floor: cupboards stand along a wall to half a degree, books exactly."""
@@ -37,7 +37,7 @@ CHOSEN = ("support_score", "height_weight", "height_mean", "height_sigma")
 
 
 @dataclass(frozen=True, eq=False)
-class Row:
+class Upcoming:
     """What else is to come to the same support: counts by category number, and their footprints in m2.
 
     ``whole`` says that the support was empty and this is all that it will hold, put there in the order of
@@ -52,10 +52,10 @@ class Row:
 
 
 @dataclass(frozen=True, eq=False)
-class Choice:
-    """The spots for one target: object, board and log probability (N,), and the mixtures (N, L) of heights."""
+class SupportChoice:
+    """The candidates for one target: object, surface and log probability (N,), and the mixtures (N, L) of heights."""
 
-    spots: Spots
+    candidates: SupportCandidates
     score: NDArray[np.float64]
     weight: NDArray[np.float64]
     mean: NDArray[np.float64]
@@ -65,15 +65,15 @@ class Choice:
 class AnchorProposer:
     """Draws from the model's densities with numpy."""
 
-    def __init__(self, model: Model) -> None:
+    def __init__(self, model: TrainedModel) -> None:
         self.model = model
         self.unknown = len(model.contract.vocabulary)
 
     def propose(
         self,
-        scene: Scene,
+        scene: ObservedScene,
         category: int,
-        piece: Piece,
+        placeable: Placeable,
         count: int,
         rng: np.random.Generator,
         allowed: NDArray[np.bool_],
@@ -81,57 +81,61 @@ class AnchorProposer:
     ) -> Proposals:
         """``count`` proposals for a new object; see :class:`~..observe.proposals.Proposer`."""
         if not allowed.any():
-            return self.propose_on(scene, category, piece, count, rng, (-1, -1), Row(coming, 0.0))
-        load = Load.of(scene, np.ones(len(scene.category), bool))
-        choice = self.choose(scene, load, category, piece.half, allowed, coming)
+            return self.propose_on(scene, category, placeable, count, rng, (-1, -1), Upcoming(coming, 0.0))
+        load = SupportOccupancy.of(scene, np.ones(len(scene.category), bool))
+        choice = self.choose(scene, load, category, placeable.half, allowed, coming)
         chance = np.exp(choice.score)
-        drawn = rng.choice(len(chance), size=min(MOST_SPOTS, count), p=chance / chance.sum())
+        drawn = rng.choice(len(chance), size=min(MOST_CANDIDATES, count), p=chance / chance.sum())
         supports, places = np.zeros(count, np.int64), np.zeros((count, 4))
         for number in np.unique(drawn):
             mine = np.resize(drawn, count) == number
-            spot = int(choice.spots.obj[number]), int(choice.spots.board[number])
-            found = self.propose_on(scene, category, piece, int(mine.sum()), rng, spot, Row({}, 0.0), choice)
-            supports[mine], places[mine] = spot[0], found.places
+            candidate = int(choice.candidates.obj[number]), int(choice.candidates.surface[number])
+            found = self.propose_on(
+                scene, category, placeable, int(mine.sum()), rng, candidate, Upcoming({}, 0.0), choice
+            )
+            supports[mine], places[mine] = candidate[0], found.places
         return Proposals(supports, places)
 
     def choose(
-        self, scene: Scene, load: Load, category: int, half: NDArray[np.float64], allowed: NDArray[np.bool_],
-        coming: Mapping[int, int], whole: bool = False,
-    ) -> Choice:  # fmt: skip
-        """Log probabilities of all spots of the ``allowed`` objects, bool (K,), of which there is at least one.
+        self, scene: ObservedScene, load: SupportOccupancy, category: int, half: NDArray[np.float64],
+        allowed: NDArray[np.bool_], coming: Mapping[int, int], whole: bool = False,
+    ) -> SupportChoice:  # fmt: skip
+        """Log probabilities of all candidates of the ``allowed`` objects, bool (K,), of which there is at least one.
 
         ``whole``: all of them were empty, and ``coming`` is all that will be put on them.
         """
-        spots = Spots.of(scene, np.flatnonzero(allowed))
-        near = Nearness.of(scene).by_kind(scene, np.ones(len(allowed), bool), self.unknown)
+        candidates = SupportCandidates.of(scene, np.flatnonzero(allowed))
+        near = Proximity.of(scene).by_kind(scene, np.ones(len(allowed), bool), self.unknown)
         inputs = {
-            **_batch(support_arrays(scene, spots, load, near, category, half, self.unknown)),
+            **_batch(support_arrays(scene, candidates, load, near, category, half, self.unknown)),
             "target_category": np.array([category], np.int64),
             "target_half": half[None].astype(np.float32),
             "coming": coming_vector(coming, self.unknown)[None],
             "whole": np.array([whole], np.float32),
         }
         score, weight, mean, sigma = self._run(inputs, *CHOSEN)
-        return Choice(spots, score - np.logaddexp.reduce(score), weight, mean, sigma)
+        return SupportChoice(candidates, score - np.logaddexp.reduce(score), weight, mean, sigma)
 
     def support_chances(
-        self, scene: Scene, category: int, half: NDArray[np.float64], allowed: NDArray[np.bool_]
+        self, scene: ObservedScene, category: int, half: NDArray[np.float64], allowed: NDArray[np.bool_]
     ) -> NDArray[np.float64]:
         """The chance (K,) of each ``allowed`` object to hold a target: with what they hold already, nothing to come."""
         found = np.zeros(len(scene.category))
         if allowed.any():
-            load = Load.of(scene, np.ones(len(scene.category), bool))
+            load = SupportOccupancy.of(scene, np.ones(len(scene.category), bool))
             choice = self.choose(scene, load, category, half, allowed, {})
-            np.add.at(found, choice.spots.obj, np.exp(choice.score))
+            np.add.at(found, choice.candidates.obj, np.exp(choice.score))
         return found
 
-    def log_density(self, scene: Scene, category: int, piece: Piece, support: int, place: NDArray[np.float64]) -> float:
+    def log_density(
+        self, scene: ObservedScene, category: int, placeable: Placeable, support: int, place: NDArray[np.float64]
+    ) -> float:
         """Log-density of position and heading of a place (4,) given its height on a support, nats (metres, radians).
 
         Of the mean over :data:`CODES` latent codes, with the critic's ratio over its mean in :data:`NORM` draws.
         """
-        board = scene.board_of(float(place[2]), support) if support >= 0 else -1
-        inputs = self._inputs(scene, category, piece.half, float(place[2]), (support, board), Row({}, 0.0))
+        surface = scene.surface_of(float(place[2]), support) if support >= 0 else -1
+        inputs = self._inputs(scene, category, placeable.half, float(place[2]), (support, surface), Upcoming({}, 0.0))
         if not inputs["box"].shape[1]:
             return float("nan")
         rng, found = np.random.default_rng(0), []
@@ -144,22 +148,29 @@ class AnchorProposer:
         return float(np.logaddexp.reduce(found) - np.log(len(found)))
 
     def density(
-        self, scene: Scene, category: int, half: NDArray[np.float64], bottom: float, spot: tuple[int, int], row: Row,
+        self, scene: ObservedScene, category: int, half: NDArray[np.float64], bottom: float,
+        candidate: tuple[int, int], row: Upcoming,
         rng: np.random.Generator,
     ) -> tuple[Arrays, list[NDArray[np.float64]]]:  # fmt: skip
-        """The network's inputs and the mixture (:data:`PLACED`) over places on a spot at a height, metres."""
-        inputs = self._inputs(scene, category, half, bottom, spot, row)
+        """The network's inputs and the mixture (:data:`PLACED`) over places on a candidate at a height, metres."""
+        inputs = self._inputs(scene, category, half, bottom, candidate, row)
         return inputs, self._mixture(inputs, rng) if inputs["box"].shape[1] else []
 
     def _inputs(
-        self, scene: Scene, category: int, half: NDArray[np.float64], bottom: float, spot: tuple[int, int], row: Row
+        self,
+        scene: ObservedScene,
+        category: int,
+        half: NDArray[np.float64],
+        bottom: float,
+        candidate: tuple[int, int],
+        row: Upcoming,
     ) -> Arrays:
-        support, board = spot
+        support, surface = candidate
         seen = np.ones(len(scene.category), bool)
-        tokens = tokens_for(scene, seen, support, board, bottom, half)
-        plan = plan_vector(scene, seen, category, support, board, half, row.counts, row.area, row.whole)
+        tokens = tokens_for(scene, seen, support, surface, bottom, half)
+        plan = plan_vector(scene, seen, category, support, surface, half, row.counts, row.area, row.whole)
         return {
-            **_batch(context_arrays(scene, tokens, category, support, board, self.unknown)),
+            **_batch(context_arrays(scene, tokens, category, support, surface, self.unknown)),
             "target_category": np.array([category], np.int64),
             "target_half": half[None].astype(np.float32),
             "target_bottom": np.array([bottom - room_of(scene).ground], np.float32),
@@ -177,17 +188,17 @@ class AnchorProposer:
         return [kept - np.logaddexp.reduce(kept), mean, *rest]
 
     def propose_on(
-        self, scene: Scene, category: int, piece: Piece, count: int, rng: np.random.Generator,
-        spot: tuple[int, int], row: Row, choice: Choice | None = None,
+        self, scene: ObservedScene, category: int, placeable: Placeable, count: int, rng: np.random.Generator,
+        candidate: tuple[int, int], row: Upcoming, choice: SupportChoice | None = None,
     ) -> Proposals:  # fmt: skip
-        """``count`` proposals on one spot (object, board); object -1 is the ground.
+        """``count`` proposals on one candidate (object, surface); object -1 is the ground.
 
         More are drawn from the mixture; of these, those are kept that are drawn by the critic's ratios (without putting
         back, by Gumbel noise).
         """
-        support = spot[0]
-        bottoms = self._bottoms(scene, spot, count, rng, choice)
-        inputs, mixture = self.density(scene, category, piece.half, float(np.median(bottoms)), spot, row, rng)
+        support = candidate[0]
+        bottoms = self._bottoms(scene, candidate, count, rng, choice)
+        inputs, mixture = self.density(scene, category, placeable.half, float(np.median(bottoms)), candidate, row, rng)
         if not mixture:
             return Proposals(np.full(count, support), _around_origin(bottoms, rng))
         floor = support >= 0 and scene.support[support] < 0
@@ -204,18 +215,23 @@ class AnchorProposer:
         return self._run({**inputs, **asked}, "ratio")[0]
 
     def _bottoms(
-        self, scene: Scene, spot: tuple[int, int], count: int, rng: np.random.Generator, choice: Choice | None
+        self,
+        scene: ObservedScene,
+        candidate: tuple[int, int],
+        count: int,
+        rng: np.random.Generator,
+        choice: SupportChoice | None,
     ) -> NDArray[np.float64]:
-        """Heights (T,) of the target's bottom on a spot: the board's, or drawn where it hangs or leans."""
-        support, board = spot
+        """Heights (T,) of the target's bottom on a candidate: the surface's, or drawn where it hangs or leans."""
+        support, surface = candidate
         if support < 0:
             return np.full(count, room_of(scene).ground)
         above = float(scene.center[support, 2] - scene.half[support, 2])
-        if board >= 0:
-            return np.full(count, above + scene.boards(support)[board, 0])
+        if surface >= 0:
+            return np.full(count, above + scene.surfaces(support)[surface, 0])
         if choice is None:
             return np.full(count, above)
-        number = int(choice.spots.at(np.array([support]), np.array([board]))[0])
+        number = int(choice.candidates.at(np.array([support]), np.array([surface]))[0])
         chance = np.exp(choice.weight[number])
         part = rng.choice(len(chance), size=count, p=chance / chance.sum())
         return above + rng.normal(choice.mean[number, part], choice.sigma[number, part])

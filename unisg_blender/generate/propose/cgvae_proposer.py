@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 from ...geometry.planar import heading
 from ...poses import FORMS
 from ..observe.contract import Contract
-from ..observe.proposals import Proposals, Scene
-from ..place.placeable import Piece
-from ..trained_model import Model
+from ..observe.proposals import ObservedScene, Proposals
+from ..place.placeable import Placeable
+from ..trained_model import TrainedModel
 
 SHIFT = 1e-6
 
@@ -49,15 +49,15 @@ def edges_of(support: NDArray[np.int64]) -> NDArray[np.int64]:
 class CgvaeProposer:
     """Draws latents for new nodes, decodes poses and chooses parents by the adjacency decoder."""
 
-    def __init__(self, model: Model) -> None:
+    def __init__(self, model: TrainedModel) -> None:
         self.model = model
         self.contract = model.contract
 
     def propose(
         self,
-        scene: Scene,
+        scene: ObservedScene,
         category: int,
-        piece: Piece,
+        placeable: Placeable,
         count: int,
         rng: np.random.Generator,
         allowed: NDArray[np.bool_],
@@ -81,7 +81,7 @@ class CgvaeProposer:
         local = poses_of(decoded[known:], self.contract)
         above = np.concatenate([scene.world, np.eye(4)[None]])[supports]
         world = above @ local
-        return Proposals(supports, _places(world, piece))
+        return Proposals(supports, _places(world, placeable))
 
     def _numbers(self, category: NDArray[np.int64]) -> NDArray[np.int64]:
         return np.where(category < 0, len(self.contract.vocabulary), category)
@@ -97,11 +97,11 @@ def _choose(logits: NDArray[np.float32], allowed: NDArray[np.bool_], rng: np.ran
     return (total < rng.random((len(logits), 1)) * total[:, -1:]).sum(axis=1)
 
 
-def _places(world: NDArray[np.float64], piece: Piece) -> NDArray[np.float64]:
-    """Places (T, 4) of a piece whose entity has world matrices (T, 4, 4); scale and lean are the asset's own."""
-    own = heading(piece.asset.graph.local[0, :3, :3])
+def _places(world: NDArray[np.float64], placeable: Placeable) -> NDArray[np.float64]:
+    """Places (T, 4) of a placeable whose entity has world matrices (T, 4, 4); scale and lean are the asset's own."""
+    own = heading(placeable.asset.graph.local[0, :3, :3])
     yaw = heading(world[:, :3, :3]) - own
     cos, sin = np.cos(yaw), np.sin(yaw)
-    foot = piece.foot
+    foot = placeable.foot
     shift = np.stack([cos * foot[0] - sin * foot[1], sin * foot[0] + cos * foot[1], np.full(len(yaw), foot[2])], axis=1)
     return np.concatenate([world[:, :3, 3] + shift, yaw[:, None]], axis=1)

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 from ...geometry.boxes import turned_reach
 from ...geometry.planar import footprint_gap
 from ...spatial.relations import RelationTolerances
-from ..observe.proposals import Proposals, Proposer, Scene
-from ..place.placeable import Piece
-from .anchor_proposer import AnchorProposer, Row
+from ..observe.proposals import ObservedScene, Proposals, Proposer
+from ..place.placeable import Placeable
+from .anchor_proposer import AnchorProposer, Upcoming
 
 DRAWS = 24
 """How many times as many proposals are drawn; those that are beside the object come first."""
@@ -44,7 +44,7 @@ class On:
         self.proposer, self.obj, self.usual = proposer, obj, usual
 
     def propose(
-        self, scene: Scene, category: int, piece: Piece, count: int, rng: np.random.Generator,
+        self, scene: ObservedScene, category: int, placeable: Placeable, count: int, rng: np.random.Generator,
         allowed: NDArray[np.bool_], coming: Mapping[int, int],
     ) -> Proposals:  # fmt: skip
         """See :class:`~..observe.proposals.Proposer`; ``allowed`` does not count."""
@@ -52,15 +52,15 @@ class On:
         on = lying | (np.arange(len(lying)) == self.obj)
         usual = on & self.usual[category][scene.category]
         if usual[lying].any() or (usual.any() and not lying.any()):
-            return self.proposer.propose(scene, category, piece, count, rng, usual, coming)
+            return self.proposer.propose(scene, category, placeable, count, rng, usual, coming)
         top = int(np.flatnonzero(lying)[0]) if lying.any() else self.obj
-        if isinstance(self.proposer, AnchorProposer) and len(scene.boards(top)):
-            spot = top, len(scene.boards(top)) - 1
-            return self.proposer.propose_on(scene, category, piece, count, rng, spot, Row(coming, 0.0))
-        return self.proposer.propose(scene, category, piece, count, rng, np.arange(len(on)) == top, coming)
+        if isinstance(self.proposer, AnchorProposer) and len(scene.surfaces(top)):
+            candidate = top, len(scene.surfaces(top)) - 1
+            return self.proposer.propose_on(scene, category, placeable, count, rng, candidate, Upcoming(coming, 0.0))
+        return self.proposer.propose(scene, category, placeable, count, rng, np.arange(len(on)) == top, coming)
 
 
-def covers(scene: Scene, obj: int) -> NDArray[np.bool_]:
+def covers(scene: ObservedScene, obj: int) -> NDArray[np.bool_]:
     """Which objects (K,) lie on an object and cover it."""
     area, own = scene.half[:, :2].prod(axis=1), scene.half[obj, :2].prod()
     return (scene.support == obj) & (2 * scene.half[:, 2] <= THIN) & (area >= COVERING * own)
@@ -73,31 +73,33 @@ class Beside:
         self.proposer, self.obj = proposer, obj
 
     def propose(
-        self, scene: Scene, category: int, piece: Piece, count: int, rng: np.random.Generator,
+        self, scene: ObservedScene, category: int, placeable: Placeable, count: int, rng: np.random.Generator,
         allowed: NDArray[np.bool_], coming: Mapping[int, int],
     ) -> Proposals:  # fmt: skip
         """See :class:`~..observe.proposals.Proposer`; on the object's own surface, if that may hold the new one."""
         support = int(scene.support[self.obj])
-        spot = support, int(scene.board[self.obj])
-        if isinstance(self.proposer, AnchorProposer) and support >= 0 and allowed[support] and spot[1] >= 0:
-            found = self.proposer.propose_on(scene, category, piece, DRAWS * count, rng, spot, Row(coming, 0.0))
+        candidate = support, int(scene.surface[self.obj])
+        if isinstance(self.proposer, AnchorProposer) and support >= 0 and allowed[support] and candidate[1] >= 0:
+            found = self.proposer.propose_on(
+                scene, category, placeable, DRAWS * count, rng, candidate, Upcoming(coming, 0.0)
+            )
         else:
-            found = self.proposer.propose(scene, category, piece, DRAWS * count, rng, allowed, coming)
-        likely = _nearest(scene, self.obj, piece, found, count - count // SHIFTED)
-        places = np.concatenate([likely.places, _shifted(scene, self.obj, piece.half, found.places[:count], rng)])
+            found = self.proposer.propose(scene, category, placeable, DRAWS * count, rng, allowed, coming)
+        likely = _nearest(scene, self.obj, placeable, found, count - count // SHIFTED)
+        places = np.concatenate([likely.places, _shifted(scene, self.obj, placeable.half, found.places[:count], rng)])
         both = Proposals(np.concatenate([likely.support, found.support[:count]]), places)
-        return _nearest(scene, self.obj, piece, both, count)
+        return _nearest(scene, self.obj, placeable, both, count)
 
 
-def _nearest(scene: Scene, obj: int, piece: Piece, found: Proposals, count: int) -> Proposals:
+def _nearest(scene: ObservedScene, obj: int, placeable: Placeable, found: Proposals, count: int) -> Proposals:
     """So many proposals: those beside an object first, then the nearest; else in their order."""
-    gaps = np.maximum(aside(scene, obj, piece.half, found.places), BESIDE)
+    gaps = np.maximum(aside(scene, obj, placeable.half, found.places), BESIDE)
     order = np.argsort(gaps, kind="stable")[:count]
     return Proposals(found.support[order], found.places[order])
 
 
 def _shifted(
-    scene: Scene, obj: int, half: NDArray[np.float64], places: NDArray[np.float64], rng: np.random.Generator
+    scene: ObservedScene, obj: int, half: NDArray[np.float64], places: NDArray[np.float64], rng: np.random.Generator
 ) -> NDArray[np.float64]:
     """Places (T, 4) shifted, as high and turned as they are, to anywhere along the sides of an object."""
     count, yaw, own = len(places), float(scene.yaw[obj]), scene.half[obj, :2]
@@ -109,7 +111,9 @@ def _shifted(
     return np.column_stack([scene.center[obj, :2] + local @ axes, places[:, 2:]])
 
 
-def aside(scene: Scene, obj: int, half: NDArray[np.float64], places: NDArray[np.float64]) -> NDArray[np.float64]:
+def aside(
+    scene: ObservedScene, obj: int, half: NDArray[np.float64], places: NDArray[np.float64]
+) -> NDArray[np.float64]:
     """Gaps (T,) between the footprints of an object and of another at places (T, 4), metres; at other heights more.
 
     The other's half extents are ``half`` (3,); they share a height if a quarter of the lower one's is common to both,

@@ -14,10 +14,10 @@ from torch import Tensor
 from torch.utils.data import Dataset
 
 from ...generate.observe.placement_order import along, groups, holders, middles, ranks
-from ...generate.observe.proposals import Scene
+from ...generate.observe.proposals import ObservedScene
 from ...generate.observe.scene_tokens import chain, coming_vector, context_arrays, plan_vector, room_of, tokens_for
-from ...generate.observe.support_candidates import Load, Nearness, Spots, support_arrays
-from ...generate.observe.support_priors import Habits
+from ...generate.observe.support_candidates import Proximity, SupportCandidates, SupportOccupancy, support_arrays
+from ...generate.observe.support_priors import CategoryPriors
 from ...spatial.structure import STRUCTURE
 from ..training_scenes import TrainingScene
 
@@ -54,7 +54,7 @@ class Order:
     rank: NDArray[np.int64]
     holds: NDArray[np.bool_]
     leads: NDArray[np.bool_]
-    """The leaders, see :mod:`...generate.observe.reference_objects` (C + 1,)."""
+    """The reference objects, see :mod:`...generate.observe.reference_objects` (C + 1,)."""
 
     building: NDArray[np.bool_]
     """Walls and the like, which are there before anything else (C + 1,)."""
@@ -63,24 +63,24 @@ class Order:
     """(C + 1, C + 1): objects of which categories (columns) hold a category (row)."""
 
     @staticmethod
-    def of(vocabulary: Sequence[str], habits: Habits) -> Order:
-        """The order that goes with the habits of training scenes."""
-        first, count = holders(habits), len(vocabulary) + 1
+    def of(vocabulary: Sequence[str], priors: CategoryPriors) -> Order:
+        """The order that goes with the priors of training scenes."""
+        first, count = holders(priors), len(vocabulary) + 1
         holds = np.array([name in first for name in vocabulary] + [False])
         leads, building = (
-            np.array([name in names for name in vocabulary] + [False]) for names in (habits.leaders, STRUCTURE)
+            np.array([name in names for name in vocabulary] + [False]) for names in (priors.references, STRUCTURE)
         )
         kinds = np.zeros((count, count), bool)
         for row, name in enumerate(vocabulary):
-            kinds[row, [vocabulary.index(h.support) for h in habits.supports.get(name, ()) if h.support]] = True
-        return Order(groups(vocabulary, habits), ranks(vocabulary, habits), holds, leads, building, kinds)
+            kinds[row, [vocabulary.index(h.support) for h in priors.supports.get(name, ()) if h.support]] = True
+        return Order(groups(vocabulary, priors), ranks(vocabulary, priors), holds, leads, building, kinds)
 
 
-class Layout:
+class RoomLayout:
     """A training scene with all that does not change from example to example."""
 
     def __init__(self, scene: TrainingScene, order: Order) -> None:
-        self.scene = Scene.of(scene.objects, scene.world)
+        self.scene = ObservedScene.of(scene.objects, scene.world)
         support, category = self.scene.support, self.scene.category
         count = len(support)
         self.targets = np.flatnonzero((category >= 0) & (self.scene.half.max(axis=1) > 0) & (support >= 0))
@@ -94,9 +94,9 @@ class Layout:
         for obj in range(count):
             self.above[obj, chain(support, obj)] = True
         carriers = np.union1d(np.flatnonzero(order.kinds.any(axis=0)[category]), support[support >= 0])
-        self.spots = Spots.of(self.scene, carriers)
-        self.nearness = Nearness.of(self.scene)
-        self.truth = self.spots.at(support, self.scene.board)
+        self.candidates = SupportCandidates.of(self.scene, carriers)
+        self.nearness = Proximity.of(self.scene)
+        self.truth = self.candidates.at(support, self.scene.surface)
         share = along(self.scene)
         middle = middles(self.scene, share)
         block = np.array([middle.get((s, c), 0.0) for s, c in zip(support, category, strict=True)])
@@ -107,18 +107,18 @@ class Layout:
         self.group, self.rank = order.group[category], order.rank[category]
 
 
-def _away(scene: Scene, leader: NDArray[np.bool_]) -> NDArray[np.float64]:
-    """How far each object is from the nearest leader, in 0..1 (K,); 0 in a scene without leaders.
+def _away(scene: ObservedScene, reference: NDArray[np.bool_]) -> NDArray[np.float64]:
+    """How far each object is from the nearest reference object, in 0..1 (K,); 0 in a scene without reference objects.
 
     Of alike objects the nearer one is placed first: one infusion pole belongs to the table, the other is spare.
     """
-    if not leader.any():
-        return np.zeros(len(leader))
-    distance = np.linalg.norm(scene.center[:, None, :2] - scene.center[leader, :2], axis=2).min(axis=1)
+    if not reference.any():
+        return np.zeros(len(reference))
+    distance = np.linalg.norm(scene.center[:, None, :2] - scene.center[reference, :2], axis=2).min(axis=1)
     return distance / (1 + distance)
 
 
-class Examples(Dataset[dict[str, Any]]):
+class AnchorExamples(Dataset[dict[str, Any]]):
     """Examples by number, drawn anew each time, the same for the same seed.
 
     Parameters
@@ -133,7 +133,7 @@ class Examples(Dataset[dict[str, Any]]):
         Other examples in every epoch; False for a fixed set to validate on.
     """
 
-    def __init__(self, layouts: Sequence[Layout], order: Order, count: int, seed: int, fresh: bool) -> None:
+    def __init__(self, layouts: Sequence[RoomLayout], order: Order, count: int, seed: int, fresh: bool) -> None:
         self.layouts = [layout for layout in layouts if len(layout.targets)]
         self.order, self.count, self.seed, self.asked = order, count, seed, 0
         self.fixed = None if fresh else [self._draw(number) for number in range(count)]
@@ -155,7 +155,7 @@ class Examples(Dataset[dict[str, Any]]):
 
 
 def visible_with(
-    layout: Layout, target: int, rng: np.random.Generator
+    layout: RoomLayout, target: int, rng: np.random.Generator
 ) -> tuple[NDArray[np.bool_], NDArray[np.bool_], bool]:
     """What is there when the target's support is chosen, and when it is placed, each bool (K,); is that in order?"""
     count, in_order = len(layout.row), bool(rng.random() >= RANDOM_SUBSETS)
@@ -174,7 +174,7 @@ def visible_with(
     return _standing(layout, chosen, target), _standing(layout, placed, target), in_order
 
 
-def _standing(layout: Layout, seen: NDArray[np.bool_], target: int) -> NDArray[np.bool_]:
+def _standing(layout: RoomLayout, seen: NDArray[np.bool_], target: int) -> NDArray[np.bool_]:
     """Those of the objects seen that something seen holds; what holds the target always, the target never."""
     seen = seen | layout.above[target]
     seen[target] = False
@@ -182,10 +182,10 @@ def _standing(layout: Layout, seen: NDArray[np.bool_], target: int) -> NDArray[n
     return seen & ~layout.above[:, missing].any(axis=1)
 
 
-def example(layout: Layout, target: int, order: Order, rng: np.random.Generator) -> dict[str, Any]:
-    """One example: inputs of the model and the true spot, height, position and heading."""
+def example(layout: RoomLayout, target: int, order: Order, rng: np.random.Generator) -> dict[str, Any]:
+    """One example: inputs of the model and the true candidate, height, position and heading."""
     scene, unknown = layout.scene, len(order.rank) - 1
-    category, parent, board = int(scene.category[target]), int(scene.support[target]), int(scene.board[target])
+    category, parent, surface = int(scene.category[target]), int(scene.support[target]), int(scene.surface[target])
     chosen, placed, in_order = visible_with(layout, target, rng)
     fewer = rng.random() ** 2 if rng.random() < LESS else 1.0
     whole = in_order and fewer == 1.0
@@ -198,16 +198,16 @@ def example(layout: Layout, target: int, order: Order, rng: np.random.Generator)
     area = float(4 * (scene.half[here, 0] * scene.half[here, 1]).sum())
     coming = Counter(scene.category[here].tolist())
     moved = shaken(scene, rng, scale, layout.building)
-    tokens = tokens_for(moved, placed, parent, board, bottom, half)
+    tokens = tokens_for(moved, placed, parent, surface, bottom, half)
     position = scene.center[target, :2] + scale * rng.uniform(-DEQUANTISE, DEQUANTISE, 2)
     return {
         "target_category": category,
         "target_half": half.astype(np.float32),
         "target_bottom": np.float32(bottom - room_of(scene).ground),
-        "plan": plan_vector(scene, placed, category, parent, board, half, coming, area, whole),
+        "plan": plan_vector(scene, placed, category, parent, surface, half, coming, area, whole),
         "row": coming_vector(coming, unknown),
         "whole": np.float32(whole),
-        **context_arrays(moved, tokens, category, parent, board, unknown),
+        **context_arrays(moved, tokens, category, parent, surface, unknown),
         **_choice(layout, target, chosen, kept, order, rng),
         "position": position.astype(np.float32),
         "heading": np.float32(scene.yaw[target] + rng.uniform(-TURN_DEQUANTISE, TURN_DEQUANTISE)),
@@ -215,17 +215,19 @@ def example(layout: Layout, target: int, order: Order, rng: np.random.Generator)
 
 
 def _choice(
-    layout: Layout, target: int, seen: NDArray[np.bool_], kept: NDArray[np.bool_], order: Order,
+    layout: RoomLayout, target: int, seen: NDArray[np.bool_], kept: NDArray[np.bool_], order: Order,
     rng: np.random.Generator,
 ) -> dict[str, Any]:  # fmt: skip
-    """The choice of the spot among those of the objects that are there and of the usual kinds."""
+    """The choice of the candidate among those of the objects that are there and of the usual kinds."""
     scene, unknown = layout.scene, len(order.rank) - 1
     category, parent = int(scene.category[target]), int(scene.support[target])
     usual = seen & order.kinds[category][scene.category]
     usual[parent] = True
-    among = np.flatnonzero(usual[layout.spots.obj])
+    among = np.flatnonzero(usual[layout.candidates.obj])
     near = layout.nearness.by_kind(scene, seen, unknown)
-    arrays = support_arrays(scene, layout.spots, Load.of(scene, seen), near, category, scene.half[target], unknown)
+    arrays = support_arrays(
+        scene, layout.candidates, SupportOccupancy.of(scene, seen), near, category, scene.half[target], unknown
+    )
     later = kept & ~seen & (scene.category >= 0)
     later[target] = False
     height = scene.center[target, 2] - scene.half[target, 2] - (scene.center[parent, 2] - scene.half[parent, 2])
@@ -233,12 +235,12 @@ def _choice(
         **{name: array[among] for name, array in arrays.items()},
         "coming": coming_vector(Counter(scene.category[later].tolist()), unknown),
         "parent": int(np.searchsorted(among, layout.truth[target])),
-        "kind": scene.category[layout.spots.obj[among]],
+        "kind": scene.category[layout.candidates.obj[among]],
         "height": np.float32(height + rng.uniform(-0.002, 0.002)),
     }
 
 
-def shaken(scene: Scene, rng: np.random.Generator, scale: float, building: NDArray[np.bool_]) -> Scene:
+def shaken(scene: ObservedScene, rng: np.random.Generator, scale: float, building: NDArray[np.bool_]) -> ObservedScene:
     """The scene with each object a little moved, and turned unless it is part of the ``building``, bool (K,).
 
     ``scale``, metres, is the size of the support that is looked at: the smaller, the less they are moved.

@@ -18,7 +18,7 @@ import torch
 from torch import Tensor, nn
 
 from ...generate.observe.scene_tokens import FLAGS, PLAN_WIDTH
-from ...generate.observe.support_candidates import LOAD_WIDTH
+from ...generate.observe.support_candidates import OCCUPANCY_WIDTH
 from .critic import PlaceCritic
 from .pair_geometry import PAIR_FEATURES, PLACES, TURNS, base_places, pair_features, scale_of
 from .pose_encoder import LATENT, PoseEncoder
@@ -51,7 +51,7 @@ class AnchorModel(nn.Module):
         super().__init__()
         self.sizes = sizes
         self.embedding = nn.Embedding(sizes.categories + 1, sizes.embedding)
-        both = 6 * sizes.embedding + 6 + 6 + 1 + LOAD_WIDTH
+        both = 6 * sizes.embedding + 6 + 6 + 1 + OCCUPANCY_WIDTH
         self.support = nn.Sequential(nn.Linear(both, 96), nn.GELU(), nn.Linear(96, 64), nn.GELU())
         self.support_score = nn.Linear(64, 1)
         self.height = nn.Linear(64, LEVELS * 5)
@@ -80,7 +80,7 @@ class AnchorModel(nn.Module):
         support_holder: Tensor, support_half: Tensor, support_load: Tensor, support_content: Tensor,
         support_near: Tensor,
     ) -> tuple[Tensor, Tensor, Tensor, Tensor]:  # fmt: skip
-        """Scores of K spots for B targets, and for each the mixture of heights above its object's bottom.
+        """Scores of K candidates for B targets, and for each the mixture of heights above its object's bottom.
 
         Returns
         -------
@@ -112,7 +112,7 @@ class AnchorModel(nn.Module):
         target_category, target_half, target_bottom
             int64 (B,), (B, 3) and (B,): what is placed, half extents and height of its bottom, metres.
         plan, row
-            (B, PLAN_WIDTH) and (B, C), what is still to come to this board: :mod:`...generate.observe.scene_tokens`.
+            (B, PLAN_WIDTH) and (B, C), what is still to come to this surface: :mod:`...generate.observe.scene_tokens`.
         latent
             (B, latent): drawn from a standard normal, or what the encoder makes of the true pose.
         category, box, flags, mask

@@ -15,8 +15,8 @@ from ...dataset.format.reader import Dataset
 from ...generate.observe.contract import Contract
 from ...generate.observe.placement_order import learn_orders
 from ...generate.observe.scene_tokens import FLAGS, PLAN_WIDTH
-from ...generate.observe.support_candidates import LOAD_WIDTH
-from ...generate.observe.support_priors import learn_habits
+from ...generate.observe.support_candidates import OCCUPANCY_WIDTH
+from ...generate.observe.support_priors import learn_priors
 from ..losses.mixtures import height_nll, mixture_nll
 from ..losses.ranking import ranking_loss
 from ..losses.variational import kl_divergence
@@ -26,7 +26,7 @@ from ..settings import Settings
 from ..trainer import Schedule, fit
 from ..training_scenes import load_scenes, split, vocabulary_of
 from .critic import drawn
-from .examples import Examples, Layout, Order, collate
+from .examples import AnchorExamples, Order, RoomLayout, collate
 from .network import COMPONENTS, AnchorModel, AnchorSizes
 from .pose_encoder import LATENT
 
@@ -63,11 +63,11 @@ def train(dataset: Dataset, out: Path, settings: Settings) -> dict[str, Any]:
     settings = replace(settings, epochs=settings.epochs or EPOCHS)
     vocabulary = vocabulary_of(dataset)
     scenes = load_scenes(dataset, vocabulary, settings.quiet)
-    habits = learn_habits((scene.objects for scene in scenes), vocabulary)
+    priors = learn_priors((scene.objects for scene in scenes), vocabulary)
     train_scenes, val_scenes = split(scenes, settings.seed)
-    order = Order.of(vocabulary, habits)
-    layouts = [[Layout(scene, order) for scene in part] for part in (train_scenes, val_scenes)]
-    habits = replace(habits, orders=learn_orders((layout.scene for layout in layouts[0]), vocabulary))
+    order = Order.of(vocabulary, priors)
+    layouts = [[RoomLayout(scene, order) for scene in part] for part in (train_scenes, val_scenes)]
+    priors = replace(priors, orders=learn_orders((layout.scene for layout in layouts[0]), vocabulary))
     torch.manual_seed(settings.seed)
     network = AnchorModel(AnchorSizes(len(vocabulary)))
     count = min(PER_EPOCH, PER_TARGET * sum(len(layout.targets) for layout in layouts[0]))
@@ -84,15 +84,15 @@ def train(dataset: Dataset, out: Path, settings: Settings) -> dict[str, Any]:
     finally:
         torch.set_num_threads(threads)
     source = provenance(dataset, settings, len(train_scenes), len(val_scenes), losses, network)
-    write_anchors(network, Contract("anchors", vocabulary, habits, latent=network.sizes.latent, provenance=source), out)
+    write_anchors(network, Contract("anchors", vocabulary, priors, latent=network.sizes.latent, provenance=source), out)
     save_model_assets(dataset, out)
     return source
 
 
 def _loader(
-    layouts: Sequence[Layout], order: Order, count: int, seed: int, fresh: bool
+    layouts: Sequence[RoomLayout], order: Order, count: int, seed: int, fresh: bool
 ) -> DataLoader[list[dict[str, Tensor]]]:
-    examples: Any = Examples(layouts, order, count, seed, fresh)
+    examples: Any = AnchorExamples(layouts, order, count, seed, fresh)
     workers = int(fresh and count >= BACKGROUND)
     return DataLoader(
         examples, batch_size=BATCH, collate_fn=collate, num_workers=workers, persistent_workers=workers > 0
@@ -126,7 +126,7 @@ def part_terms(network: AnchorModel, batch: Mapping[str, Tensor]) -> dict[str, T
     score = score + (batch["support_mask"] - 1) * 1e4
     likeliest = score.argmax(1)
     weight, mean, sigma = (part[each, batch["parent"]] for part in heights)
-    loose = batch["support_load"][each, batch["parent"], 6]  # what stands on a board has the board's height
+    loose = batch["support_load"][each, batch["parent"], 6]  # what stands on a surface has the surface's height
     latent, divergence = _latent(network, batch)
     nll, (*mixture, view) = _place_nll(network, batch, latent)
     critic = ranking_loss(_scores(network, batch, tuple(mixture), view))
@@ -196,7 +196,7 @@ def example_inputs(
         "support_category": torch.zeros(batch, supports, dtype=torch.int64),
         "support_holder": torch.zeros(batch, supports, dtype=torch.int64),
         "support_half": torch.rand(batch, supports, 3),
-        "support_load": torch.rand(batch, supports, LOAD_WIDTH),
+        "support_load": torch.rand(batch, supports, OCCUPANCY_WIDTH),
         "support_content": torch.rand(batch, supports, categories + 1),
         "support_near": torch.rand(batch, supports, categories + 1),
         "view": torch.rand(batch, tokens, 3 * AnchorSizes(categories).width),

@@ -16,9 +16,9 @@ from tqdm import tqdm
 from ...dataset.format.reader import Dataset
 from ...generate.observe.contract import Contract
 from ...generate.observe.placement_order import ranks
-from ...generate.observe.proposals import Scene
+from ...generate.observe.proposals import ObservedScene
 from ...generate.observe.scene_tokens import ground_of, room_middle
-from ...generate.observe.support_priors import learn_habits
+from ...generate.observe.support_priors import learn_priors
 from ..losses.mixtures import logistics_nll
 from ..onnx_export import export_onnx
 from ..provenance import provenance
@@ -44,8 +44,8 @@ def train(dataset: Dataset, out: Path, settings: Settings) -> dict[str, Any]:
     settings = replace(settings, epochs=settings.epochs or EPOCHS)
     vocabulary = vocabulary_of(dataset)
     scenes = load_scenes(dataset, vocabulary, settings.quiet)
-    habits = learn_habits((scene.objects for scene in scenes), vocabulary)
-    rank = ranks(vocabulary, habits)
+    priors = learn_priors((scene.objects for scene in scenes), vocabulary)
+    rank = ranks(vocabulary, priors)
     train_scenes, val_scenes = split(scenes, settings.seed)
     torch.manual_seed(settings.seed)
     network = Atiss(AtissSizes(len(vocabulary)))
@@ -56,7 +56,7 @@ def train(dataset: Dataset, out: Path, settings: Settings) -> dict[str, Any]:
         val = _terms(network, draw_batch([rows_of(scene) for scene in val_scenes], rank, rng, 4 * BATCH))
     losses |= {f"val_{name}": float(value) for name, value in val.items()}
     source = provenance(dataset, settings, len(train_scenes), len(val_scenes), losses, network)
-    write_atiss(network, Contract("atiss", vocabulary, habits, provenance=source), out)
+    write_atiss(network, Contract("atiss", vocabulary, priors, provenance=source), out)
     return source
 
 
@@ -87,7 +87,7 @@ def rows_of(scene: TrainingScene) -> NDArray[np.float64]:
 
     The level of objects that are told and never asked for (of no known category, or roots) is 0.
     """
-    seen = Scene.of(scene.objects, scene.world)
+    seen = ObservedScene.of(scene.objects, scene.world)
     center = seen.center - np.array([*room_middle(seen), ground_of(seen)])
     asked = (seen.category >= 0) & (seen.support >= 0)
     return np.column_stack([seen.category, center, seen.half, seen.yaw, asked])

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ...errors import UniSGError
 from ...meshes.shape_feature import cloud
-from ...meshes.shape_files import Model
+from ...meshes.shape_files import ShapeFile
 from ..losses.chamfer import chamfer
 from .network import AtlasNet
 
@@ -49,7 +49,9 @@ class MeshTraining:
 
 
 def train(
-    models: Sequence[Model], settings: MeshTraining, progress: Callable[[int, float], None] = lambda step, loss: None
+    models: Sequence[ShapeFile],
+    settings: MeshTraining,
+    progress: Callable[[int, float], None] = lambda step, loss: None,
 ) -> tuple[AtlasNet, dict]:
     """Train on models; returns the network in evaluation mode and a report.
 
@@ -94,7 +96,7 @@ def train(
     return network.eval(), report | {"seconds": round(time.perf_counter() - start, 1)}
 
 
-def _families(models: Sequence[Model]) -> list[list[int]]:
+def _families(models: Sequence[ShapeFile]) -> list[list[int]]:
     """Model numbers by family, so that many variants of one object count as one object."""
     places: dict[str, list[int]] = {}
     for place, model in enumerate(models):

@@ -14,17 +14,17 @@ from torch.utils.data import Dataset
 
 from ...generate.behaviour.action_kinds import Kinds
 from ...generate.behaviour.action_policy import Casting
-from ...generate.behaviour.network_policy import play_arrays
-from ...generate.behaviour.observation import Play
+from ...generate.behaviour.network_policy import observation_arrays
+from ...generate.behaviour.observation import BehaviourObservation
 
 Made = list[tuple[int, tuple[int, int, int], int]]
 """What is missing: kind, slots, and the column of the leaf that it follows (-1: not to be learned)."""
 
 
-class Examples(Dataset[dict[str, Any]]):
+class BehaviourExamples(Dataset[dict[str, Any]]):
     """Examples by number, other ones every time; ``fresh`` False for a fixed set to validate on."""
 
-    def __init__(self, plays: Sequence[Play], kinds: Kinds, count: int, seed: int, fresh: bool) -> None:
+    def __init__(self, plays: Sequence[BehaviourObservation], kinds: Kinds, count: int, seed: int, fresh: bool) -> None:
         self.plays, self.kinds, self.count = plays, kinds, count
         self.casting = Casting(kinds)
         self.rng = np.random.default_rng(seed)
@@ -44,7 +44,7 @@ class Examples(Dataset[dict[str, Any]]):
         return example(play, new, self.kinds, self.casting, self.rng)
 
 
-def without_some(play: Play, rng: np.random.Generator) -> Play:
+def without_some(play: BehaviourObservation, rng: np.random.Generator) -> BehaviourObservation:
     """The scene without all objects of some categories and the actions in which they play."""
     hidden = rng.random(int(play.category.max(initial=-1)) + 2) < rng.random() * 0.6
     keep = ~hidden[play.category]
@@ -52,17 +52,17 @@ def without_some(play: Play, rng: np.random.Generator) -> Play:
         return play
     number = np.where(keep, np.cumsum(keep) - 1, -1)
     slots = np.where(play.slots >= 0, number[play.slots], -1)
-    acts = ((play.slots < 0) | (slots >= 0)).all(axis=1)
+    roled = ((play.slots < 0) | (slots >= 0)).all(axis=1)
     support = play.support[keep]
     return replace(
         play, rows=play.rows[keep], category=play.category[keep], new=play.new[keep],
         support=np.where(support >= 0, number[support], -1), relation=play.relation[keep], place=play.place[keep],
-        below=play.below[np.ix_(keep, keep)], kind=play.kind[acts], slots=slots[acts],
-        leaf_stage=play.leaf_stage[acts], leaf_order=play.leaf_order[acts],
+        below=play.below[np.ix_(keep, keep)], kind=play.kind[roled], slots=slots[roled],
+        leaf_stage=play.leaf_stage[roled], leaf_order=play.leaf_order[roled],
     )  # fmt: skip
 
 
-def draw_new(play: Play, rng: np.random.Generator) -> NDArray[np.bool_]:
+def draw_new(play: BehaviourObservation, rng: np.random.Generator) -> NDArray[np.bool_]:
     """Which objects are new: one (mostly one that plays in actions), a few, or all."""
     count = len(play.rows)
     new = np.zeros(count, bool)
@@ -78,7 +78,7 @@ def draw_new(play: Play, rng: np.random.Generator) -> NDArray[np.bool_]:
 
 
 def example(
-    play: Play, new: NDArray[np.bool_], kinds: Kinds, casting: Casting, rng: np.random.Generator
+    play: BehaviourObservation, new: NDArray[np.bool_], kinds: Kinds, casting: Casting, rng: np.random.Generator
 ) -> dict[str, Any]:
     """One example: some of the actions in which something new plays are there, the others are to be made."""
     mine = np.append(new, False)[play.slots].any(axis=1)
@@ -91,16 +91,18 @@ def example(
     context = replace(play.with_acts(kept), new=new)
     column = np.cumsum(kept) - 1
     made: Made = []
-    for act in np.flatnonzero(gone & (play.kind >= 0)).tolist():
-        slots = play.slots[act].tolist()
-        made.append((int(play.kind[act]), (slots[0], slots[1], slots[2]), _follows(play, act, kept, column)))
+    for roled_action in np.flatnonzero(gone & (play.kind >= 0)).tolist():
+        slots = play.slots[roled_action].tolist()
+        made.append(
+            (int(play.kind[roled_action]), (slots[0], slots[1], slots[2]), _follows(play, roled_action, kept, column))
+        )
     able = [kind for kind in range(len(kinds.kinds)) if feasible(casting, context, kind)]
-    return {"arrays": play_arrays(context, kinds), "made": made, "able": able}
+    return {"arrays": observation_arrays(context, kinds), "made": made, "able": able}
 
 
-def _follows(play: Play, act: int, kept: NDArray[np.bool_], column: NDArray[np.int64]) -> int:
+def _follows(play: BehaviourObservation, roled_action: int, kept: NDArray[np.bool_], column: NDArray[np.int64]) -> int:
     """The column of the leaf before an action's own: of an action, ``A + stage`` for the beginning, -1 for neither."""
-    stage, order = play.leaf_stage[act], play.leaf_order[act]
+    stage, order = play.leaf_stage[roled_action], play.leaf_order[roled_action]
     there = np.flatnonzero(kept & (play.leaf_stage == stage) & (play.leaf_order >= 0))
     if stage < 0 or order < 0 or not len(there):
         return -1
@@ -108,7 +110,7 @@ def _follows(play: Play, act: int, kept: NDArray[np.bool_], column: NDArray[np.i
     return int(column[before[play.leaf_order[before].argmax()]]) if len(before) else int(kept.sum() + stage)
 
 
-def feasible(casting: Casting, play: Play, kind: int) -> bool:
+def feasible(casting: Casting, play: BehaviourObservation, kind: int) -> bool:
     """Is there somebody for each part, and somebody new for one?"""
     parts = [casting.candidates(play, kind, slot) for slot in range(3)]
     fresh = np.append(play.new, False)
@@ -118,11 +120,11 @@ def feasible(casting: Casting, play: Play, kind: int) -> bool:
 def collate(examples: Sequence[dict[str, Any]], kinds: int) -> dict[str, Tensor]:
     """A batch: padded arrays, ``wanted`` (B, K) with ``able`` (B, K), and what is to be made as rows."""
     arrays = [item["arrays"] for item in examples]
-    objects, acts = (max(1, *(len(one[name]) for one in arrays)) for name in ("mask", "act_mask"))
-    sizes = {"holds": (objects, objects), "place": (objects, 3), "plays": (acts, 3, objects)}
+    objects, roled = (max(1, *(len(one[name]) for one in arrays)) for name in ("mask", "act_mask"))
+    sizes = {"holds": (objects, objects), "place": (objects, 3), "plays": (roled, 3, objects)}
     batch = {}
     for name in arrays[0]:
-        size = sizes.get(name, (acts,) if name in ("kind", "stage", "order", "act_mask") else (objects,))
+        size = sizes.get(name, (roled,) if name in ("kind", "stage", "order", "act_mask") else (objects,))
         batch[name] = torch.from_numpy(np.stack([_padded(one[name], size) for one in arrays]))
     wanted, able = torch.zeros(len(examples), kinds), torch.zeros(len(examples), kinds)
     made = []
@@ -131,7 +133,7 @@ def collate(examples: Sequence[dict[str, Any]], kinds: int) -> dict[str, Tensor]
         here = len(item["arrays"]["act_mask"])
         for kind, slots, follows in item["made"]:
             wanted[place, kind] = 1
-            made.append([place, kind, *slots, follows + (acts - here if follows >= here else 0)])
+            made.append([place, kind, *slots, follows + (roled - here if follows >= here else 0)])
     batch |= {"wanted": wanted, "able": able, "made": torch.tensor(made, dtype=torch.int64).reshape(-1, 6)}
     return batch
 

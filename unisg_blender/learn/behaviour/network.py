@@ -39,7 +39,7 @@ class Seen(NamedTuple):
     logits (B, K) of one more action."""
 
     objects: Tensor
-    acts: Tensor
+    roled: Tensor
     able: Tensor
     wanted: Tensor
 
@@ -62,7 +62,7 @@ class BehaviourNet(nn.Module):
         self.kind = nn.Embedding(sizes.kinds + 1, embedding)
         self.stage = nn.Embedding(sizes.stages + 1, embedding)
         self.obj = nn.Linear(embedding + 1 + RELATIONS, width)
-        self.act = nn.Linear(2 * embedding + 1, width)
+        self.roled_action = nn.Linear(2 * embedding + 1, width)
         self.layers = nn.ModuleList(_Exchange(width) for _ in range(sizes.layers))
         self.query = nn.Linear(embedding, 4 * width)
         self.pair = nn.Linear(embedding, 2 * PAIR_FEATURES)
@@ -102,7 +102,7 @@ class BehaviourNet(nn.Module):
             )
             for slot in (1, 2)
         )
-        return seen.wanted, self.targets(seen), tool, frame, self.followed(seen.acts)
+        return seen.wanted, self.targets(seen), tool, frame, self.followed(seen.roled)
 
     def encode(
         self, category: Tensor, new: Tensor, relation: Tensor, holds: Tensor, place: Tensor, mask: Tensor,
@@ -112,12 +112,12 @@ class BehaviourNet(nn.Module):
         one_hot = nn.functional.one_hot(relation, RELATIONS).float()
         objects = self.obj(torch.cat([self.category(category), new.unsqueeze(-1), one_hot], -1)) * mask.unsqueeze(-1)
         last = (order / 8).clamp(-1, 4).unsqueeze(-1)
-        acts = self.act(torch.cat([self.kind(kind), self.stage(stage), last], -1)) * act_mask.unsqueeze(-1)
+        roled = self.roled_action(torch.cat([self.kind(kind), self.stage(stage), last], -1)) * act_mask.unsqueeze(-1)
         same = (category.unsqueeze(2) == category.unsqueeze(1)).float() * mask.unsqueeze(1)
         for layer in self.layers:
-            objects, acts = layer(objects, acts, plays, holds, same, mask, act_mask)
+            objects, roled = layer(objects, roled, plays, holds, same, mask, act_mask)
         able = self.allowed[:, :, category].permute(2, 0, 1, 3) * mask[:, None, None]
-        return Seen(objects, acts, able, self._wanted(objects, new, able, kind, act_mask))
+        return Seen(objects, roled, able, self._wanted(objects, new, able, kind, act_mask))
 
     def asked(self, slot: int) -> Tensor:
         """What each kind looks for in its target (0), tool (1), frame (2) and in the leaf before it (3), (K, width)."""
@@ -139,10 +139,10 @@ class BehaviourNet(nn.Module):
         apart = (features * self.pair_weights(slot)[kind].unsqueeze(1)).sum(-1)
         return _log_softmax(base + apart, seen.able[scene, kind, slot])
 
-    def followed(self, acts: Tensor) -> Tensor:
+    def followed(self, roled: Tensor) -> Tensor:
         """Scores (B, K, A + S) of the leaf of an act, or beginning of a stage, that a kind's new leaf follows."""
-        starts = self.begin(self.stage.weight[:-1]).expand(len(acts), -1, -1)
-        return self.asked(3) @ torch.cat([acts, starts], 1).transpose(1, 2)
+        starts = self.begin(self.stage.weight[:-1]).expand(len(roled), -1, -1)
+        return self.asked(3) @ torch.cat([roled, starts], 1).transpose(1, 2)
 
     def _wanted(self, objects: Tensor, new: Tensor, able: Tensor, kind: Tensor, act_mask: Tensor) -> Tensor:
         """From what is new and may play in the kind, all that may, and how many actions of the kind there are."""
@@ -164,25 +164,25 @@ class _Exchange(nn.Module):
         super().__init__()
         self.to_act = nn.Linear(3 * width, width)
         self.of_act = nn.Linear(width, 3 * width)
-        self.act = nn.Sequential(nn.LayerNorm(2 * width), nn.Linear(2 * width, width), nn.GELU())
+        self.roled_action = nn.Sequential(nn.LayerNorm(2 * width), nn.Linear(2 * width, width), nn.GELU())
         self.obj = nn.Sequential(
             nn.LayerNorm(6 * width), nn.Linear(6 * width, 2 * width), nn.GELU(), nn.Linear(2 * width, width)
         )
 
     def forward(
-        self, objects: Tensor, acts: Tensor, plays: Tensor, holds: Tensor, same: Tensor, mask: Tensor, act_mask: Tensor
+        self, objects: Tensor, roled: Tensor, plays: Tensor, holds: Tensor, same: Tensor, mask: Tensor, act_mask: Tensor
     ) -> tuple[Tensor, Tensor]:
         """One round of messages between objects (B, E, W) and acts (B, A, W): both anew, of the same shapes."""
         cast = (plays @ objects.unsqueeze(1)).flatten(2)
-        acts = acts + self.act(torch.cat([acts, self.to_act(cast)], -1)) * act_mask.unsqueeze(-1)
-        parts = self.of_act(acts).unflatten(-1, (3, -1))
+        roled = roled + self.roled_action(torch.cat([roled, self.to_act(cast)], -1)) * act_mask.unsqueeze(-1)
+        parts = self.of_act(roled).unflatten(-1, (3, -1))
         from_acts = torch.einsum("base,basw->bew", plays, parts)
         above = holds @ objects
         below = holds.transpose(1, 2) @ objects / holds.sum(1).unsqueeze(-1).clamp(min=1)
         alike = same @ objects / same.sum(-1, keepdim=True).clamp(min=1)
         room = (objects.sum(1, keepdim=True) / mask.sum(1)[:, None, None].clamp(min=1)).expand_as(objects)
         seen = torch.cat([objects, from_acts, above, below, alike, room], -1)
-        return objects + self.obj(seen) * mask.unsqueeze(-1), acts
+        return objects + self.obj(seen) * mask.unsqueeze(-1), roled
 
 
 def _pair_features(place: Tensor, holds: Tensor) -> Tensor:

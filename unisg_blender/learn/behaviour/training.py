@@ -19,13 +19,13 @@ from ...dataset.format.reader import Dataset
 from ...generate.behaviour.action_kinds import Kinds, behaviour_path
 from ...generate.behaviour.action_policy import Casting
 from ...generate.behaviour.action_statistics import learn_kinds
-from ...generate.behaviour.network_policy import INPUTS, OUTPUTS, play_arrays
-from ...generate.behaviour.observation import Play, read_play
+from ...generate.behaviour.network_policy import INPUTS, OUTPUTS, observation_arrays
+from ...generate.behaviour.observation import BehaviourObservation, observe_behaviour
 from ..onnx_export import export_onnx
 from ..provenance import provenance
 from ..settings import Settings
 from ..trainer import Schedule, fit
-from .examples import Examples, collate
+from .examples import BehaviourExamples, collate
 from .network import BehaviourNet, BehaviourSizes
 
 EPOCHS = 20
@@ -55,7 +55,7 @@ def train(dataset: Dataset, model: Path, settings: Settings) -> dict[str, Any]:
         few = f"{len(graphs)} scenes have actions, {FEWEST} are needed at least"
         return {"notes": [f"new objects get no behaviour: {few}"]}
     kinds = learn_kinds(graphs)
-    plays = [read_play(graph, kinds) for graph in graphs]
+    plays = [observe_behaviour(graph, kinds) for graph in graphs]
     settings = replace(settings, epochs=min(settings.epochs or EPOCHS, EPOCHS), logs=None)
     order = np.random.default_rng(settings.seed).permutation(len(plays))
     held_out = max(1, round(HELD_OUT * len(plays)))
@@ -78,9 +78,11 @@ def make_network(kinds: Kinds) -> BehaviourNet:
     return BehaviourNet(sizes, torch.from_numpy(Casting(kinds).allowed))
 
 
-def _loader(plays: list[Play], kinds: Kinds, count: int, seed: int, fresh: bool) -> DataLoader[dict[str, Tensor]]:
+def _loader(
+    plays: list[BehaviourObservation], kinds: Kinds, count: int, seed: int, fresh: bool
+) -> DataLoader[dict[str, Tensor]]:
     gather = partial(collate, kinds=len(kinds.kinds))
-    return DataLoader(Examples(plays, kinds, count, seed, fresh), batch_size=BATCH, collate_fn=gather)
+    return DataLoader(BehaviourExamples(plays, kinds, count, seed, fresh), batch_size=BATCH, collate_fn=gather)
 
 
 def _terms(network: nn.Module, batch: Mapping[str, Tensor]) -> dict[str, Tensor]:
@@ -100,7 +102,7 @@ def _terms(network: nn.Module, batch: Mapping[str, Tensor]) -> dict[str, Tensor]
             found = network.partners(seen, batch["place"], batch["holds"], rows, slot)
             chance = chance.index_add(0, has, found[torch.arange(len(has)), part[has]])
     cast = -_log_sum_by(scene * seen.wanted.shape[1] + kind, chance).mean()
-    leaf = _leaf_loss(network, seen.acts, batch, scene, kind, follows)
+    leaf = _leaf_loss(network, seen.roled, batch, scene, kind, follows)
     loss = WANTED_WEIGHT * wanted + cast + LEAF_WEIGHT * leaf
     return {"loss": loss, "wanted": wanted, "cast": cast, "leaf": leaf}
 
@@ -114,13 +116,13 @@ def _log_sum_by(group: Tensor, values: Tensor) -> Tensor:
 
 
 def _leaf_loss(
-    network: BehaviourNet, acts: Tensor, batch: Mapping[str, Tensor], scene: Tensor, kind: Tensor, follows: Tensor
+    network: BehaviourNet, roled: Tensor, batch: Mapping[str, Tensor], scene: Tensor, kind: Tensor, follows: Tensor
 ) -> Tensor:
     asked = follows >= 0
     if not asked.any():
-        return acts.sum() * 0
+        return roled.sum() * 0
     scene, kind = scene[asked], kind[asked]
-    scores = network.followed(acts)[scene, kind]
+    scores = network.followed(roled)[scene, kind]
     leaves = (batch["act_mask"] * (batch["order"] >= 0))[scene]
     able = torch.cat([leaves, torch.ones(len(leaves), network.sizes.stages)], 1)
     return nn.functional.cross_entropy(scores + (able - 1) * 1e4, follows[asked])
@@ -129,22 +131,22 @@ def _leaf_loss(
 def write_behaviour(network: BehaviourNet, kinds: Kinds, out: Path) -> None:
     """Write the network as an ONNX file with what its scenes teach."""
     inputs = example_inputs(kinds)
-    obj, act = {1: "things"}, {1: "acts"}
+    obj, roled_action = {1: "things"}, {1: "acts"}
     dynamic: dict[str, dict[int, str]] = {name: dict(obj) for name in INPUTS[:6]}
-    dynamic |= {name: dict(act) for name in ("kind", "stage", "order", "act_mask")}
+    dynamic |= {name: dict(roled_action) for name in ("kind", "stage", "order", "act_mask")}
     dynamic["holds"] = {1: "things", 2: "things"}
     dynamic["plays"] = {1: "acts", 3: "things"}
     export_onnx(network, inputs, OUTPUTS, dynamic, kinds.to_json(), out)
 
 
-def example_inputs(kinds: Kinds, objects: int = 7, acts: int = 5) -> dict[str, Tensor]:
+def example_inputs(kinds: Kinds, objects: int = 7, roled: int = 5) -> dict[str, Tensor]:
     """Inputs of the right kinds, one scene."""
     rng = np.random.default_rng(0)
-    slots = np.stack([rng.permutation(objects)[:3] for _ in range(acts)])
-    play = Play(
+    slots = np.stack([rng.permutation(objects)[:3] for _ in range(roled)])
+    play = BehaviourObservation(
         rows=np.arange(objects), category=np.arange(objects) % len(kinds.categories), new=np.arange(objects) == 0,
         support=np.arange(objects) - 1, relation=np.zeros(objects, np.int64), place=rng.random((objects, 3)),
-        below=np.eye(objects, dtype=bool), kind=np.arange(acts) % len(kinds.kinds), slots=slots,
-        leaf_stage=np.zeros(acts, np.int64), leaf_order=np.arange(acts),
+        below=np.eye(objects, dtype=bool), kind=np.arange(roled) % len(kinds.kinds), slots=slots,
+        leaf_stage=np.zeros(roled, np.int64), leaf_order=np.arange(roled),
     )  # fmt: skip
-    return {name: torch.from_numpy(array[None]) for name, array in play_arrays(play, kinds).items()}
+    return {name: torch.from_numpy(array[None]) for name, array in observation_arrays(play, kinds).items()}

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ...errors import UniSGError
 from ...meshes.atlasnet_sessions import PRETRAINED
 from ...meshes.shape_feature import AtlasNetEncoder
-from ...meshes.shape_files import Model
+from ...meshes.shape_files import ShapeFile
 from ...meshes.similar import quarter_turn_features
 from ...predict.category_model import LabelModel, distances, nearest_of_class, size_channels
 from ...predict.category_proposals import beside
@@ -26,7 +26,7 @@ WORDS_FILE = PRETRAINED / "labels_words.json"
 
 
 def fit_labels(
-    models: Sequence[Model],
+    models: Sequence[ShapeFile],
     scenes: Sequence[SceneGraph],
     encoder: AtlasNetEncoder,
     provenance: dict,
@@ -76,7 +76,7 @@ def fit_labels(
 
 
 def shape_inputs(
-    models: Sequence[Model], encoder: AtlasNetEncoder, progress: Callable[[int], None] = lambda done: None
+    models: Sequence[ShapeFile], encoder: AtlasNetEncoder, progress: Callable[[int], None] = lambda done: None
 ) -> tuple[NDArray[np.float32], NDArray[np.float64]]:
     """Mesh features (4 N, 1024) of models in four quarter turns, and sizes (4 N, 3) in metres."""
     vectors, sizes = [], []
@@ -108,7 +108,7 @@ def _log_likelihood(scores: NDArray[np.float64], truth: NDArray[np.int64]) -> fl
 
 
 def build_lexicon(
-    vocabulary: Sequence[str], models: Sequence[Model], synonyms: Mapping[str, Sequence[str]]
+    vocabulary: Sequence[str], models: Sequence[ShapeFile], synonyms: Mapping[str, Sequence[str]]
 ) -> list[dict[str, float]]:
     """Words of each category: its own (the last one fully, the others half), its synonyms, and its models' names."""
     lexicon = []

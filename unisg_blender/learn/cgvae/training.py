@@ -15,7 +15,7 @@ from torch.utils.data import DataLoader
 
 from ...dataset.format.reader import Dataset
 from ...generate.observe.contract import Contract
-from ...generate.observe.support_priors import learn_habits
+from ...generate.observe.support_priors import learn_priors
 from ...generate.propose.cgvae_proposer import edges_of, node_features
 from ...poses import FORMS
 from ..losses.variational import cgvae_losses
@@ -75,11 +75,11 @@ def train_paper(dataset: Dataset, out: Path, settings: Settings) -> dict[str, An
 def _contract(scenes: Sequence[TrainingScene], vocabulary: tuple[str, ...], settings: Settings) -> Contract:
     form = settings.form or FORM
     mean, scale, kept = normalisation([scene.local for scene in scenes], form)
-    habits = learn_habits((scene.objects for scene in scenes), vocabulary)
+    priors = learn_priors((scene.objects for scene in scenes), vocabulary)
     return Contract(
         kind="cgvae",
         vocabulary=vocabulary,
-        habits=habits,
+        priors=priors,
         form=form,
         mean=tuple(mean.tolist()),
         scale=tuple(scale.tolist()),

@@ -27,7 +27,7 @@ HELD_OUT = 0.1
 
 
 @dataclass(frozen=True, eq=False)
-class Rooms:
+class PaperRooms:
     """Some rooms: parent-relative affines (N, 4, 4), category, edges both ways, parent, scene, and pairs to decode."""
 
     local: Tensor
@@ -39,7 +39,7 @@ class Rooms:
 
 
 @lru_cache(maxsize=1)
-def _rooms(folder: Path, seed: int) -> tuple[list[Rooms], Rooms, int]:
+def _rooms(folder: Path, seed: int) -> tuple[list[PaperRooms], PaperRooms, int]:
     """Training batches, held-out rooms, number of categories."""
     dataset = open_dataset(folder)
     order = np.random.default_rng((seed, 2)).permutation(len(dataset))
@@ -50,7 +50,7 @@ def _rooms(folder: Path, seed: int) -> tuple[list[Rooms], Rooms, int]:
     return batches, _joined(dataset, order[:count], generator), len(dataset.categories)
 
 
-def _joined(dataset: Any, rows: NDArray[np.int64], generator: torch.Generator) -> Rooms:
+def _joined(dataset: Any, rows: NDArray[np.int64], generator: torch.Generator) -> PaperRooms:
     scenes = [dataset[int(row)] for row in rows]
     counts = np.array([len(scene) for scene in scenes])
     start = np.repeat(np.cumsum(counts) - counts, counts)
@@ -62,7 +62,7 @@ def _joined(dataset: Any, rows: NDArray[np.int64], generator: torch.Generator) -
     above = torch.from_numpy(parent)
     known = torch.from_numpy(np.where(category < 0, len(dataset.categories), category))
     pairs = sample_pairs(above, number, NEGATIVES, generator)
-    return Rooms(torch.from_numpy(local), known, torch.from_numpy(edges_of(parent)), above, number, pairs)
+    return PaperRooms(torch.from_numpy(local), known, torch.from_numpy(edges_of(parent)), above, number, pairs)
 
 
 def run(settings: Mapping[str, Any], data: Path) -> dict[str, Any]:
@@ -79,7 +79,7 @@ def run(settings: Mapping[str, Any], data: Path) -> dict[str, Any]:
     names = ("mse", "bce", "kl")
     curves: dict[str, list[float]] = {f"{stage}{name}": [] for stage in ("", "test_") for name in ("loss", *names)}
 
-    def terms(part: Rooms) -> tuple[Tensor, Tensor, Tensor, Tensor, Tensor]:
+    def terms(part: PaperRooms) -> tuple[Tensor, Tensor, Tensor, Tensor, Tensor]:
         """Loss, its three terms and what was decoded, of one drawing of the latent code."""
         noise = torch.randn(len(part.category), LATENT)
         losses, decoded = sampled_losses(network, features[id(part)], part.category, part.edges, part.pairs, noise)
@@ -103,7 +103,7 @@ def run(settings: Mapping[str, Any], data: Path) -> dict[str, Any]:
 
 @torch.no_grad()
 def _decoded(
-    network: Cgvae, batches: list[Rooms], held_out: Rooms, form: str, features: Mapping[int, Tensor]
+    network: Cgvae, batches: list[PaperRooms], held_out: PaperRooms, form: str, features: Mapping[int, Tensor]
 ) -> dict[str, float]:
     """Errors of the reconstruction from the mean latents, beside those of always saying the training mean."""
     truth = features[id(held_out)]

@@ -19,14 +19,14 @@ from .prim_entities import Entities
 from .xforms import from_usd, local_transform
 
 if TYPE_CHECKING:
-    from .stage_reader import Reader
+    from .stage_reader import StageReader
 
 SAME = 1e-5
 """Relative difference that single precision leaves between a placement and its exact matrix."""
 Entry = tuple[int, SceneGraph, NDArray[np.float64], str]
 
 
-def read_instances(found: Entities, reader: Reader) -> dict[str, Table]:
+def read_instances(found: Entities, reader: StageReader) -> dict[str, Table]:
     """The component ``instances``: (entity, prototype, placement, source) for every copy."""
     entries: list[Entry] = []
     for row, prim in found.instances:
@@ -48,11 +48,11 @@ def read_instances(found: Entities, reader: Reader) -> dict[str, Table]:
     }
 
 
-def _turned(placed: NDArray[np.float64], reader: Reader) -> NDArray[np.float64]:
+def _turned(placed: NDArray[np.float64], reader: StageReader) -> NDArray[np.float64]:
     return reader.frame @ placed @ np.linalg.inv(reader.frame)
 
 
-def _prototype(prim: Any, reader: Reader, *, children: bool) -> SceneGraph:
+def _prototype(prim: Any, reader: StageReader, *, children: bool) -> SceneGraph:
     """The scenegraph of a prototype prim, the same object for the same prototype.
 
     ``children``: the prim only holds the prototype's entities, as ours do.
@@ -75,7 +75,7 @@ def _prototype(prim: Any, reader: Reader, *, children: bool) -> SceneGraph:
     return reader.prototypes[key]
 
 
-def _point_instances(row: int, prim: Any, reader: Reader) -> list[Entry]:
+def _point_instances(row: int, prim: Any, reader: StageReader) -> list[Entry]:
     instancer = UsdGeom.PointInstancer(prim)
     time = Usd.TimeCode.EarliestTime()
     targets = [prim.GetStage().GetPrimAtPath(path) for path in instancer.GetPrototypesRel().GetForwardedTargets()]

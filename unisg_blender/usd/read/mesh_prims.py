@@ -21,7 +21,7 @@ from .unsupported_prims import material_losses
 SHOWN = ("MESH", "CURVE", "POINTCLOUD")
 
 
-class MeshShelf:
+class MeshPrims:
     """The meshes and materials of one stage; geometry is turned into metres and Z up by ``frame``."""
 
     def __init__(self, frame: NDArray[np.float64]) -> None:

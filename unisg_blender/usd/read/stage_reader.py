@@ -22,7 +22,7 @@ from .component_scopes import read_components
 from .elements import is_elements, read_elements
 from .entity_prims import read_entries
 from .instancers import read_instances
-from .mesh_prims import MeshShelf
+from .mesh_prims import MeshPrims
 from .prim_entities import find_entities
 from .stage import quiet, stage_frame
 from .time_samples import read_motion
@@ -34,13 +34,13 @@ STANDARD = (components.CAMERA, components.LIGHT, components.VISIBILITY)
 
 
 @dataclass
-class Reader:
+class StageReader:
     """What stays the same while one stage is read."""
 
     frame: NDArray[np.float64]  # the stage's frame to metres and Z up
     metres: float  # size of a scene unit
     rate: float  # time codes per second
-    shelf: MeshShelf
+    shelf: MeshPrims
     prototypes: dict[Any, SceneGraph]
     reading: set[Any]  # prototypes that are being read
     progress: Progress | None
@@ -64,7 +64,7 @@ def read_stage(stage: Any, title: str, progress: Progress | None = None) -> Scen
 def _read_scene(stage: Any, title: str, progress: Progress | None) -> SceneGraph:
     frame = stage_frame(stage)
     metres = float(np.abs(frame[:3, :3]).max())
-    reader = Reader(frame, metres, float(stage.GetTimeCodesPerSecond()), MeshShelf(frame), {}, set(), progress)
+    reader = StageReader(frame, metres, float(stage.GetTimeCodesPerSecond()), MeshPrims(frame), {}, set(), progress)
     tops = stage.GetPseudoRoot().GetChildren()
     scene = next((prim for prim in tops if prim.HasAttribute(schema.SCENE_VERSION)), None)
     if scene is None:
@@ -77,7 +77,9 @@ def _read_scene(stage: Any, title: str, progress: Progress | None) -> SceneGraph
     return read_graph(tops, reader, true_name(scene), scene)
 
 
-def read_graph(tops: list[Any], reader: Reader, title: str, holder: Any = None, *, nested: bool = False) -> SceneGraph:
+def read_graph(
+    tops: list[Any], reader: StageReader, title: str, holder: Any = None, *, nested: bool = False
+) -> SceneGraph:
     """The scenegraph of some prims and all below them.
 
     ``holder`` is the prim that has their component tables; ``nested`` reads what a

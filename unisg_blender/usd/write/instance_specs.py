@@ -16,13 +16,13 @@ from ..names import Identifiers
 from .specs import Types, attribute, custom, define, define_class, matrices, points, relationship
 
 if TYPE_CHECKING:
-    from .layer_writer import Writer
+    from .layer_writer import LayerWriter
 
 FEW = 8
 """Up to so many copies stand as native instances, which every tool can edit one by one."""
 
 
-def write_instances(prims: Sequence[Any], graph: SceneGraph, writer: Writer) -> None:
+def write_instances(prims: Sequence[Any], graph: SceneGraph, writer: LayerWriter) -> None:
     """Author the component ``instances`` under the prims of its entities."""
     found = graph.components.get(components.INSTANCES)
     if found is None:
@@ -49,7 +49,7 @@ def upright(placed: NDArray[np.float64]) -> bool:
     return bool((linear[:, ~np.eye(3, dtype=bool)] == 0).all())
 
 
-def _prototype(graph: SceneGraph, writer: Writer) -> Any:
+def _prototype(graph: SceneGraph, writer: LayerWriter) -> Any:
     """Path of the prototype of a scenegraph, written once."""
     from .layer_writer import write_graph
 

@@ -33,7 +33,7 @@ Tick = Callable[[], None]
 
 
 @dataclass
-class Writer:
+class LayerWriter:
     """What stays the same while one layer is written."""
 
     scene: Any
@@ -55,11 +55,11 @@ def write_layer(graph: SceneGraph, layer: Any, tick: Tick = lambda: None) -> Non
         scene.SetInfo("kind", "assembly")
         custom(scene, schema.SCENE_VERSION, Types.Int, schema.VERSION)
         materials = write_materials(scene, _all_materials(graph))
-        writer = Writer(scene, materials, _write_shared_meshes(scene, graph, materials), tick)
+        writer = LayerWriter(scene, materials, _write_shared_meshes(scene, graph, materials), tick)
         write_graph(scene, graph, writer, Identifiers(schema.SCOPES))
 
 
-def write_graph(parent: Any, graph: SceneGraph, writer: Writer, identifiers: Identifiers) -> None:
+def write_graph(parent: Any, graph: SceneGraph, writer: LayerWriter, identifiers: Identifiers) -> None:
     """Author all entities of a scenegraph under ``parent``, and its component tables in a scope beside them."""
     prims = _write_entities(parent, graph, writer, identifiers)
     write_behaviour(prims, graph)
@@ -109,7 +109,7 @@ def _write_shared_meshes(scene: Any, graph: SceneGraph, materials: dict[str, Any
     return references
 
 
-def _write_entities(parent: Any, graph: SceneGraph, writer: Writer, top: Identifiers) -> list[Any]:
+def _write_entities(parent: Any, graph: SceneGraph, writer: LayerWriter, top: Identifiers) -> list[Any]:
     moved = _moved(graph)
     cameras, lights = (graph.components.get(name) for name in (components.CAMERA, components.LIGHT))
     local, counts = matrices(graph.local), info(graph).tolist()
@@ -169,7 +169,7 @@ def _write_transform(prim: Any, local: Any, moved: Moved | None) -> None:
 
 
 def _write_shape(
-    prim: Any, graph: SceneGraph, row: int, names: dict[int, Identifiers], writer: Writer,
+    prim: Any, graph: SceneGraph, row: int, names: dict[int, Identifiers], writer: LayerWriter,
     tables: tuple[Table | None, Table | None],
 ) -> None:  # fmt: skip
     """What the entity looks like: a Mesh, Camera or light under its Xform; its type where that does not tell it."""

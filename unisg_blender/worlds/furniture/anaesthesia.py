@@ -6,11 +6,11 @@ from functools import cache
 
 import numpy as np
 
-from .kit import Asset, Surface, asset, ball, block, lathe, rod
+from .kit import Furniture, StandingSurface, asset, ball, block, lathe, rod
 
 
 @cache
-def anaesthesia_machine(width: float, height: float) -> Asset:
+def anaesthesia_machine(width: float, height: float) -> Furniture:
     """Drawers, work surface, vaporisers, bellows and gauges."""
     depth = 0.72
     drawers = [
@@ -44,13 +44,13 @@ def anaesthesia_machine(width: float, height: float) -> Asset:
         *bellows,
         *gauges,
     ]
-    shelf = Surface((0, -depth / 4 - 0.015, 0.84), (width - 0.04, depth / 2 - 0.07), 0.17)
-    top = Surface((0, 0.18, height), (width, 0.36))
+    shelf = StandingSurface((0, -depth / 4 - 0.015, 0.84), (width - 0.04, depth / 2 - 0.07), 0.17)
+    top = StandingSurface((0, 0.18, height), (width, 0.36))
     return asset("Anaesthesia Machine", parts, {"shelf": shelf, "top": top})
 
 
 @cache
-def monitor(width: float, kind: str) -> Asset:
+def monitor(width: float, kind: str) -> Furniture:
     """A flat screen on a foot: "patient" with curves, "desk" with windows."""
     height = round(width * 0.62, 3)
     low = 0.09
@@ -72,7 +72,7 @@ def monitor(width: float, kind: str) -> Asset:
 
 
 @cache
-def iv_pole(height: float) -> Asset:
+def iv_pole(height: float) -> Furniture:
     """A pole on five feet with two hooks; ``hook`` surfaces are where bags hang."""
     feet = []
     for angle in np.radians(90 + 72 * np.arange(5)):
@@ -85,12 +85,14 @@ def iv_pole(height: float) -> Asset:
         block("chrome", (0.24, 0.012, 0.012), (0, 0, height - 0.013)),
         *(block("chrome", (0.008, 0.008, 0.03), (x, 0, height - 0.044)) for x in (-0.11, 0.11)),
     ]
-    hooks = {name: Surface((x, 0, height - 0.044), (0.01, 0.01)) for name, x in (("left", -0.11), ("right", 0.11))}
+    hooks = {
+        name: StandingSurface((x, 0, height - 0.044), (0.01, 0.01)) for name, x in (("left", -0.11), ("right", 0.11))
+    }
     return asset("IV Pole", parts, hooks)
 
 
 @cache
-def iv_bag(volume: str) -> Asset:
+def iv_bag(volume: str) -> Furniture:
     """An infusion bag ("large" or "small") with its drip chamber; it hangs by its top."""
     scale = 1.0 if volume == "large" else 0.8
     parts = [
@@ -103,7 +105,7 @@ def iv_bag(volume: str) -> Asset:
 
 
 @cache
-def trolley(width: float, height: float, color: str) -> Asset:
+def trolley(width: float, height: float, color: str) -> Furniture:
     """A drawer trolley with a work surface."""
     depth = 0.5
     wheels = [
@@ -122,11 +124,11 @@ def trolley(width: float, height: float, color: str) -> Asset:
         *fronts,
         block("chrome", (0.02, depth * 0.8, 0.02), (width / 2 + 0.02, 0, height - 0.08)),
     ]
-    return asset("Trolley", parts, {"top": Surface((0, 0, height), (width, depth))})
+    return asset("Trolley", parts, {"top": StandingSurface((0, 0, height), (width, depth))})
 
 
 @cache
-def bag_mask() -> Asset:
+def bag_mask() -> Furniture:
     """A resuscitation bag lying on its side: mask at -y, reservoir at +y."""
     parts = [
         ball("teal", (0.06, 0.085, 0.055), (0, 0.03, 0.056), 10, 5),
@@ -138,7 +140,7 @@ def bag_mask() -> Asset:
 
 
 @cache
-def laryngoscope() -> Asset:
+def laryngoscope() -> Furniture:
     """Handle and blade, lying."""
     parts = [
         rod("chrome", 0.014, (0, 0.10, 0.014), (0, -0.02, 0.014), 8),
@@ -148,7 +150,7 @@ def laryngoscope() -> Asset:
 
 
 @cache
-def tube(length: float) -> Asset:
+def tube(length: float) -> Furniture:
     """A breathing tube in its pack."""
     parts = [
         block("paper", (0.07, length, 0.003)),
@@ -159,14 +161,14 @@ def tube(length: float) -> Asset:
 
 
 @cache
-def medicine_vial(color: str) -> Asset:
+def medicine_vial(color: str) -> Furniture:
     """A glass vial with a coloured cap."""
     body = lathe("clear", [(0, 0), (0.013, 0), (0.013, 0.035), (0, 0.035)], sides=8)
     return asset("Vial", [body, rod(color, 0.010, (0, 0, 0.0352), (0, 0, 0.048), 8)])
 
 
 @cache
-def defibrillator() -> Asset:
+def defibrillator() -> Furniture:
     """A defibrillator with its two paddles."""
     parts = [
         block("cream", (0.34, 0.26, 0.20)),

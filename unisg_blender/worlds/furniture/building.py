@@ -6,14 +6,14 @@ from functools import cache
 
 import numpy as np
 
-from .kit import Asset, Part, Surface, asset, block, lathe, prism, rod
+from .kit import Furniture, Solid, StandingSurface, asset, block, lathe, prism, rod
 
 WALL_THICKNESS = 0.12
 FLOOR_THICKNESS = 0.10
 
 
 @cache
-def floor(outline: tuple[tuple[float, float], ...], material: str) -> Asset:
+def floor(outline: tuple[tuple[float, float], ...], material: str) -> Furniture:
     """The floor of a room: its outline, counter-clockwise; the origin lies in its upper side.
 
     At most one corner may point inwards.
@@ -24,7 +24,7 @@ def floor(outline: tuple[tuple[float, float], ...], material: str) -> Asset:
     before, after = corners - np.roll(corners, 1, axis=0), np.roll(corners, -1, axis=0) - corners
     bend = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
     slab = prism(material, np.roll(corners, -int(np.argmin(bend)), axis=0), -FLOOR_THICKNESS, 0.0)
-    return asset("Floor", [slab], {"top": Surface(middle, tuple((high - low).tolist()))}, origin="own")
+    return asset("Floor", [slab], {"top": StandingSurface(middle, tuple((high - low).tolist()))}, origin="own")
 
 
 @cache
@@ -35,7 +35,7 @@ def wall(
     start_miter: float = 0.0,
     end_miter: float = 0.0,
     opening: tuple[float, float, float, float] | None = None,
-) -> Asset:
+) -> Furniture:
     """A wall; front (-y) towards the room.
 
     Seen from the room its front runs ``length`` metres along x; at its back the two
@@ -61,14 +61,14 @@ def wall(
 
 def _wall_piece(
     material: str, left: float, right: float, low: float, high: float, start_miter: float, end_miter: float
-) -> Part:
+) -> Solid:
     t = WALL_THICKNESS / 2
     outline = [(left, -t), (right, -t), (right + end_miter, t), (left - start_miter, t)]
     return prism(material, outline, low, high)
 
 
 @cache
-def double_door(width: float, height: float, material: str = "door") -> Asset:
+def double_door(width: float, height: float, material: str = "door") -> Furniture:
     """Two leaves with portholes and steel kick plates, for an opening of that size."""
     parts = []
     for side in (-1, 1):
@@ -83,7 +83,7 @@ def double_door(width: float, height: float, material: str = "door") -> Asset:
 
 
 @cache
-def house_door(width: float, height: float, material: str = "birch") -> Asset:
+def house_door(width: float, height: float, material: str = "birch") -> Furniture:
     """One panelled leaf with handles, for an opening of that size."""
     handles = [rod("brass", 0.012, (width / 2 - 0.08, y, 1.02), (width / 2 - 0.2, y, 1.02), 6) for y in (-0.045, 0.045)]
     panels = [block("linen", (width - 0.3, 0.048, height * 0.36), (0, 0, z)) for z in (0.15, height * 0.53)]
@@ -91,7 +91,7 @@ def house_door(width: float, height: float, material: str = "birch") -> Asset:
 
 
 @cache
-def window(width: float, height: float) -> Asset:
+def window(width: float, height: float) -> Furniture:
     """A window of two panes for an opening of that size."""
     frame = 0.06
     bars = [
@@ -110,13 +110,13 @@ def window(width: float, height: float) -> Asset:
 
 
 @cache
-def ceiling_rail(length: float) -> Asset:
+def ceiling_rail(length: float) -> Furniture:
     """The steel girder below the ceiling that lamps hang from; the ceiling itself is left out, to look in."""
     return asset("Ceiling Rail", [block("steel", (length, 0.10, 0.08))])
 
 
 @cache
-def supply_panel(width: float) -> Asset:
+def supply_panel(width: float) -> Furniture:
     """Gas and power outlets in a steel panel, to be fixed to a wall."""
     outlets = [
         block(color, (0.07, 0.02, 0.07), (-width / 2 + 0.12 + 0.13 * i, -0.045, 0.14))
@@ -126,7 +126,7 @@ def supply_panel(width: float) -> Asset:
 
 
 @cache
-def glove_dispenser(boxes: int) -> Asset:
+def glove_dispenser(boxes: int) -> Furniture:
     """Glove boxes one above another in a rack, to be fixed to a wall."""
     parts = [block("steel", (0.28, 0.02, 0.14 * boxes + 0.04), (0, 0.06, 0))]
     for i in range(boxes):
@@ -137,7 +137,7 @@ def glove_dispenser(boxes: int) -> Asset:
 
 
 @cache
-def light_box(width: float) -> Asset:
+def light_box(width: float) -> Furniture:
     """A lit panel to look at x-ray pictures, to be fixed to a wall."""
     pictures = int(width // 0.4)
     films = [
@@ -147,7 +147,7 @@ def light_box(width: float) -> Asset:
 
 
 @cache
-def wall_clock(radius: float) -> Asset:
+def wall_clock(radius: float) -> Furniture:
     """A round clock, to be fixed to a wall."""
     face = rod("white", radius, (0, 0.02, radius), (0, -0.02, radius), 16)
     hands = [
@@ -158,7 +158,7 @@ def wall_clock(radius: float) -> Asset:
 
 
 @cache
-def picture(width: float, height: float, art: str) -> Asset:
+def picture(width: float, height: float, art: str) -> Furniture:
     """A framed picture, to be fixed to a wall."""
     return asset(
         "Picture",
@@ -171,7 +171,7 @@ def picture(width: float, height: float, art: str) -> Asset:
 
 
 @cache
-def curtain(width: float, height: float, material: str) -> Asset:
+def curtain(width: float, height: float, material: str) -> Furniture:
     """A gathered curtain, to be fixed beside a window."""
     folds = max(3, round(width / 0.08))
     parts = [

@@ -6,11 +6,11 @@ from functools import cache
 
 import numpy as np
 
-from .kit import Asset, Part, Surface, asset, block, lathe, rod, turned
+from .kit import Furniture, Solid, StandingSurface, asset, block, lathe, rod, turned
 
 
 @cache
-def scalpel() -> Asset:
+def scalpel() -> Furniture:
     """A blade on a flat handle."""
     return asset(
         "Scalpel",
@@ -23,13 +23,13 @@ def scalpel() -> Asset:
 
 
 @cache
-def forceps() -> Asset:
+def forceps() -> Furniture:
     """Two springy arms that meet at the back."""
     arms = [turned(block("chrome", (0.007, 0.148, 0.010), (x, 0, 0)), -x * 500, (0, 0.07)) for x in (-0.005, 0.005)]
     return asset("Forceps", [*arms, block("chrome", (0.012, 0.016, 0.011), (0, 0.072, 0))])
 
 
-def _ringed(material: str, length: float, spread: float, jaw: Part) -> list[Part]:
+def _ringed(material: str, length: float, spread: float, jaw: Solid) -> list[Solid]:
     """Scissor-like instruments: two ring handles, shanks that cross, and a jaw."""
     parts = [jaw, rod("chrome", 0.006, (0, 0, 0), (0, 0, 0.012), 8)]
     for side in (-1, 1):
@@ -42,20 +42,20 @@ def _ringed(material: str, length: float, spread: float, jaw: Part) -> list[Part
 
 
 @cache
-def scissors() -> Asset:
+def scissors() -> Furniture:
     """Straight scissors, a little open."""
     blades = rod("chrome", 0.006, (0, -0.001, 0.006), (0, -0.075, 0.006), 4, 0.002)
     return asset("Scissors", _ringed("chrome", 0.15, 0.020, blades))
 
 
 @cache
-def clamp() -> Asset:
+def clamp() -> Furniture:
     """A haemostatic clamp, closed."""
     return asset("Clamp", _ringed("steel", 0.16, 0.018, block("steel", (0.006, 0.06, 0.007), (0, -0.037, 0.002))))
 
 
 @cache
-def needle_holder() -> Asset:
+def needle_holder() -> Furniture:
     """A needle holder with gold rings."""
     return asset(
         "Needle Holder", _ringed("brass", 0.18, 0.021, block("chrome", (0.010, 0.04, 0.009), (0, -0.03, 0.001)))
@@ -63,7 +63,7 @@ def needle_holder() -> Asset:
 
 
 @cache
-def retractor() -> Asset:
+def retractor() -> Furniture:
     """A handle with a hooked rake."""
     return asset(
         "Retractor",
@@ -77,14 +77,14 @@ def retractor() -> Asset:
 
 
 @cache
-def mallet() -> Asset:
+def mallet() -> Furniture:
     """A bone mallet."""
     head = rod("titanium", 0.02, (-0.045, -0.085, 0.02), (0.045, -0.085, 0.02), 10)
     return asset("Mallet", [head, rod("black", 0.011, (0, -0.064, 0.02), (0, 0.11, 0.014), 8)])
 
 
 @cache
-def syringe(size: float) -> Asset:
+def syringe(size: float) -> Furniture:
     """A syringe with plunger and needle cap; ``size`` is 1 for 10 ml."""
     radius = 0.009 * size
     flange = block("white", (4.2 * radius, 0.003, 2 * radius), (0, 0.0455 * size, 0))
@@ -101,7 +101,7 @@ def syringe(size: float) -> Asset:
 
 
 @cache
-def swab(kind: str) -> Asset:
+def swab(kind: str) -> Furniture:
     """A gauze swab: a "stack" of ten, "folded", or a used, "crumpled" one."""
     if kind == "crumpled":
         lump = lathe("gauze", [(0, 0), (0.04, 0), (0.05, 0.015), (0.028, 0.032), (0, 0.034)], sides=7)
@@ -114,7 +114,7 @@ def swab(kind: str) -> Asset:
 
 
 @cache
-def kidney_dish(length: float) -> Asset:
+def kidney_dish(length: float) -> Furniture:
     """A kidney-shaped dish: a bent floor and a wall of facets."""
     width, height, wall = length * 0.48, 0.045, 0.006
     turn = np.linspace(0, 2 * np.pi, 14, endpoint=False)
@@ -129,11 +129,13 @@ def kidney_dish(length: float) -> Asset:
     for share in (-0.3, 0.0, 0.3):
         at = (share * length, 0.22 * width * (4 * share**2 - 0.5), 0.0)
         parts.append(block("chrome", (length * 0.32, width * 0.74, 0.004), at))
-    return asset("Kidney Dish", parts, {"inside": Surface((0, -0.05 * width, 0.004), (length * 0.72, width * 0.5))})
+    return asset(
+        "Kidney Dish", parts, {"inside": StandingSurface((0, -0.05 * width, 0.004), (length * 0.72, width * 0.5))}
+    )
 
 
 @cache
-def bowl(radius: float, fill: str) -> Asset:
+def bowl(radius: float, fill: str) -> Furniture:
     """A steel bowl with a fluid ("iodine", "clear")."""
     shell = lathe(
         "chrome",
@@ -154,7 +156,7 @@ def bowl(radius: float, fill: str) -> Asset:
 
 
 @cache
-def tray(width: float, depth: float) -> Asset:
+def tray(width: float, depth: float) -> Furniture:
     """A sterilisation tray with a rim and two handles."""
     rim, height = 0.006, 0.045
     walls = [
@@ -168,12 +170,12 @@ def tray(width: float, depth: float) -> Asset:
         block("chrome", (0.012, 0.10, 0.012), (x, 0, height + 0.001)) for x in (-width / 2 + 0.006, width / 2 - 0.006)
     ]
     base = block("steel", (width - 2 * rim - 0.001, depth - 2 * rim - 0.001, 0.004))
-    inside = Surface((0, 0, 0.004), (width - 2 * rim - 0.004, depth - 2 * rim - 0.004))
+    inside = StandingSurface((0, 0, 0.004), (width - 2 * rim - 0.004, depth - 2 * rim - 0.004))
     return asset("Tray", [base, *walls, *handles], {"inside": inside})
 
 
 @cache
-def implant(size: float) -> Asset:
+def implant(size: float) -> Furniture:
     """A knee implant's femoral part: two condyles and a bridge."""
     s = size
     condyles = [
@@ -190,7 +192,7 @@ def implant(size: float) -> Asset:
 
 
 @cache
-def implant_box(width: float) -> Asset:
+def implant_box(width: float) -> Furniture:
     """An open box with a foam bed for the implant."""
     depth, height, wall = width * 0.62, 0.06, 0.005
     walls = [
@@ -201,12 +203,12 @@ def implant_box(width: float) -> Asset:
         ),
     ]
     bed = block("dark", (width - 2 * wall - 0.001, depth - 2 * wall - 0.001, 0.02))
-    return asset("Implant Box", [bed, *walls], {"inside": Surface((0, 0, 0.02), (width - 0.02, depth - 0.02))})
+    return asset("Implant Box", [bed, *walls], {"inside": StandingSurface((0, 0, 0.02), (width - 0.02, depth - 0.02))})
 
 
 @cache
-def supply_box(color: str, width: float) -> Asset:
+def supply_box(color: str, width: float) -> Furniture:
     """A carton of gloves, masks or sutures."""
     size = (width, width * 0.55, width * 0.42)
     label = block("white", (width * 0.5, 0.002, width * 0.2), (0, -width * 0.275, width * 0.1))
-    return asset("Supply Box", [block(color, size), label], {"top": Surface((0, 0, size[2]), size[:2])})
+    return asset("Supply Box", [block(color, size), label], {"top": StandingSurface((0, 0, size[2]), size[:2])})

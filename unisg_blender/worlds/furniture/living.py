@@ -6,11 +6,11 @@ from functools import cache
 
 import numpy as np
 
-from .kit import Asset, Surface, asset, ball, block, lathe, rod, turned
+from .kit import Furniture, StandingSurface, asset, ball, block, lathe, rod, turned
 
 
 @cache
-def television(width: float) -> Asset:
+def television(width: float) -> Furniture:
     """A flat television on two feet."""
     height = round(width * 0.57, 3)
     feet = [block("black", (0.03, 0.22, 0.015), (x, 0, 0)) for x in (-width * 0.3, width * 0.3)]
@@ -21,7 +21,7 @@ def television(width: float) -> Asset:
 
 
 @cache
-def television_stand(width: float, material: str) -> Asset:
+def television_stand(width: float, material: str) -> Furniture:
     """A low board with two drawers and an open middle."""
     depth, height = 0.4, 0.5
     third = width / 3
@@ -36,12 +36,12 @@ def television_stand(width: float, material: str) -> Asset:
         *(block("chrome", (0.12, 0.012, 0.012), (side * third, -depth / 2 + 0.012, 0.3)) for side in (-1, 1)),
         block(material, (third - 0.002, 0.012, height - 0.144), (0, depth / 2 - 0.02, 0.1125)),
     ]
-    niche = Surface((0, -0.02, 0.111), (third - 0.04, depth - 0.08), height - 0.15)
-    return asset("Television Stand", parts, {"top": Surface((0, 0, height), (width, depth)), "niche": niche})
+    niche = StandingSurface((0, -0.02, 0.111), (third - 0.04, depth - 0.08), height - 0.15)
+    return asset("Television Stand", parts, {"top": StandingSurface((0, 0, height), (width, depth)), "niche": niche})
 
 
 @cache
-def table_lamp(color: str) -> Asset:
+def table_lamp(color: str) -> Furniture:
     """A lamp with a cloth shade, 0.45 high."""
     foot = lathe("porcelain", [(0, 0), (0.07, 0), (0.08, 0.08), (0.02, 0.20), (0, 0.20)], sides=10)
     shade = lathe(color, [(0, 0), (0.14, 0), (0.09, 0.18), (0, 0.18)], (0, 0, 0.27), 12)
@@ -49,7 +49,7 @@ def table_lamp(color: str) -> Asset:
 
 
 @cache
-def floor_lamp(height: float, color: str) -> Asset:
+def floor_lamp(height: float, color: str) -> Furniture:
     """A standing lamp."""
     foot = lathe("black", [(0, 0), (0.15, 0), (0.14, 0.025), (0, 0.025)], sides=12)
     shade = lathe(color, [(0, 0), (0.2, 0), (0.14, 0.26), (0, 0.26)], (0, 0, height - 0.26), 12)
@@ -57,14 +57,16 @@ def floor_lamp(height: float, color: str) -> Asset:
 
 
 @cache
-def rug(width: float, depth: float, color: str) -> Asset:
+def rug(width: float, depth: float, color: str) -> Furniture:
     """A rug with a border."""
     field = block("linen", (width - 0.2, depth - 0.2, 0.001), (0, 0, 0.0081))
-    return asset("Rug", [block(color, (width, depth, 0.008)), field], {"top": Surface((0, 0, 0.0091), (width, depth))})
+    return asset(
+        "Rug", [block(color, (width, depth, 0.008)), field], {"top": StandingSurface((0, 0, 0.0091), (width, depth))}
+    )
 
 
 @cache
-def book(width: float, depth: float, thick: float, color: str) -> Asset:
+def book(width: float, depth: float, thick: float, color: str) -> Furniture:
     """A book, lying: ``width`` across, its pages to the front."""
     return asset(
         "Book",
@@ -76,14 +78,14 @@ def book(width: float, depth: float, thick: float, color: str) -> Asset:
 
 
 @cache
-def standing_book(thick: float, depth: float, height: float, color: str) -> Asset:
+def standing_book(thick: float, depth: float, height: float, color: str) -> Furniture:
     """A book, upright on a shelf: spine to the front."""
     label = block("paper", (thick * 0.6, 0.001, height * 0.2), (0, -depth / 2 - 0.0006, height * 0.6))
     return asset("Book", [block(color, (thick, depth, height)), label])
 
 
 @cache
-def vase(radius: float, flowers: bool) -> Asset:
+def vase(radius: float, flowers: bool) -> Furniture:
     """A vase, with or without flowers."""
     parts = [
         lathe(
@@ -104,7 +106,7 @@ def vase(radius: float, flowers: bool) -> Asset:
 
 
 @cache
-def plant(height: float) -> Asset:
+def plant(height: float) -> Furniture:
     """A plant with big leaves in a pot."""
     pot = lathe("terracotta", [(0, 0), (0.12, 0), (0.16, 0.26), (0, 0.26)], sides=12)
     leaves = []
@@ -123,7 +125,7 @@ def plant(height: float) -> Asset:
 
 
 @cache
-def cup(color: str) -> Asset:
+def cup(color: str) -> Furniture:
     """A mug with a handle."""
     body = lathe(color, [(0, 0), (0.036, 0), (0.04, 0.09), (0.035, 0.09), (0.032, 0.008), (0, 0.008)], sides=12)
     handle = block(color, (0.022, 0.01, 0.05), (0.0505, 0, 0.02))
@@ -131,14 +133,14 @@ def cup(color: str) -> Asset:
 
 
 @cache
-def plate(radius: float) -> Asset:
+def plate(radius: float) -> Furniture:
     """A dinner plate."""
     profile = [(0, 0), (0.6 * radius, 0), (radius, 0.02), (0.97 * radius, 0.022), (0.6 * radius, 0.006), (0, 0.006)]
     return asset("Plate", [lathe("porcelain", profile, sides=16)])
 
 
 @cache
-def fruit_bowl(radius: float) -> Asset:
+def fruit_bowl(radius: float) -> Furniture:
     """A wooden bowl of fruit."""
     bowl = lathe("oak", [(0, 0), (0.5 * radius, 0), (radius, 0.5 * radius), (0.93 * radius, 0.5 * radius),
                          (0.46 * radius, 0.01), (0, 0.01)], sides=14)  # fmt: skip
@@ -153,13 +155,13 @@ def fruit_bowl(radius: float) -> Asset:
 
 
 @cache
-def remote() -> Asset:
+def remote() -> Furniture:
     """A remote control."""
     return asset("Remote", [block("black", (0.045, 0.17, 0.018)), block("red", (0.01, 0.01, 0.003), (0, 0.06, 0.0181))])
 
 
 @cache
-def ornament(kind: str) -> Asset:
+def ornament(kind: str) -> Furniture:
     """A small object to look at: a "globe", a "box" or a "figure"."""
     if kind == "globe":
         stand = lathe("walnut", [(0, 0), (0.05, 0), (0.02, 0.03), (0, 0.03)], sides=8)

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from functools import cache
 
-from .kit import Asset, Part, Surface, asset, block, lathe, rod
+from .kit import Furniture, Solid, StandingSurface, asset, block, lathe, rod
 
 
 @cache
-def sofa(width: float, color: str) -> Asset:
+def sofa(width: float, color: str) -> Furniture:
     """A sofa with arms; the surface "seat" carries cushions."""
     depth, arm = 0.9, 0.16
     inner = width - 2 * arm
@@ -34,12 +34,12 @@ def sofa(width: float, color: str) -> Asset:
         block(color, (inner - 0.002, 0.22, 0.51), (0, depth / 2 - 0.13, 0.282), taper=0.96),
         *(block(color, (arm - 0.002, depth - 0.04, 0.34), (side * (width - arm) / 2, 0, 0.282)) for side in (-1, 1)),
     ]
-    seat = Surface((0, -0.12, 0.422), (inner - 0.1, 0.54))
+    seat = StandingSurface((0, -0.12, 0.422), (inner - 0.1, 0.54))
     return asset("Sofa", parts, {"seat": seat})
 
 
 @cache
-def armchair(color: str) -> Asset:
+def armchair(color: str) -> Furniture:
     """An armchair on four feet."""
     feet = [rod("walnut", 0.025, (x, y, 0), (x, y, 0.14), 6, 0.03) for x in (-0.34, 0.34) for y in (-0.34, 0.34)]
     parts = [
@@ -49,11 +49,11 @@ def armchair(color: str) -> Asset:
         block(color, (0.55, 0.18, 0.58), (0, 0.30, 0.302), taper=0.92),
         *(block(color, (0.13, 0.80, 0.30), (side * 0.353, 0, 0.302)) for side in (-1, 1)),
     ]
-    return asset("Armchair", parts, {"seat": Surface((0, -0.12, 0.422), (0.5, 0.46))})
+    return asset("Armchair", parts, {"seat": StandingSurface((0, -0.12, 0.422), (0.5, 0.46))})
 
 
 @cache
-def cushion(size: float, color: str) -> Asset:
+def cushion(size: float, color: str) -> Furniture:
     """A plump cushion, lying."""
     return asset(
         "Cushion",
@@ -62,7 +62,7 @@ def cushion(size: float, color: str) -> Asset:
 
 
 @cache
-def chair(material: str, seat: str) -> Asset:
+def chair(material: str, seat: str) -> Furniture:
     """A dining chair, 0.9 high; its seat reaches under a table."""
     legs = [block(material, (0.035, 0.035, 0.43), (x, -0.19, 0)) for x in (-0.19, 0.19)]
     posts = [block(material, (0.035, 0.035, 0.90), (x, 0.19, 0)) for x in (-0.19, 0.19)]
@@ -70,7 +70,7 @@ def chair(material: str, seat: str) -> Asset:
     return asset("Chair", [*legs, *posts, block(seat, (0.43, 0.34, 0.03), (0, -0.005, 0.431)), *slats])
 
 
-def _four_legs(material: str, width: float, depth: float, height: float, thick: float, inset: float) -> list[Part]:
+def _four_legs(material: str, width: float, depth: float, height: float, thick: float, inset: float) -> list[Solid]:
     return [
         block(material, (thick, thick, height), (x, y, 0))
         for x in (-width / 2 + inset, width / 2 - inset)
@@ -79,7 +79,7 @@ def _four_legs(material: str, width: float, depth: float, height: float, thick: 
 
 
 @cache
-def dining_table(length: float, material: str) -> Asset:
+def dining_table(length: float, material: str) -> Furniture:
     """A table for four to six."""
     depth, height = 0.9, 0.75
     parts = [
@@ -87,11 +87,11 @@ def dining_table(length: float, material: str) -> Asset:
         *_four_legs(material, length, depth, height - 0.036, 0.07, 0.08),
         *(block(material, (length - 0.24, 0.02, 0.06), (0, y, height - 0.096)) for y in (-0.36, 0.36)),
     ]
-    return asset("Dining Table", parts, {"top": Surface((0, 0, height), (length, depth))})
+    return asset("Dining Table", parts, {"top": StandingSurface((0, 0, height), (length, depth))})
 
 
 @cache
-def coffee_table(width: float, depth: float, material: str) -> Asset:
+def coffee_table(width: float, depth: float, material: str) -> Furniture:
     """A low table with a shelf."""
     height = 0.42
     parts = [
@@ -99,12 +99,12 @@ def coffee_table(width: float, depth: float, material: str) -> Asset:
         *_four_legs(material, width, depth, height - 0.031, 0.05, 0.05),
         block(material, (width - 0.16, depth - 0.16, 0.02), (0, 0, 0.14)),
     ]
-    shelf = Surface((0, 0, 0.16), (width - 0.2, depth - 0.2), 0.21)
-    return asset("Coffee Table", parts, {"top": Surface((0, 0, height), (width, depth)), "shelf": shelf})
+    shelf = StandingSurface((0, 0, 0.16), (width - 0.2, depth - 0.2), 0.21)
+    return asset("Coffee Table", parts, {"top": StandingSurface((0, 0, height), (width, depth)), "shelf": shelf})
 
 
 @cache
-def side_table(size: float, material: str, round_top: bool) -> Asset:
+def side_table(size: float, material: str, round_top: bool) -> Furniture:
     """A small table for a lamp."""
     height = 0.55
     if round_top:
@@ -115,4 +115,4 @@ def side_table(size: float, material: str, round_top: bool) -> Asset:
         top = block(material, (size, size, 0.025), (0, 0, height - 0.025))
         parts = [top, *_four_legs(material, size, size, height - 0.026, 0.04, 0.04)]
     room = size * (0.7 if round_top else 1.0)
-    return asset("Side Table", parts, {"top": Surface((0, 0, height), (room, room))})
+    return asset("Side Table", parts, {"top": StandingSurface((0, 0, height), (room, room))})

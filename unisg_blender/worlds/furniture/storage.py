@@ -6,11 +6,11 @@ from functools import cache
 
 import numpy as np
 
-from .kit import Asset, Surface, asset, block, lathe, rod
+from .kit import Furniture, StandingSurface, asset, block, lathe, rod
 
 
 @cache
-def cabinet(width: float, height: float, color: str, glazed: bool, body: str = "plastic") -> Asset:
+def cabinet(width: float, height: float, color: str, glazed: bool, body: str = "plastic") -> Furniture:
     """A closed cabinet with two doors."""
     depth = 0.5
     doors, handles = [], []
@@ -28,11 +28,11 @@ def cabinet(width: float, height: float, color: str, glazed: bool, body: str = "
         *doors,
         *handles,
     ]
-    return asset("Cabinet", parts, {"top": Surface((0, 0.01, height), (width, depth - 0.02))})
+    return asset("Cabinet", parts, {"top": StandingSurface((0, 0.01, height), (width, depth - 0.02))})
 
 
 @cache
-def shelf(width: float, height: float, depth: float, boards: int, material: str, category: str = "Shelf") -> Asset:
+def shelf(width: float, height: float, depth: float, boards: int, material: str, category: str = "Shelf") -> Furniture:
     """An open shelf; its surfaces are "board 0" (lowest) and up, as much headroom as there is above each."""
     thick = 0.022
     levels = np.linspace(0.08, height - thick, boards + 1)
@@ -44,14 +44,14 @@ def shelf(width: float, height: float, depth: float, boards: int, material: str,
     ]
     room = float(levels[1] - levels[0]) - thick
     surfaces = {
-        f"board {i}": Surface((0, -0.006, float(z) + thick), (inner - 0.01, depth - 0.03), room)
+        f"board {i}": StandingSurface((0, -0.006, float(z) + thick), (inner - 0.01, depth - 0.03), room)
         for i, z in enumerate(levels[:-1])
     }
     return asset(category, parts, surfaces)
 
 
 @cache
-def desk(width: float, material: str) -> Asset:
+def desk(width: float, material: str) -> Furniture:
     """A computer desk with a pedestal of drawers on one side."""
     depth, height = 0.6, 0.75
     parts = [
@@ -64,18 +64,18 @@ def desk(width: float, material: str) -> Asset:
         ),
         block("grey", (width - 0.48, 0.02, 0.3), (-0.19, depth / 2 - 0.06, height - 0.332)),
     ]
-    return asset("Desk", parts, {"top": Surface((0, 0, height), (width, depth))})
+    return asset("Desk", parts, {"top": StandingSurface((0, 0, height), (width, depth))})
 
 
 @cache
-def keyboard() -> Asset:
+def keyboard() -> Furniture:
     """A keyboard with rows of keys."""
     rows = [block("grey", (0.40, 0.018, 0.004), (0, -0.048 + 0.024 * i, 0.0152)) for i in range(5)]
     return asset("Keyboard", [block("dark", (0.44, 0.14, 0.015)), *rows])
 
 
 @cache
-def stool(height: float, color: str) -> Asset:
+def stool(height: float, color: str) -> Furniture:
     """A round seat on five castors."""
     feet = []
     for angle in np.radians(90 + 72 * np.arange(5)):
@@ -87,7 +87,7 @@ def stool(height: float, color: str) -> Asset:
 
 
 @cache
-def waste_bin(color: str, height: float) -> Asset:
+def waste_bin(color: str, height: float) -> Furniture:
     """A bag stand with a coloured lid (yellow: infectious, black: household)."""
     parts = [
         block("grey", (0.38, 0.38, 0.05)),
@@ -99,7 +99,7 @@ def waste_bin(color: str, height: float) -> Asset:
 
 
 @cache
-def linen_hamper(color: str) -> Asset:
+def linen_hamper(color: str) -> Furniture:
     """A bag for used linen in a wheeled frame."""
     posts = [rod("chrome", 0.012, (x, y, 0.05), (x, y, 0.88), 6) for x in (-0.22, 0.22) for y in (-0.22, 0.22)]
     wheels = [
@@ -114,7 +114,7 @@ def linen_hamper(color: str) -> Asset:
 
 
 @cache
-def wash_basin(width: float) -> Asset:
+def wash_basin(width: float) -> Furniture:
     """A scrub basin on a cupboard, with a long tap."""
     depth = 0.5
     walls = [

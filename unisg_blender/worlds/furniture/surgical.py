@@ -7,13 +7,13 @@ from itertools import pairwise
 
 import numpy as np
 
-from .kit import Asset, Surface, asset, ball, block, lathe, rod
+from .kit import Furniture, StandingSurface, asset, ball, block, lathe, rod
 
 PATIENT_HEIGHT = 0.27
 
 
 @cache
-def operating_table(length: float, height: float) -> Asset:
+def operating_table(length: float, height: float) -> Furniture:
     """A table on a pedestal; the head end lies at +y, the feet at -y."""
     width, pad = 0.52, 0.07
     top = height - pad
@@ -32,11 +32,11 @@ def operating_table(length: float, height: float) -> Asset:
         *sections,
         *rails,
     ]
-    return asset("Operating Table", parts, {"top": Surface((0, 0, height), (width, length))})
+    return asset("Operating Table", parts, {"top": StandingSurface((0, 0, height), (width, length))})
 
 
 @cache
-def patient(length: float, side: int) -> Asset:
+def patient(length: float, side: int) -> Furniture:
     """A patient on the back under a drape, head at +y; the knee at the sign ``side`` of x is bare (-1: the right one).
 
     The surfaces "knee", "belly" and "face" are where it is operated, where the
@@ -66,14 +66,14 @@ def patient(length: float, side: int) -> Asset:
         block("drape_light", (0.14, 0.06, 0.10), (0, neck + 0.16, 0.01)),
         block("skin", (0.03, 0.03, 0.022), (0, neck + 0.09, 0.182), taper=0.6),
     ]
-    knee = Surface((0.10 * side, hip - 0.505 * unit, 0.141), (0.12, 0.14 * unit))
-    belly = Surface((0, (shoulder + hip) / 2 - 0.06, 0.19), (0.32, 0.34 * unit))
-    face = Surface((0, neck + 0.085, 0.19), (0.1, 0.1))
+    knee = StandingSurface((0.10 * side, hip - 0.505 * unit, 0.141), (0.12, 0.14 * unit))
+    belly = StandingSurface((0, (shoulder + hip) / 2 - 0.06, 0.19), (0.32, 0.34 * unit))
+    face = StandingSurface((0, neck + 0.085, 0.19), (0.1, 0.1))
     return asset("Patient", parts, {"knee": knee, "belly": belly, "face": face})
 
 
 @cache
-def knee() -> Asset:
+def knee() -> Furniture:
     """The operating field on a knee: an adhesive film with a window and the incision line."""
     return asset(
         "Knee",
@@ -86,7 +86,7 @@ def knee() -> Asset:
 
 
 @cache
-def surgical_lamp(radius: float, drop: float, reach: float) -> Asset:
+def surgical_lamp(radius: float, drop: float, reach: float) -> Furniture:
     """A lamp that hangs ``drop`` metres below its mount, its head ``reach`` metres in front of it (towards -y)."""
     joint = -0.55 * drop
     petals = [
@@ -119,12 +119,12 @@ def surgical_lamp(radius: float, drop: float, reach: float) -> Asset:
     return _hung(parts)
 
 
-def _hung(parts: list) -> Asset:
+def _hung(parts: list) -> Furniture:
     return asset("Surgical Lamp", parts, origin="own")
 
 
 @cache
-def mayo_stand(height: float) -> Asset:
+def mayo_stand(height: float) -> Furniture:
     """A tray on one leg at its back (+y), so that it reaches over the patient in front of it."""
     back, lip = 0.24, 0.012
     feet = [block("chrome", (0.04, 0.52, 0.04), (x, 0.0, 0.012)) for x in (-0.2, 0.2)]
@@ -147,11 +147,11 @@ def mayo_stand(height: float) -> Asset:
         block("steel", (0.59, 0.39, 0.018), (0, 0, height - 0.018)),
         *rims,
     ]
-    return asset("Mayo Stand", parts, {"top": Surface((0, 0, height), (0.57, 0.37))})
+    return asset("Mayo Stand", parts, {"top": StandingSurface((0, 0, height), (0.57, 0.37))})
 
 
 @cache
-def instrument_table(width: float, depth: float, height: float) -> Asset:
+def instrument_table(width: float, depth: float, height: float) -> Furniture:
     """A steel back table on wheels with a lower shelf."""
     legs = [
         rod("chrome", 0.016, (x, y, 0.08), (x, y, height - 0.031), 6)
@@ -168,22 +168,22 @@ def instrument_table(width: float, depth: float, height: float) -> Asset:
         *legs,
         *wheels,
     ]
-    shelf = Surface((0, 0, 0.27), (width - 0.18, depth - 0.16), height - 0.31)
-    return asset("Instrument Table", parts, {"top": Surface((0, 0, height), (width, depth)), "shelf": shelf})
+    shelf = StandingSurface((0, 0, 0.27), (width - 0.18, depth - 0.16), height - 0.31)
+    return asset("Instrument Table", parts, {"top": StandingSurface((0, 0, height), (width, depth)), "shelf": shelf})
 
 
 @cache
-def drape(width: float, depth: float) -> Asset:
+def drape(width: float, depth: float) -> Furniture:
     """A folded-out sterile cloth."""
     return asset(
         "Drape",
         [block("drape", (width, depth, 0.005))],
-        {"top": Surface((0, 0, 0.005), (width, depth))},
+        {"top": StandingSurface((0, 0, 0.005), (width, depth))},
     )
 
 
 @cache
-def kick_bucket(radius: float) -> Asset:
+def kick_bucket(radius: float) -> Furniture:
     """A steel bucket on a wheeled ring."""
     wheels = [
         rod("rubber", 0.02, (x - 0.01, y, 0.02), (x + 0.01, y, 0.02), 8)
@@ -203,12 +203,12 @@ def kick_bucket(radius: float) -> Asset:
     )
     ring = lathe("grey", [(0, 0.041), (radius, 0.041), (radius, 0.058), (0, 0.058)], sides=12)
     return asset(
-        "Kick Bucket", [*wheels, ring, bucket], {"inside": Surface((0, 0, 0.075), (0.8 * radius, 0.8 * radius))}
+        "Kick Bucket", [*wheels, ring, bucket], {"inside": StandingSurface((0, 0, 0.075), (0.8 * radius, 0.8 * radius))}
     )
 
 
 @cache
-def electrosurgical_unit(height: float) -> Asset:
+def electrosurgical_unit(height: float) -> Furniture:
     """A generator with dials on a cart."""
     parts = [
         *_cart(0.48, 0.48, height - 0.22, "grey"),
@@ -220,11 +220,11 @@ def electrosurgical_unit(height: float) -> Asset:
         ),
         block("blue", (0.36, 0.02, 0.015), (0, -0.20, height - 0.20)),
     ]
-    return asset("Electrosurgical Unit", parts, {"top": Surface((0, 0.01, height - 0.019), (0.40, 0.38))})
+    return asset("Electrosurgical Unit", parts, {"top": StandingSurface((0, 0.01, height - 0.019), (0.40, 0.38))})
 
 
 @cache
-def suction_unit(height: float) -> Asset:
+def suction_unit(height: float) -> Furniture:
     """Two collecting canisters and a pump on a cart."""
     canisters = [
         lathe(color, [(0, 0), (0.07, 0), (0.08, 0.24), (0, 0.24)], (x, -0.05, 0.451), 10)
@@ -261,14 +261,14 @@ def _cart(width: float, depth: float, height: float, color: str) -> list:
 
 
 @cache
-def step_stool(height: float) -> Asset:
+def step_stool(height: float) -> Furniture:
     """A low step for people who are not tall enough."""
     legs = [block("chrome", (0.03, 0.03, height - 0.031), (x, y, 0)) for x in (-0.17, 0.17) for y in (-0.12, 0.12)]
     return asset("Step Stool", [*legs, block("rubber", (0.40, 0.30, 0.03), (0, 0, height - 0.03))])
 
 
 @cache
-def c_arm(opening: float) -> Asset:
+def c_arm(opening: float) -> Furniture:
     """A mobile x-ray unit: a C of steel with tube and detector, on a cart behind it (+y)."""
     radius, height = opening / 2 + 0.12, 1.15
     angles = np.radians(np.arange(90, 271, 20))
