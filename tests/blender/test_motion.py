@@ -16,8 +16,9 @@ import pytest
 from mathutils import Matrix, Quaternion
 
 from unisg_blender import UniSGError
+from unisg_blender.blender.motion import keyframes
 from unisg_blender.blender.motion.keyframes import key_count, key_times, read_motors
-from unisg_blender.blender.motion.motor_keys import Tolerance, interpolate_with_motors, keyframes, reduce_item_keyframes
+from unisg_blender.blender.motion.motor_keys import Tolerance, interpolate_with_motors, reduce_item_keyframes
 from unisg_blender.blender.viewport import motion_paths as microscope
 from unisg_blender.blender.viewport.transform_forms import transform_forms, transform_text
 from unisg_blender.poses import FORMS, pose_errors, rebuild

@@ -9,8 +9,8 @@ import pytest
 
 from tests.dataset.conftest import CORNERS, FACES, box
 from unisg_blender.dataset import open_dataset, write_dataset
+from unisg_blender.dataset.assets import asset_collector as collect
 from unisg_blender.dataset.assets.asset import Asset, object_graph, shell_of
-from unisg_blender.dataset.assets.asset import asset_collector as collect
 from unisg_blender.dataset.assets.asset_collector import AssetCollector
 from unisg_blender.dataset.assets.asset_file import AssetFile, Assets, assets_bytes, pack_assets
 from unisg_blender.dataset.assets.shaped_scenes import scenes_with_shapes

@@ -285,7 +285,7 @@ def test_large_exports_go_in_windows(tmp_path: Path, put: Callable[..., Path], m
 def test_children_that_retired_are_replaced(
     tmp_path: Path, put: Callable[..., Path], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from unisg_blender.dataset.export.batch_export import supervisor as supervise
+    from unisg_blender.dataset.export import supervisor as supervise
 
     put("1.obj", seed=1)
     put("2.obj", seed=2)

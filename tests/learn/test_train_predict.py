@@ -18,9 +18,9 @@ pytest.importorskip("pytorch_lightning")
 
 from unisg_blender.cli import main  # noqa: E402
 from unisg_blender.dataset import open_dataset, write_dataset  # noqa: E402
-from unisg_blender.learn.classifier.network import training as train_classifier  # noqa: E402
+from unisg_blender.learn.classifier import training as train_classifier  # noqa: E402
 from unisg_blender.learn.settings import Settings  # noqa: E402
-from unisg_blender.learn.topology.network import training as train_topology  # noqa: E402
+from unisg_blender.learn.topology import training as train_topology  # noqa: E402
 from unisg_blender.predict.object_pairs import PAIR_CHANNELS  # noqa: E402
 from unisg_blender.predict.prediction_session import load_network, write_metadata  # noqa: E402
 from unisg_blender.worlds import cubes, living_room  # noqa: E402

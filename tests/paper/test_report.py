@@ -24,7 +24,7 @@ from unisg_blender.predict.object_pairs import candidate_pairs
 from unisg_blender.scene import world_matrices
 from unisg_blender.worlds import cubes
 
-TINY = plan.Plan(
+TINY = plan.PaperPlan(
     Sizes(augmented=4, tests=1, rooms=10, pairs=12, cubes=8),
     seeds=2, classification=1, few=1, topology=1, generation=1, links=1, steps=3, most_cubes=0,
 )  # fmt: skip
@@ -79,7 +79,7 @@ def test_everything_is_written_and_a_second_call_goes_on(
 
 
 def test_the_plan_counts_what_the_paper_counts() -> None:
-    full = plan.Plan()
+    full = plan.PaperPlan()
     assert (full.sizes.augmented * 2, full.classification, full.seeds) == (100, 20, 10)
     assert (full.sizes.rooms, full.generation, full.sizes.pairs * 2, full.topology) == (1000, 100, 10_000, 100)
     assert len(plan.paper_runs(full)) == 3 * 10 * 5
