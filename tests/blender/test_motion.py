@@ -16,8 +16,10 @@ import pytest
 from mathutils import Matrix, Quaternion
 
 from unisg_blender import UniSGError
+from unisg_blender.blender.fcurves import curves_of
+from unisg_blender.blender.motion import keyframes
 from unisg_blender.blender.motion.keyframes import key_count, key_times, read_motors
-from unisg_blender.blender.motion.motor_keys import Tolerance, interpolate_with_motors, keyframes, reduce_item_keyframes
+from unisg_blender.blender.motion.motor_keys import Tolerance, interpolate_with_motors, reduce_item_keyframes
 from unisg_blender.blender.viewport import motion_paths as microscope
 from unisg_blender.blender.viewport.transform_forms import transform_forms, transform_text
 from unisg_blender.poses import FORMS, pose_errors, rebuild
@@ -127,7 +129,7 @@ def test_channels_that_do_not_change_keep_one_key():
     wanted = read_motors(item, frames)
     keyframes.write_motors(item, frames, wanted)
     reduce_item_keyframes(item, Tolerance(1.0, 0.2))
-    counts = {(c.data_path, c.array_index): len(c.keyframe_points) for c in keyframes.curves_of(item)}
+    counts = {(c.data_path, c.array_index): len(c.keyframe_points) for c in curves_of(item)}
     still = [("location", i) for i in range(3)] + [("rotation_quaternion", i) for i in (1, 2)]
     assert [counts[channel] for channel in still] == [1] * 5
     assert np.degrees(pose_errors(played(item, frames), wanted)[1].max()) < 0.2 + 1e-3
@@ -135,7 +137,7 @@ def test_channels_that_do_not_change_keep_one_key():
 
 def test_a_motion_without_spare_keys_stays_as_it_is():
     item = keyed(poses=[(1, (0, 0, 0), (0, 0, 1), 0), (11, (3, 0, 0), (0, 0, 1), 0)])
-    for curve in keyframes.curves_of(item):
+    for curve in curves_of(item):
         for point in curve.keyframe_points:
             point.interpolation = "ELASTIC"
     before = keyframes.save_keys(item)
@@ -159,7 +161,7 @@ def test_missing_channels_appear_only_where_they_are_needed():
         item.location.x = x
         item.keyframe_insert("location", index=0, frame=frame)
     interpolate_with_motors(item, Tolerance(0.1, 0.1))
-    assert [(c.data_path, c.array_index) for c in keyframes.curves_of(item)] == [("location", 0)]
+    assert [(c.data_path, c.array_index) for c in curves_of(item)] == [("location", 0)]
 
 
 def test_bones_move_on_screws_too():
@@ -190,7 +192,7 @@ def test_what_cannot_be_used_is_said_and_left_alone():
     with pytest.raises(UniSGError, match="one frame"):
         reduce_item_keyframes(keyed(poses=POSES[:1]), Tolerance(1, 1))
     noisy = keyed()
-    next(iter(keyframes.curves_of(noisy))).modifiers.new("NOISE")
+    next(iter(curves_of(noisy))).modifiers.new("NOISE")
     count = key_count(noisy)
     with pytest.raises(UniSGError, match="modifiers"):
         reduce_item_keyframes(noisy, Tolerance(1, 1))
