@@ -12,12 +12,13 @@ import statistics
 import tempfile
 import time
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import bpy
 import numpy as np
 
-from unisg_blender.blender import new_file, read_scene
+from unisg_blender.blender import ReadReport, new_file, read_scene
 from unisg_blender.blender.quiet import captured_output
 
 SHARED_LIMIT, DISTINCT_LIMIT = 1 / 30, 1 / 10
@@ -31,10 +32,16 @@ def main() -> None:
     parser.add_argument("--objects", type=int, default=10_000)
     parser.add_argument("--repeat", type=int, default=5, help="readings of each scene; the median counts")
     args = parser.parse_args()
-    rows = [
-        measure("one shared mesh, hierarchy and matrices", args, make_shared, read_hierarchy_only, SHARED_LIMIT),
-        measure("distinct 500-vertex meshes, everything", args, make_distinct, read_scene, DISTINCT_LIMIT),
-    ]
+    matrices = partial(read_scene, geometry="none", details=False)
+    rows = measure(make_shared, {"one shared mesh, hierarchy and matrices": (matrices, SHARED_LIMIT)}, args)
+    readers = {
+        "hierarchy and matrices": matrices,
+        "geometry": partial(read_scene, details=False),
+        "everything": read_scene,
+        "everything and what is lost": lambda: read_scene(report=ReadReport()),
+    }
+    distinct = {f"distinct 500-vertex meshes, {name}": (read, DISTINCT_LIMIT) for name, read in readers.items()}
+    rows += measure(make_distinct, distinct, args)
     args.out.mkdir(parents=True, exist_ok=True)
     (args.out / "reading.json").write_text(json.dumps({"blender": bpy.app.version_string, "rows": rows}, indent=1))
     with (args.out / "reading.csv").open("w", newline="") as file:
@@ -43,45 +50,36 @@ def main() -> None:
         writer.writerows(rows)
     for row in rows:
         print(
-            f"{row['scene']:42}{row['objects']:>7} objects  read {row['read_s']:8.4f} s  glTF {row['gltf_s']:8.3f} s  "
+            f"{row['scene']:55}{row['objects']:>7} objects  read {row['read_s']:8.4f} s  glTF {row['gltf_s']:8.3f} s  "
             f"1/{row['gltf_s'] / row['read_s']:.1f} (target 1/{1 / row['target']:.0f})"
         )
 
 
 def measure(
-    scene: str,
-    args: argparse.Namespace,
-    make: Callable[[int], None],
-    read: Callable[[], object],
-    target: float,
-) -> dict[str, object]:
-    """Seconds for reading (median) and for one glTF export of the same scene; both after Blender evaluated it."""
+    make: Callable[[int], None], readers: dict[str, tuple[Callable[[], object], float]], args: argparse.Namespace
+) -> list[dict[str, object]]:
+    """Seconds for each way of reading (median) and for one glTF export of the same scene, which Blender has evaluated.
+
+    ``readers`` holds by name what reads, and the share of the export's time that it may take.
+    """
     new_file()
     make(args.objects)
     bpy.context.evaluated_depsgraph_get()
-    times = []
-    for _ in range(args.repeat):
-        start = time.perf_counter()
-        read()
-        times.append(time.perf_counter() - start)
+    times = {name: statistics.median(seconds(read) for _ in range(args.repeat)) for name, (read, _) in readers.items()}
     with tempfile.TemporaryDirectory() as folder, captured_output():
-        start = time.perf_counter()
-        bpy.ops.export_scene.gltf(filepath=f"{folder}/scene.glb", export_extras=True)
-        export = time.perf_counter() - start
-    read_time = statistics.median(times)
-    return {
-        "scene": scene,
-        "objects": args.objects,
-        "read_s": read_time,
-        "gltf_s": export,
-        "ratio": read_time / export,
-        "target": target,
-    }
+        export = seconds(lambda: bpy.ops.export_scene.gltf(filepath=f"{folder}/scene.glb", export_extras=True))
+    return [
+        {"scene": name, "objects": args.objects, "read_s": spent, "gltf_s": export, "ratio": spent / export}
+        | {"target": readers[name][1]}
+        for name, spent in times.items()
+    ]
 
 
-def read_hierarchy_only() -> object:
-    """Names, uids, types, parents, local matrices and custom properties."""
-    return read_scene(geometry="none", details=False)
+def seconds(work: Callable[[], object]) -> float:
+    """How long something takes."""
+    start = time.perf_counter()
+    work()
+    return time.perf_counter() - start
 
 
 def make_shared(count: int) -> None:

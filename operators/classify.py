@@ -34,7 +34,7 @@ class UNISG_OT_classify(bpy.types.Operator):
 
         try:
             model = SceneModel(bpy.path.abspath(self.model) if self.model else None)
-            chances = model.classify(read_scene(context.scene))
+            chances = model.classify(read_scene(context.scene, details=False))
         except UniSGError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}

@@ -115,8 +115,8 @@ class UNISG_OT_generate(bpy.types.Operator):
         counts = parse_counts(self.add)
         self._began, self._done, self._total = time.perf_counter(), 0, sum(counts.values())
         self._steps = generator.steps(
-            read_scene(context.scene), counts, self.seed, bulk=self.bulk, behaviour=self.behaviour, on=self.on,
-            beside=self.beside,
+            read_scene(context.scene, details=False), counts, self.seed, bulk=self.bulk, behaviour=self.behaviour,
+            on=self.on, beside=self.beside,
         )  # fmt: skip
         self._result: Any = None
 

@@ -32,7 +32,7 @@ class UNISG_OT_label(bpy.types.Operator):
         settings = context.window_manager.unisg_meshes
         settings.proposals.clear()
         try:
-            graph = read_scene(context.scene)
+            graph = read_scene(context.scene, details=False)
             rows = [row for row in range(len(graph)) if graph.category[row] < 0]
             if self.selected_only:
                 selected = {item.name for item in context.selected_objects}

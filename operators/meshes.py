@@ -147,7 +147,7 @@ class UNISG_OT_find_similar(ActiveMesh, bpy.types.Operator):
         from ..unisg_blender.meshes.similar import mesh_library
 
         active = context.active_object
-        graph = read_scene(context.scene)
+        graph = read_scene(context.scene, details=False)
         rows = [row for row in range(len(graph)) if graph.mesh[row] >= 0 and graph.name[row] != active.name]
         library = mesh_library([graph.name[row] for row in rows], [graph.meshes[graph.mesh[row]] for row in rows])
         found = library.nearest(read_active(context), self.count, use_size=self.use_size) if library.names else []

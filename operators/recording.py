@@ -228,7 +228,7 @@ def _recorded(scene: bpy.types.Scene, path: str) -> Any:
     from ..unisg_blender.errors import UniSGError
 
     if not path:
-        return read_scene(scene, geometry="none")
+        return read_scene(scene, geometry="none", details=False)
     reason = _missing_usd(path)
     if reason:
         raise UniSGError(reason)

@@ -61,7 +61,7 @@ class UNISG_OT_relations(bpy.types.Operator):
         from ..unisg_blender.spatial.relations import RelationTolerances, relate
 
         repair_identities(context.scene)  # relations name their targets by uid
-        graph = read_scene(context.scene)
+        graph = read_scene(context.scene, details=False)
         try:
             tolerances = RelationTolerances(gap=self.gap, beside=self.beside)
             graph = _predicted(graph, self.model) if self.model else relate(graph, tolerances)

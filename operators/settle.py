@@ -30,7 +30,7 @@ class UNISG_OT_settle(bpy.types.Operator):
         from ..unisg_blender.generate.place.settle_scene import settle_rows
 
         try:
-            graph = read_scene(context.scene)
+            graph = read_scene(context.scene, details=False)
             items = objects_by_uid(context.scene)
             chosen = set(context.selected_objects)
             found = settle_rows(graph, [row for row, uid in enumerate(graph.uid) if items.get(uid) in chosen])

@@ -9,6 +9,7 @@ import pytest
 
 from tests.blender.helpers import add, assert_same_scene, box
 from unisg_blender.blender import ReadReport, read_scene, write_scene
+from unisg_blender.blender.read import scene_reader
 
 
 def losses(name: str | None = None) -> list[str]:
@@ -300,3 +301,16 @@ def test_what_is_held_comes_back(case: str) -> None:
     again = read_scene(write_scene(graph))
     assert_same_scene(graph, again)
     assert [*again.materials.values()][-1:] == [*graph.materials.values()][:1]
+
+
+def test_what_is_lost_is_looked_up_for_a_report_only(monkeypatch):
+    asked = []
+    for name in ("report_losses", "report_scene_losses"):
+        monkeypatch.setattr(scene_reader, name, lambda *_, name=name: asked.append(name))
+    add("Thing").instance_type, collection = "COLLECTION", bpy.data.collections.new("Shown")
+    collection.objects.link(bpy.data.objects.new("Part", None))
+    bpy.data.objects["Thing"].instance_collection = collection
+    read_scene()
+    assert not asked
+    read_scene(report=ReadReport())
+    assert sorted(asked) == ["report_losses", "report_losses", "report_scene_losses"]

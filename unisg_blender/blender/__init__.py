@@ -17,7 +17,7 @@ except ImportError:
 
 from .blend_files import SUFFIXES, new_file, open_file, read_file, save_blend
 from .lookup import objects_by_uid
-from .motion.sampled_animation import sample_animation
+from .read.sampled_animation import sample_animation
 from .read.scene_reader import read_scene, read_scenes
 from .render.picture import render_picture
 from .unsupported.read_report import ReadReport

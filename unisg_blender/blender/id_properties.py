@@ -41,6 +41,8 @@ def addon_settings(owner: bpy.types.ID) -> list[str]:
 
 
 def _of_addon(owner: bpy.types.bpy_struct, key: str) -> bool:
+    if not hasattr(type(owner), key):  # registered properties are attributes of the class, which is quick to ask
+        return False
     found = owner.bl_rna.properties.get(key)
     return found is not None and found.is_runtime
 

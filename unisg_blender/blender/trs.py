@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+LINEAR, TRANSLATION = [0, 1, 2, 4, 5, 6, 8, 9, 10], [3, 7, 11]  # entries of a 4x4 matrix, row by row
 SHEAR = 1e-6  # cosine of the angle between two axes, above which scale alone cannot say the matrix
 
 
@@ -65,3 +66,24 @@ def euler_xyz(rotation: NDArray[np.float64]) -> NDArray[np.float64]:
     y = np.arctan2(-rotation[:, 2, 0], across)
     z = np.where(locked, 0.0, np.arctan2(rotation[:, 1, 0], rotation[:, 0, 0]))
     return np.stack([x, y, z], axis=1)
+
+
+def differ(
+    first: NDArray[np.float64], second: NDArray[np.float64], tolerance: float, terms: NDArray[np.float64] | None = None
+) -> NDArray[np.bool_]:
+    """bool (N,): whether matrices differ by more than ``tolerance``.
+
+    Linear block and translation each by its size, which is that of ``second`` or
+    of the ``terms`` that it sums up.
+    """
+    gap = _by_entry(np.abs(first - second))
+    size = _by_entry(np.abs(second) if terms is None else terms)
+    linear = size[LINEAR].max(axis=0)
+    reach = np.maximum(size[TRANSLATION].max(axis=0), linear)
+    alike = (gap[LINEAR].max(axis=0) <= tolerance * linear) & (gap[TRANSLATION].max(axis=0) <= tolerance * reach)
+    return np.asarray(~alike)  # what is no number is not alike
+
+
+def _by_entry(matrices: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(16, N): numpy goes much faster along a long last axis."""
+    return np.ascontiguousarray(matrices.reshape(-1, 16).T)

@@ -13,6 +13,7 @@ from ...behaviour import Moment, all_actions, moment
 from ...errors import UniSGError
 from ...scene.action_data import ActionData, actions_from_json, actions_to_json
 from ...scene.graph import SceneGraph
+from ...scene.hierarchy import world_matrices
 from ...scene.lesson_node import LessonNode, lesson_from_json, lesson_to_json
 from ...scene.properties import ACTIONS, LSA
 from ..lookup import objects_by_uid
@@ -122,8 +123,6 @@ def scene_moments(scene: bpy.types.Scene, graph: SceneGraph) -> Iterator[Moment]
     of the tools; a timeline marker such as "How many swabs? = three" answers the
     Question of that name (several answers with commas). The current frame is kept.
     """
-    from ...scene.hierarchy import world_matrices
-
     rate = scene.render.fps / scene.render.fps_base
     before, world = scene.frame_current, world_matrices(graph)
     objects = objects_by_uid(scene)

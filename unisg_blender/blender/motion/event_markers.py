@@ -10,7 +10,7 @@ from ...behaviour import all_actions, recorded_inputs
 from ...scene.components import EVENTS
 from ...scene.graph import SceneGraph
 from ..authoring.stored_behaviour import FORCE, TRIGGER
-from .keyframes import curves_of
+from ..fcurves import curves_of
 
 SHOWN = {"performed": "done", "early": "too early", "failed": "wrong"}
 """Words of a recording that become markers, and what these say."""

@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 
 from ...errors import UniSGError
 from ...poses import compose, cubic_sclerp, inverse, log, pose_errors, rebuild, reduce_keyframes, third_poses
-from .keyframes import Floats, Item, animated, key_count, key_times, plain, read_motors, restore_keys, save_keys
+from ..fcurves import Floats, Item
+from .keyframes import animated, key_count, key_times, plain, read_motors, restore_keys, save_keys
 from .keyframes import write_motors as write
 
 

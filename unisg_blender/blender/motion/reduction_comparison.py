@@ -22,7 +22,8 @@ from ...poses import (
     sclerp,
     third_poses,
 )
-from .keyframes import Floats, Item, curves_of, key_count, key_times, read_motors, write_motors
+from ..fcurves import Floats, Item, curves_of
+from .keyframes import key_count, key_times, read_motors, write_motors
 from .motor_keys import Tolerance, reduce_item_keyframes
 
 BLENDER = bpy.app.version_string

@@ -14,12 +14,14 @@ from ...scene.components import ANIMATION, EVENTS, RECORDING
 from ...scene.graph import SceneGraph
 from ...scene.recording_tables import KEY, Recorded, recorded_from_json, recorded_of, recorded_to_json
 from ..authoring.stored_behaviour import scene_moments, why_fixed
+from ..depsgraph import updated_depsgraph
 from ..lookup import objects_by_uid
-from ..read.object_hierarchy import read_hierarchy, updated_depsgraph
+from ..read.object_hierarchy import read_hierarchy
+from ..read.sampled_animation import sample_animation
 from ..read.scene_reader import read_scene
 from ..unsupported.read_report import ReadReport
+from ..write.animation_curves import write_animation
 from .event_markers import show_events
-from .sampled_animation import sample_animation, write_animation
 
 __all__ = [
     "SceneRecorder", "clear_recording", "needed_keys", "record_playback", "replay", "scene_recording",

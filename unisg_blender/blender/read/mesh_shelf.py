@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...scene.mesh import Mesh
+from ..depsgraph import is_evaluated
 from ..unsupported.read_report import ReadReport
 from .mesh_arrays import read_mesh
-from .object_hierarchy import is_evaluated
 
 CURVE_LIKE = ("CURVE", "SURFACE", "FONT", "META")
 

@@ -10,10 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...scene.hierarchy import compose_world
+from ..depsgraph import is_evaluated
+from ..trs import differ
 
 STEP = 2e-6  # rounding that one product of Blender's float32 matrices may leave, relative
 CHAIN = 5e-6  # ... and a whole chain of them
-LINEAR, TRANSLATION = [0, 1, 2, 4, 5, 6, 8, 9, 10], [3, 7, 11]  # entries of a 4x4 matrix, row by row
 
 
 @dataclass(frozen=True)
@@ -34,15 +35,6 @@ class Hierarchy:
     moved: NDArray[np.int64]
     world: NDArray[np.float64]
     broken: NDArray[np.int64]
-
-
-def updated_depsgraph(scene: bpy.types.Scene) -> tuple[bpy.types.ViewLayer, bpy.types.Depsgraph]:
-    """The view layer that is read, the current or the first one, and its depsgraph, evaluated."""
-    if scene == bpy.context.scene:
-        return bpy.context.view_layer, bpy.context.evaluated_depsgraph_get()
-    layer = scene.view_layers[0]
-    layer.update()
-    return layer, layer.depsgraph
 
 
 def read_hierarchy(
@@ -120,11 +112,6 @@ def chain_matrix(item: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> NDAr
     return chain_matrix(item.parent, depsgraph) @ local
 
 
-def is_evaluated(item: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> bool:
-    """False for objects that Blender leaves out: disabled in the viewport, or in an excluded collection."""
-    return bool(item.evaluated_get(depsgraph).is_evaluated)
-
-
 def read_matrices(objects: bpy.types.bpy_prop_collection, name: str, count: int) -> NDArray[np.float64]:
     """A matrix property of all objects, float64 (N, 4, 4)."""
     buffer = np.empty(16 * count, np.float32)
@@ -158,24 +145,3 @@ def _moved(
     moved = differ(above @ local, world, STEP, terms)
     fixed, root = np.where(moved[:, None, None], world, local), np.where(moved, -1, parent)
     return moved | differ(compose_world(fixed, root), world, CHAIN, terms)
-
-
-def differ(
-    first: NDArray[np.float64], second: NDArray[np.float64], tolerance: float, terms: NDArray[np.float64] | None = None
-) -> NDArray[np.bool_]:
-    """bool (N,): whether matrices differ by more than ``tolerance``.
-
-    Linear block and translation each by its size, which is that of ``second`` or
-    of the ``terms`` that it sums up.
-    """
-    gap = _by_entry(np.abs(first - second))
-    size = _by_entry(np.abs(second) if terms is None else terms)
-    linear = size[LINEAR].max(axis=0)
-    reach = np.maximum(size[TRANSLATION].max(axis=0), linear)
-    alike = (gap[LINEAR].max(axis=0) <= tolerance * linear) & (gap[TRANSLATION].max(axis=0) <= tolerance * reach)
-    return np.asarray(~alike)  # what is no number is not alike
-
-
-def _by_entry(matrices: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(16, N): numpy goes much faster along a long last axis."""
-    return np.ascontiguousarray(matrices.reshape(-1, 16).T)

@@ -16,17 +16,18 @@ from ...scene.graph import SceneGraph, table
 from ...scene.mesh import Material
 from ...scene.properties import ObjectProperties, decode_properties
 from ...scene.realize_instances import realize
+from ..depsgraph import updated_depsgraph
 from ..helper_objects import HELPER, TYPE, fold
 from ..id_properties import custom_properties
 from ..materials import read_material
-from ..motion.sampled_animation import may_move, sample_animation
 from ..unsupported.of_objects import report_losses
 from ..unsupported.of_scenes import report_scene_losses
 from ..unsupported.read_report import ReadReport
 from .collection_instances import instance_table
 from .mesh_shelf import MeshShelf
 from .object_components import component_tables
-from .object_hierarchy import read_hierarchy, updated_depsgraph
+from .object_hierarchy import read_hierarchy
+from .sampled_animation import may_move, sample_animation
 from .usd_import import IMPORTED, as_written, is_imported, join_shapes
 
 Geometry = Literal["evaluated", "original", "none"]
@@ -47,6 +48,7 @@ class SceneReader:
     animation: bool
     shelf: MeshShelf
     report: ReadReport
+    losses: bool  # whether somebody wants to hear what is lost: telling it takes as long as reading
     prototypes: dict[bpy.types.Collection, SceneGraph] = field(default_factory=dict)
 
     def read_collection(self, collection: bpy.types.Collection) -> SceneGraph:
@@ -76,8 +78,9 @@ def read_scene(
         "evaluated": meshes as modifiers and shape keys leave them, curves and
         texts as meshes; "original": meshes as they are edited; "none".
     details
-        False reads hierarchy, matrices, geometry and custom properties only,
-        no other component.
+        False reads hierarchy, matrices, geometry and custom properties only (categories,
+        behaviour and relations among them): enough for whoever does not write the scene
+        into a file.
     instances
         Of collections, and those that geometry nodes and particles make: "kept" as
         the component ``instances``, or "realized" as entities. Part of the details.
@@ -85,7 +88,7 @@ def read_scene(
         Step through the scene's frames and keep how its objects move, as the component
         ``animation``; the scene ends at the frame where it was.
     report
-        Is told, per object, what a scenegraph cannot hold.
+        Is told, per object, what a scenegraph cannot hold; without one, nothing is looked up for it.
     progress
         Called with (frames done, frames in all) while motion is read.
 
@@ -95,12 +98,12 @@ def read_scene(
         All objects of the scene as entities, in canonical order; metres, Z up.
     """
     scene = scene or bpy.context.scene
-    report = ReadReport() if report is None else report
+    losses, report = details and report is not None, ReadReport() if report is None else report
     view_layer, depsgraph = updated_depsgraph(scene)
     shelf = MeshShelf(depsgraph, geometry == "evaluated", report)
-    reader = SceneReader(depsgraph, view_layer, geometry, details, animation, shelf, report)
+    reader = SceneReader(depsgraph, view_layer, geometry, details, animation, shelf, report, losses)
     graph = read_objects(scene.objects, scene.name, scene.collection, reader)
-    if details:
+    if losses:
         report_scene_losses(scene, view_layer, report)
     if animation and may_move(scene):
         graph = sample_animation(graph, scene, progress=progress)
@@ -134,6 +137,7 @@ def read_objects(
     if reader.details:
         components |= component_tables(objects, items, hierarchy, top, reader.view_layer, reader.depsgraph)
         components |= instance_table(items, reader.shelf, reader.read_collection, reader.report)
+    if reader.losses:
         instanced = not top.is_embedded_data  # a scene's own collection is part of it
         sampled = reader.animation and not instanced
         evaluated = reader.geometry == "evaluated"

@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 
 from ...errors import UniSGError
 from ...scene.properties import CATEGORY
+from ..depsgraph import updated_depsgraph
 from ..quiet import captured_output
-from ..read.object_hierarchy import updated_depsgraph
 
 View = Literal["perspective", "top"]
 Engine = Literal["workbench", "cycles"]

@@ -10,10 +10,10 @@ from collections.abc import Iterator, Sequence
 
 import bpy
 
+from ..depsgraph import is_evaluated
+from ..fcurves import curves_of
 from ..helper_objects import HELPER, TYPE
 from ..id_properties import addon_settings, property_names
-from ..motion.keyframes import curves_of
-from ..read.object_hierarchy import is_evaluated
 from .changed_settings import changed_by_row
 from .of_object_data import data_losses, material_losses
 from .read_report import ReadReport

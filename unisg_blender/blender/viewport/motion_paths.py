@@ -13,7 +13,8 @@ import numpy as np
 
 from ...poses import FORMS
 from ...poses.paths import PATH_NAMES, compare_paths
-from ..motion.keyframes import Floats, Item, animated, key_times, plain, read_motors
+from ..fcurves import Floats, Item
+from ..motion.keyframes import animated, key_times, plain, read_motors
 
 COLOURS = dict(
     zip(PATH_NAMES, ((0.95, 0.35, 0.3), (0.35, 0.65, 1.0), (0.6, 0.6, 0.65), (0.35, 0.9, 0.45)), strict=True)

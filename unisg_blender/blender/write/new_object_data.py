@@ -11,7 +11,7 @@ import numpy as np
 from ...scene.components import CAMERA, EMPTY, MATERIALS
 from ...scene.graph import TYPES, SceneGraph
 from ...scene.mesh import Mesh
-from ..read.object_data import ABSENT, BLENDER_NAME, CAMERA_NUMBERS, FOCUS, LIGHT_NUMBERS, LIGHT_SWITCHES
+from ..data_fields import ABSENT, BLENDER_NAME, CAMERA_NUMBERS, FOCUS, LIGHT_NUMBERS, LIGHT_SWITCHES
 from ..unsupported.read_report import ReadReport
 from .mesh_data import write_mesh
 

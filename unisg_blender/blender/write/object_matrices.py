@@ -13,8 +13,7 @@ from ...scene.components import CHANNELS, PARENTING, WORLD
 from ...scene.graph import SceneGraph
 from ...scene.hierarchy import world_matrices
 from ..helper_objects import new_helper
-from ..read.object_hierarchy import differ
-from ..trs import split
+from ..trs import differ, split
 from ..unsupported.read_report import ReadReport
 
 SAME = 1e-6  # channels spell a matrix if they agree with it to this, relative

@@ -13,8 +13,8 @@ from ...scene.components import INSTANCES, MATERIALS
 from ...scene.graph import SceneGraph
 from ..lookup import objects_by_uid
 from ..materials import write_materials
-from ..motion.sampled_animation import write_animation
 from ..unsupported.read_report import ReadReport
+from .animation_curves import write_animation
 from .bones import write_bones
 from .instance_collections import write_instances
 from .listing import link_helpers, link_objects, set_visibility

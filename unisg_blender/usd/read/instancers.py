@@ -3,79 +3,52 @@
 from __future__ import annotations
 
 import warnings
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from pxr import Usd, UsdGeom
 
-from ...errors import UniSGError
 from ...scene import components
 from ...scene.graph import SceneGraph, Table, table
 from .. import schema
-from ..names import true_name
 from .mesh_topology import array
 from .prim_entities import Entities
 from .xforms import from_usd, local_transform
 
-if TYPE_CHECKING:
-    from .stage_reader import StageReader
-
 SAME = 1e-5
 """Relative difference that single precision leaves between a placement and its exact matrix."""
 Entry = tuple[int, SceneGraph, NDArray[np.float64], str]
+Prototype = Callable[[Any, bool], SceneGraph]
+"""The scenegraph of a prototype prim; True: the prim only holds the prototype's entities, as ours do."""
 
 
-def read_instances(found: Entities, reader: StageReader) -> dict[str, Table]:
-    """The component ``instances``: (entity, prototype, placement, source) for every copy."""
+def read_instances(found: Entities, frame: NDArray[np.float64], prototype: Prototype) -> dict[str, Table]:
+    """The component ``instances``: (entity, prototype, placement, source) for every copy.
+
+    ``frame`` (4, 4) leads from the stage's frame to metres and Z up; ``prototype`` gives the same
+    scenegraph for the same prototype.
+    """
     entries: list[Entry] = []
     for row, prim in found.instances:
         if prim.IsA(UsdGeom.PointInstancer):
-            entries += _point_instances(row, prim, reader)
+            entries += _point_instances(row, prim, frame, prototype)
         else:
-            placed = _turned(from_usd([local_transform(prim)[0]]), reader)
+            placed = _turned(from_usd([local_transform(prim)[0]]), frame)
             source = str(prim.GetAttribute(schema.SOURCE).Get())
-            entries.append((row, _prototype(prim, reader, children=True), placed[0], source))
+            entries.append((row, prototype(prim, True), placed[0], source))
     if not entries:
         return {}
-    return {
-        components.INSTANCES: table(
-            [row for row, _, _, _ in entries],
-            prototype=[graph for _, graph, _, _ in entries],
-            matrix=np.array([matrix for _, _, matrix, _ in entries]).reshape(-1, 4, 4),
-            source=[source for _, _, _, source in entries],
-        )
-    }
+    rows, prototypes, matrices, sources = zip(*entries, strict=True)
+    return {components.INSTANCES: table(rows, prototype=prototypes, matrix=np.array(matrices), source=sources)}
 
 
-def _turned(placed: NDArray[np.float64], reader: StageReader) -> NDArray[np.float64]:
-    return reader.frame @ placed @ np.linalg.inv(reader.frame)
+def _turned(placed: NDArray[np.float64], frame: NDArray[np.float64]) -> NDArray[np.float64]:
+    return frame @ placed @ np.linalg.inv(frame)
 
 
-def _prototype(prim: Any, reader: StageReader, *, children: bool) -> SceneGraph:
-    """The scenegraph of a prototype prim, the same object for the same prototype.
-
-    ``children``: the prim only holds the prototype's entities, as ours do.
-    """
-    from .stage_reader import read_graph
-
-    stack = prim.GetPrimStack()
-    key = (stack[-1].layer.identifier, stack[-1].path) if children else prim.GetPath()
-    if key in reader.reading:
-        raise UniSGError(f"{prim.GetPath()}: is a prototype of itself")
-    if key not in reader.prototypes:
-        reader.reading.add(key)
-        name = true_name(prim, stack[-1].name if children else "")
-        if children:
-            tops = prim.GetFilteredChildren(Usd.TraverseInstanceProxies(Usd.PrimIsActive & Usd.PrimIsDefined))
-            reader.prototypes[key] = read_graph(tops, reader, name, prim, nested=True)
-        else:
-            reader.prototypes[key] = read_graph([prim], reader, name, nested=True)
-        reader.reading.discard(key)
-    return reader.prototypes[key]
-
-
-def _point_instances(row: int, prim: Any, reader: StageReader) -> list[Entry]:
+def _point_instances(row: int, prim: Any, frame: NDArray[np.float64], prototype: Prototype) -> list[Entry]:
     instancer = UsdGeom.PointInstancer(prim)
     time = Usd.TimeCode.EarliestTime()
     targets = [prim.GetStage().GetPrimAtPath(path) for path in instancer.GetPrototypesRel().GetForwardedTargets()]
@@ -94,12 +67,12 @@ def _point_instances(row: int, prim: Any, reader: StageReader) -> list[Entry]:
         if np.abs(exact - placed).max(initial=0) <= SAME * np.abs(exact).max(initial=0):  # else another tool moved them
             placed = exact
     shown = np.array(instancer.ComputeMaskAtTime(time) or np.ones(len(index), bool), bool)
-    placed = _turned(placed, reader)
+    placed = _turned(placed, frame)
     source = str(prim.GetAttribute(schema.SOURCE).Get()) if own else "GEOMETRY"
-    graphs = {number: _prototype(targets[number], reader, children=own) for number in np.unique(index).tolist()}
+    graphs = {number: prototype(targets[number], own) for number in np.unique(index).tolist()}
     offset = np.eye(4)
     if own:  # the instancer itself is no entity: its frame is the entity's
-        offset = _turned(from_usd([local_transform(prim)[0]]), reader)[0]
+        offset = _turned(from_usd([local_transform(prim)[0]]), frame)[0]
     return [
         (row, graphs[number], offset @ matrix, source)
         for number, matrix, seen in zip(index.tolist(), placed, shown, strict=True)

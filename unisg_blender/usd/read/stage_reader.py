@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import warnings
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from pxr import Usd
 
 from ...errors import UniSGError
 from ...scene import components
@@ -31,6 +32,7 @@ from .xforms import read_transforms
 
 STANDARD = (components.CAMERA, components.LIGHT, components.VISIBILITY)
 """Components of which USD's own schemas say a part."""
+WITHIN = Usd.TraverseInstanceProxies(Usd.PrimIsActive & Usd.PrimIsDefined)
 
 
 @dataclass
@@ -41,9 +43,26 @@ class StageReader:
     metres: float  # size of a scene unit
     rate: float  # time codes per second
     shelf: MeshPrims
-    prototypes: dict[Any, SceneGraph]
-    reading: set[Any]  # prototypes that are being read
     progress: Progress | None
+    prototypes: dict[Any, SceneGraph] = field(default_factory=dict)
+    reading: set[Any] = field(default_factory=set)  # prototypes that are being read
+
+    def read_prototype(self, prim: Any, children: bool) -> SceneGraph:
+        """The scenegraph of a prototype prim, the same object for the same prototype.
+
+        ``children``: the prim only holds the prototype's entities, as ours do.
+        """
+        stack = prim.GetPrimStack()
+        key = (stack[-1].layer.identifier, stack[-1].path) if children else prim.GetPath()
+        if key in self.reading:
+            raise UniSGError(f"{prim.GetPath()}: is a prototype of itself")
+        if key not in self.prototypes:
+            self.reading.add(key)
+            name = true_name(prim, stack[-1].name if children else "")
+            tops = prim.GetFilteredChildren(WITHIN) if children else [prim]
+            self.prototypes[key] = read_graph(tops, self, name, prim if children else None, nested=True)
+            self.reading.discard(key)
+        return self.prototypes[key]
 
 
 def read_stage(stage: Any, title: str, progress: Progress | None = None) -> SceneGraph:
@@ -64,7 +83,7 @@ def read_stage(stage: Any, title: str, progress: Progress | None = None) -> Scen
 def _read_scene(stage: Any, title: str, progress: Progress | None) -> SceneGraph:
     frame = stage_frame(stage)
     metres = float(np.abs(frame[:3, :3]).max())
-    reader = StageReader(frame, metres, float(stage.GetTimeCodesPerSecond()), MeshPrims(frame), {}, set(), progress)
+    reader = StageReader(frame, metres, float(stage.GetTimeCodesPerSecond()), MeshPrims(frame), progress)
     tops = stage.GetPseudoRoot().GetChildren()
     scene = next((prim for prim in tops if prim.HasAttribute(schema.SCENE_VERSION)), None)
     if scene is None:
@@ -95,7 +114,7 @@ def read_graph(
     column = np.full(len(entries), -1, np.int32)
     column[shelf_mesh >= 0] = mesh.reshape(-1)
     tables = read_components(holder, uids) | frames.tables | read_motion(found, frames, reader.rate)
-    tables |= read_instances(found, reader)
+    tables |= read_instances(found, reader.frame, reader.read_prototype)
     told = read_data(found, tables, reader.metres)
     tables = {name: each for name, each in tables.items() if name not in STANDARD} | told
     uid_of_path = {prim.GetPath(): uid for prim, uid in zip(found.prim, uids, strict=True)}

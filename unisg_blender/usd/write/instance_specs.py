@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,17 +13,17 @@ from ...scene import components
 from ...scene.graph import SceneGraph
 from .. import schema
 from ..names import Identifiers
-from .specs import Types, attribute, custom, define, define_class, matrices, points, relationship
-
-if TYPE_CHECKING:
-    from .layer_writer import LayerWriter
+from .specs import Types, attribute, custom, define, matrices, points, relationship
 
 FEW = 8
 """Up to so many copies stand as native instances, which every tool can edit one by one."""
 
 
-def write_instances(prims: Sequence[Any], graph: SceneGraph, writer: LayerWriter) -> None:
-    """Author the component ``instances`` under the prims of its entities."""
+def write_instances(prims: Sequence[Any], graph: SceneGraph, prototype_path: Callable[[SceneGraph], Any]) -> None:
+    """Author the component ``instances`` under the prims of its entities.
+
+    ``prototype_path`` gives where a prototype stands, and writes it the first time.
+    """
     found = graph.components.get(components.INSTANCES)
     if found is None:
         return
@@ -36,7 +36,7 @@ def write_instances(prims: Sequence[Any], graph: SceneGraph, writer: LayerWriter
         for (_, source), items in groups.items():
             prototype = entries["prototype"][items[0]]
             placed = entries["matrix"][items]
-            path = _prototype(prototype, writer)
+            path = prototype_path(prototype)
             if len(items) > FEW and upright(placed):
                 _write_point_instancer(prims[row], identifiers.take(prototype.title), path, placed, source)
             else:
@@ -47,21 +47,6 @@ def upright(placed: NDArray[np.float64]) -> bool:
     """True if no matrix turns or shears: point instancers keep quaternions in half precision only."""
     linear = placed[:, :3, :3]
     return bool((linear[:, ~np.eye(3, dtype=bool)] == 0).all())
-
-
-def _prototype(graph: SceneGraph, writer: LayerWriter) -> Any:
-    """Path of the prototype of a scenegraph, written once."""
-    from .layer_writer import write_graph
-
-    if id(graph) not in writer.prototypes:
-        scope = writer.scene.nameChildren.get(schema.PROTOTYPE_SCOPE)
-        if scope is None:
-            scope = define_class(writer.scene, schema.PROTOTYPE_SCOPE)
-        taken = Identifiers(child.name for child in scope.nameChildren)
-        prim = define(scope, taken.take(graph.title), "Xform", graph.title)
-        writer.prototypes[id(graph)] = prim.path
-        write_graph(prim, graph, writer, Identifiers(schema.SCOPES))
-    return writer.prototypes[id(graph)]
 
 
 def _write_native(

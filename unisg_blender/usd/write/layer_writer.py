@@ -40,7 +40,19 @@ class LayerWriter:
     materials: dict[str, Any]
     shared: dict[int, Any]  # references to prototypes of meshes that several entities share, by id(mesh)
     tick: Tick
-    prototypes: dict[int, Any] = field(default_factory=dict)  # references to instanced scenegraphs, by id(graph)
+    prototypes: dict[int, Any] = field(default_factory=dict)  # paths of instanced scenegraphs, by id(graph)
+
+    def prototype_path(self, graph: SceneGraph) -> Any:
+        """Path of the prototype of a scenegraph, written once."""
+        if id(graph) not in self.prototypes:
+            scope = self.scene.nameChildren.get(schema.PROTOTYPE_SCOPE)
+            if scope is None:
+                scope = define_class(self.scene, schema.PROTOTYPE_SCOPE)
+            taken = Identifiers(child.name for child in scope.nameChildren)
+            prim = define(scope, taken.take(graph.title), "Xform", graph.title)
+            self.prototypes[id(graph)] = prim.path
+            write_graph(prim, graph, self, Identifiers(schema.SCOPES))
+        return self.prototypes[id(graph)]
 
 
 def write_layer(graph: SceneGraph, layer: Any, tick: Tick = lambda: None) -> None:
@@ -66,7 +78,7 @@ def write_graph(parent: Any, graph: SceneGraph, writer: LayerWriter, identifiers
     write_motion(prims, graph)
     write_visibility(prims, graph)
     write_components(parent, graph)
-    write_instances(prims, graph, writer)
+    write_instances(prims, graph, writer.prototype_path)
 
 
 def nested_graphs(graph: SceneGraph) -> list[SceneGraph]:

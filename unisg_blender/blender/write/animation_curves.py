@@ -1,0 +1,68 @@
+"""Sampled motion as keyframes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import bpy
+import mathutils
+import numpy as np
+from numpy.typing import NDArray
+
+from ...scene.components import ANIMATION, PARENTING
+from ...scene.graph import SceneGraph
+from ..fcurves import continuous_signs, new_curves
+from ..trs import split
+from ..unsupported.read_report import ReadReport
+
+
+def write_animation(
+    graph: SceneGraph,
+    objects: Mapping[int, bpy.types.Object],
+    scene: bpy.types.Scene,
+    report: ReadReport,
+    component: str = ANIMATION,
+) -> None:
+    """Keyframes for the sampled motion of new objects; rotations become quaternions that never jump.
+
+    ``component`` may also be ``recording``.
+    """
+    found = graph.components.get(component)
+    if found is None:
+        return
+    rate = scene.render.fps / scene.render.fps_base
+    parts = graph.components.get(PARENTING)
+    for place, row in enumerate(found.rows.tolist()):
+        item = objects.get(row)
+        if item is None:
+            continue
+        above = np.eye(4)
+        if parts is not None and item.parent_type != "OBJECT" and row in parts.rows:
+            above = parts.of(row)["frame"][0]
+        if item.parent is not None:
+            above = above @ np.array(item.matrix_parent_inverse, np.float64)
+        if abs(np.linalg.det(above)) < 1e-12:
+            report.add(item.name, "its motion is lost: what it hangs on has no size")
+            continue
+        inner = np.linalg.inv(above) @ found.columns["matrices"][place]
+        if _key(item, found.columns["times"][place] * rate, inner):
+            report.add(item.name, "shear in its motion is lost")
+
+
+def _key(item: bpy.types.Object, frames: NDArray[np.float64], matrices: NDArray[np.float64]) -> bool:
+    """Set linear keyframes; returns whether some matrix has shear, which they cannot say."""
+    channels = split(matrices)
+    turns: NDArray[np.float64] = np.array([mathutils.Euler(angles).to_quaternion() for angles in channels.euler])
+    turns = continuous_signs(turns, turns[0])
+    item.rotation_mode = "QUATERNION"
+    item.delta_location, item.delta_scale, item.delta_rotation_quaternion = (0, 0, 0), (1, 1, 1), (1, 0, 0, 0)
+    curves = new_curves(item)
+    for path, values in (("location", channels.location), ("rotation_quaternion", turns), ("scale", channels.scale)):
+        for index in range(values.shape[1]):
+            curve = curves.new(data_path=path, index=index)
+            curve.keyframe_points.add(len(frames))
+            points = np.stack([frames, values[:, index]], axis=1).astype(np.float32)
+            curve.keyframe_points.foreach_set("co", points.ravel())
+            curve.keyframe_points.foreach_set("interpolation", np.full(len(frames), 1, np.uint8))  # linear
+            curve.update()
+    return bool(channels.sheared.any())
