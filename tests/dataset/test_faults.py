@@ -215,7 +215,11 @@ def test_a_disk_that_fills_up_while_files_are_read(tmp_path: Path, small_disk: P
     source = fill(tmp_path / "in", 30)
     with pytest.raises(UniSGError, match=r"the disk is full.*--resume"):
         export_dataset([source], small_disk / "ds", OPTIONS)
-    left = [path.name for path in (small_disk / "ds").rglob("*") if path.name.endswith(".tmp")]
+    left = [
+        path.name
+        for path in (small_disk / "ds").rglob("*")
+        if path.name.startswith(".") and path.is_file() and path.name != ".lock"
+    ]
     assert left == []
     subprocess.run(["mount", "-o", "remount,size=16m", str(small_disk)], timeout=20, check=True)
     export_dataset([source], small_disk / "ds", OPTIONS, resume=True)

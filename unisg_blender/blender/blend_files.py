@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import re
-import uuid
 from collections.abc import Callable
 from pathlib import Path
 
@@ -12,6 +11,7 @@ import addon_utils
 import bpy
 
 from ..errors import UniSGError
+from ..runtime.atomic_files import replacing
 from ..scene.graph import SceneGraph
 from .quiet import captured_output, heard
 from .read.scene_reader import Geometry, read_scene
@@ -109,20 +109,11 @@ def save_blend(path: str | os.PathLike[str]) -> None:
     UniSGError
         If the place cannot be written.
     """
-    path = Path(path)
-    if not path.parent.is_dir():
-        raise UniSGError(f"cannot write {path}: the folder {path.parent} does not exist")
-    if path.is_dir():
-        raise UniSGError(f"cannot write {path}: it is a folder")
-    unfinished = path.parent / f".unisg-{uuid.uuid4().hex}.blend"  # beside it: paths in the file are relative to it
-    try:
-        with captured_output():
+    with replacing(Path(path).absolute()) as unfinished, captured_output():
+        try:
             bpy.ops.wm.save_as_mainfile(filepath=str(unfinished), copy=True, check_existing=False)
-        os.replace(unfinished, path)
-    except (RuntimeError, OSError) as error:
-        raise UniSGError(f"cannot write {path}: {_last_line(str(error))}") from None
-    finally:
-        unfinished.unlink(missing_ok=True)
+        except RuntimeError as error:
+            raise UniSGError(f"cannot write {path}: {_last_line(str(error))}") from None
 
 
 def _check_path(path: Path) -> None:

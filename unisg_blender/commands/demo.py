@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
-import shutil
 import sys
-import tempfile
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -15,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 from tqdm import tqdm
 
 from ..errors import DONE, MissingPackageError, UniSGError
+from ..runtime.atomic_files import filling
 
 if TYPE_CHECKING:
     from ..generate import Generated, Generator
@@ -37,26 +36,26 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Write the demo's folder; an earlier one is replaced when the new one is complete."""
-    if args.out.exists() and not (args.out / "report.json").is_file() and any(args.out.iterdir()):
+    """Write the demo's folder; the files of an earlier one are replaced when the new ones are complete."""
+    if args.out.exists() and not _is_demo(args.out) and any(args.out.iterdir()):
         raise UniSGError(f"{args.out} exists and is no earlier demo: give another --out")
-    args.out.parent.mkdir(parents=True, exist_ok=True)
-    work = Path(tempfile.mkdtemp(prefix=f".{args.out.name}-", dir=args.out.parent))
-    try:
+    with filling(args.out) as work:
         with tqdm(total=len(STEPS), desc="demo", unit="step", disable=args.quiet, file=sys.stderr) as bar:
             report = _demo(args, work, bar)
         (work / "report.json").write_text(json.dumps(report, indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
-        if args.out.exists():
-            shutil.rmtree(args.out)
-        work.rename(args.out)
-        args.out.chmod(0o755)
-    finally:
-        shutil.rmtree(work, ignore_errors=True)
     if args.json:
         print(json.dumps(report, ensure_ascii=False))
     elif not args.quiet:
         print("\n".join(_lines(report, args.out)))
     return DONE
+
+
+def _is_demo(folder: Path) -> bool:
+    """Whether a folder holds the report of an earlier demo."""
+    try:
+        return json.loads((folder / "report.json").read_text("utf-8")).keys() >= {"software", "completed", "from_empty"}
+    except (OSError, ValueError, AttributeError):
+        return False
 
 
 def _demo(args: argparse.Namespace, out: Path, bar: tqdm) -> dict[str, Any]:

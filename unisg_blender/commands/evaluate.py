@@ -45,10 +45,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Measure and print the table."""
-    from ..experiments.poses.poses_report import machine
+    from ..experiments.reports import machine
     from ..experiments.rooms.generation_report import table, write_report
     from ..experiments.rooms.generation_table import compare
-    from ..runtime.result_cache import processes
+    from ..runtime.process_pool import processes
 
     plan = _plan(args)
     start = time.perf_counter()

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..errors import DONE, SOME_FAILED, UniSGError
 from ..formats.scene_files import check_kinds, read_scene_file, write_scene_file
-from ..usd.usd_files import replacing
+from ..runtime.atomic_files import write_file
 
 if TYPE_CHECKING:
     from ..generate import Generated
@@ -112,7 +112,7 @@ def _write(args: argparse.Namespace, result: Generated) -> None:
 
         new = set(result.rows.tolist())
         records = [{**record, "new": row in new} for row, record in enumerate(to_records(result.scene))]
-        _write_text(args.out, json.dumps({"title": result.scene.title, "entities": records}, ensure_ascii=False))
+        write_file(args.out, json.dumps({"title": result.scene.title, "entities": records}, ensure_ascii=False))
     elif kind in USD:
         write_scene_file(result.scene, args.out)
     if kind == ".blend" or args.render is not None:
@@ -137,14 +137,6 @@ def _write_with_blender(args: argparse.Namespace, result: Generated, save: bool)
         save_blend(args.out)
     if args.render is not None:
         render_picture(args.render, leave_out=("Ceiling",))
-
-
-def _write_text(path: Path, text: str) -> None:
-    try:
-        with replacing(path) as temporary:
-            temporary.write_text(text, encoding="utf-8")
-    except OSError as error:
-        raise UniSGError(f"cannot write {path}: {error.strerror}") from None
 
 
 def to_report(result: Generated) -> dict[str, Any]:

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import argparse
 import json
-import os
 import shutil
 import sys
-import tempfile
 from collections.abc import Iterable
 from functools import partial
 from pathlib import Path
@@ -16,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 from tqdm import tqdm
 
 from ..errors import DONE, MISUSE, UniSGError
+from ..runtime.atomic_files import filling
 
 if TYPE_CHECKING:
     from ..behaviour import Moment
@@ -169,17 +168,13 @@ def _write(
 ) -> None:
     from ..behaviour.play.timeline_picture import draw_timeline
 
-    args.out.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(prefix=".simulate-", dir=args.out) as folder:
-        work = Path(folder)
+    with filling(args.out) as work:
         (work / "timeline.json").write_text(json.dumps(record, indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
         draw_timeline(record, work / "timeline.png")
         if script is not None:
             (work / "motion.json").write_text(script + "\n", encoding="utf-8")
         if args.render:
             _render(args, graph, work / "film.gif", frames)
-        for made in work.iterdir():
-            os.replace(made, args.out / made.name)
 
 
 def _render(args: argparse.Namespace, graph: SceneGraph, path: Path, frames: list[Any]) -> None:

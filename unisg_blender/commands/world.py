@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import argparse
 import json
-import os
-import sys
-import tempfile
 import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..errors import DONE, UniSGError
+from ..runtime.atomic_files import write_file
+from ..runtime.process_pool import processes
 from ..worlds.many import make_many
 
 if TYPE_CHECKING:
@@ -61,15 +60,9 @@ def run(args: argparse.Namespace) -> int:
 
 def _scenes(args: argparse.Namespace, bar: Progress) -> Iterator[SceneGraph]:
     seeds = range(args.seed, args.seed + args.count)
-    for done, graph in enumerate(make_many(args.name, seeds, _jobs(args.jobs)), start=1):
+    for done, graph in enumerate(make_many(args.name, seeds, processes(args.jobs)), start=1):
         yield graph
         bar.update(done)
-
-
-def _jobs(asked: int | None) -> int:
-    """Processes to use; inside Blender one, whose program starts no other Python."""
-    application = getattr(getattr(sys.modules.get("bpy"), "app", None), "binary_path", "")
-    return 1 if application else asked or os.cpu_count() or 1
 
 
 def _write_dataset(args: argparse.Namespace, bar: Progress) -> list[str]:
@@ -119,13 +112,5 @@ def _write_json(graph: SceneGraph, path: Path) -> None:
 
     lsa = graph.components.get("lsa")
     lessons = [] if lsa is None else [json.loads(lesson_to_json(lesson)) for lesson in lsa.columns["data"]]
-    text = json.dumps(summary(graph) | {"entities": to_records(graph), "lessons": lessons}, ensure_ascii=False)
-    handle, name = tempfile.mkstemp(suffix=".json", prefix=".world-", dir=path.parent)
-    try:
-        with os.fdopen(handle, "w", encoding="utf-8") as file:
-            file.write(text)
-        os.replace(name, path)
-    except OSError as error:
-        raise UniSGError(f"cannot write {path}: {error.strerror}") from None
-    finally:
-        Path(name).unlink(missing_ok=True)
+    record = summary(graph) | {"entities": to_records(graph), "lessons": lessons}
+    write_file(path, json.dumps(record, ensure_ascii=False))

@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import MissingPackageError, UniSGError
+from ..errors import MissingPackageError
+from ..runtime.atomic_files import filling
 from ..scene import oriented_boxes
 from .dataset_description import describe_dataset, entity_sizes, scene_numbers
 from .format.reader import Dataset, Scene, open_dataset
@@ -36,18 +37,13 @@ def draw_dataset(path: str | os.PathLike[str], out: str | os.PathLike[str]) -> l
     dataset, record = open_dataset(path), describe_dataset(path)
     folder = Path(out)
     pictures = {
-        folder / "histograms.png": _histograms(Figure(figsize=(12, 8), layout="constrained"), dataset, record),
-        folder / "scenes.png": _contact_sheet(Figure(layout="constrained"), dataset),
+        "histograms.png": _histograms(Figure(figsize=(12, 8), layout="constrained"), dataset, record),
+        "scenes.png": _contact_sheet(Figure(layout="constrained"), dataset),
     }
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
+    with filling(folder) as draft:
         for name, figure in pictures.items():
-            temporary = name.with_suffix(".tmp")
-            figure.savefig(temporary, dpi=110, format="png")
-            os.replace(temporary, name)
-    except OSError as error:
-        raise UniSGError(f"cannot write to {folder}: {error.strerror}; choose another folder") from None
-    return list(pictures)
+            figure.savefig(draft / name, dpi=110)
+    return [folder / name for name in pictures]
 
 
 def _histograms(figure: Any, dataset: Dataset, record: dict[str, Any]) -> Any:

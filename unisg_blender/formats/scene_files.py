@@ -12,10 +12,10 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import UniSGError
+from ..runtime.atomic_files import write_file
 from ..runtime.progress import Progress as Bar
 from ..scene.graph import SceneGraph
 from ..usd.usd_files import SUFFIXES as USD
-from ..usd.usd_files import replacing
 
 BLENDER = (".blend", ".glb", ".gltf", ".fbx", ".obj")
 READABLE = (*BLENDER, *USD)
@@ -124,8 +124,7 @@ def _write_json(graph: SceneGraph, path: Path) -> None:
     lsa = graph.components.get("lsa")
     lessons: Sequence[Any] = () if lsa is None else [json.loads(lesson_to_json(each)) for each in lsa.columns["data"]]
     record = summary(graph) | {"entities": to_records(graph), "lessons": lessons}
-    with replacing(path) as temporary:
-        temporary.write_text(json.dumps(record, ensure_ascii=False), encoding="utf-8")
+    write_file(path, json.dumps(record, ensure_ascii=False))
 
 
 def _write_blend(graph: SceneGraph, path: Path) -> list[str]:

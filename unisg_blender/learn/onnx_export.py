@@ -5,7 +5,6 @@ from __future__ import annotations
 import contextlib
 import io
 import logging
-import os
 import warnings
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -15,6 +14,7 @@ import onnx
 import torch
 from torch import Tensor, nn
 
+from ..runtime.atomic_files import write_file
 from ..runtime.onnx_session import KEY
 
 OPSET = 20
@@ -72,12 +72,7 @@ def export_onnx(
     entry = model.metadata_props.add()
     entry.key, entry.value = KEY, metadata
     _check(model)
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
-    try:
-        onnx.save(model, str(temporary))
-        os.replace(temporary, path)
-    finally:
-        temporary.unlink(missing_ok=True)
+    write_file(path, model.SerializeToString())
 
 
 def _check(model: onnx.ModelProto) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -12,6 +11,7 @@ from numpy.typing import NDArray
 
 from ..errors import UniSGError
 from ..meshes.atlasnet_sessions import PRETRAINED
+from ..runtime.atomic_files import write_file
 from .name_evidence import name_scores
 
 LABELS_FILE = "labels.safetensors"
@@ -76,19 +76,16 @@ class LabelModel:
 
     def save(self, path: str | Path) -> None:
         """Write the model as one safetensors file, whole or not at all."""
-        from safetensors.numpy import save_file
+        from safetensors.numpy import save
 
-        path = Path(path)
         arrays = {name: getattr(self, name) for name in ARRAYS}
         record = {
             "vocabulary": self.vocabulary, "lexicon": self.lexicon, "name_weight": self.name_weight,
             "beside_weight": self.beside_weight, "spread": self.spread, "temperature": self.temperature,
             "provenance": self.provenance,
         }  # fmt: skip
-        temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
         metadata = {"unisg_labels": VERSION, "record": json.dumps(record)}
-        save_file({name: np.ascontiguousarray(array) for name, array in arrays.items()}, temporary, metadata)
-        os.replace(temporary, path)
+        write_file(Path(path), save({name: np.ascontiguousarray(array) for name, array in arrays.items()}, metadata))
 
     @staticmethod
     def load(path: str | Path | None = None) -> LabelModel:

@@ -5,11 +5,18 @@ from __future__ import annotations
 import errno
 import hashlib
 import os
+import shutil
+import tempfile
+import uuid
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from ..errors import UniSGError
 
 DIGITS = 16
+UNFINISHED = ".*.tmp*"
+"""Pattern of the names of files that are being written."""
 
 
 class DamagedError(UniSGError):
@@ -34,31 +41,76 @@ def checksum_of(path: Path) -> str:
         raise DamagedError(f"{path} cannot be read: {error.strerror or error}") from None
 
 
-def write_file(path: Path, data: bytes) -> None:
-    """Write a file so that it is there whole or not at all, also if the process or the machine stops.
+@contextmanager
+def replacing(path: Path) -> Iterator[Path]:
+    """A path to write a file to, which then takes the place of ``path``; if anything fails, nothing is left of it.
+
+    It is in the same folder and has the same ending. The file is there whole or not at
+    all, also if the process or the machine stops.
 
     Raises
     ------
     DiskFullError
-        If the disk is full; the temporary file is gone then.
+        If the disk is full.
     UniSGError
         If the file cannot be written for another reason.
     """
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
+    if not path.parent.is_dir():
+        raise UniSGError(f"cannot write {path}: the folder {path.parent} does not exist")
+    if path.is_dir():
+        raise UniSGError(f"cannot write {path}: it is a folder")
+    if not os.access(path.parent, os.W_OK):
+        raise UniSGError(f"cannot write {path}: the folder {path.parent} is read-only")
+    temporary = path.with_name(f".{path.stem}.{uuid.uuid4().hex[:8]}.tmp{path.suffix}")
     try:
-        with open(temporary, "wb") as file:
-            file.write(data)
-            file.flush()
+        yield temporary
+        with open(temporary, "rb+") as file:
             os.fsync(file.fileno())
         os.replace(temporary, path)
     except OSError as error:
+        raise _reason(path, error) from None
+    finally:
         temporary.unlink(missing_ok=True)
-        if error.errno in (errno.ENOSPC, errno.EDQUOT):
-            raise DiskFullError(f"the disk is full: no room for {path}") from None
-        raise UniSGError(f"cannot write {path}: {error.strerror or error}") from None
-    except BaseException:
-        temporary.unlink(missing_ok=True)
-        raise
+
+
+@contextmanager
+def filling(folder: Path) -> Iterator[Path]:
+    """A folder to write to, whose contents go to ``folder`` (made if it is missing) when all of them are written.
+
+    A folder of the same name is replaced; what else is there stays.
+
+    Raises
+    ------
+    UniSGError
+        If the folder cannot be written to.
+    """
+    existed = folder.exists()
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory(dir=folder, prefix=".unfinished-") as name:
+            yield Path(name)
+            for made in sorted(Path(name).iterdir()):
+                target = folder / made.name
+                if target.is_dir():
+                    shutil.rmtree(target)
+                os.replace(made, target)
+    except OSError as error:
+        raise _reason(folder, error) from None
+    finally:
+        if not existed and folder.is_dir() and not any(folder.iterdir()):
+            folder.rmdir()
+
+
+def _reason(path: Path, error: OSError) -> UniSGError:
+    if error.errno in (errno.ENOSPC, errno.EDQUOT):
+        return DiskFullError(f"the disk is full: no room for {path}")
+    return UniSGError(f"cannot write {path}: {error.strerror or error}")
+
+
+def write_file(path: Path, data: bytes | str) -> None:
+    """Write bytes, or text as UTF-8, as :func:`replacing` does."""
+    with replacing(path) as temporary, open(temporary, "wb") as file:
+        file.write(data.encode() if isinstance(data, str) else data)
 
 
 def write_named(folder: Path, stem: str, suffix: str, data: bytes) -> tuple[str, str]:

@@ -3,108 +3,101 @@
 from __future__ import annotations
 
 import hashlib
+import io
 import json
-import os
-import sys
-import tempfile
 import zipfile
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
-from contextlib import contextmanager
+from concurrent.futures import as_completed
 from dataclasses import dataclass
-from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-Result = dict[str, NDArray[np.float64]]
-THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+from .atomic_files import DamagedError, write_file
+from .process_pool import process_pool
 
 
 @dataclass(frozen=True, eq=False)
 class Task:
-    """A function of a module, its arguments, and everything that its result depends on, JSON-ready."""
+    """A function of a module and its arguments.
 
-    call: Callable[..., Result]
+    Attributes
+    ----------
+    name
+        File name of the kept result: ``.npz`` for arrays by name, ``.json`` for a JSON-ready record.
+    """
+
+    name: str
+    call: Callable[..., dict[str, Any]]
     arguments: tuple[Any, ...]
-    depends: Any
 
-    @property
-    def name(self) -> str:
-        """File name of the kept result."""
-        text = json.dumps([self.call.__name__, self.depends], sort_keys=True)
-        return f"{self.call.__name__}-{hashlib.sha256(text.encode()).hexdigest()[:24]}.npz"
+
+def hashed(label: str, depends: Any, digits: int) -> str:
+    """A name that begins with ``label`` and has ``digits`` of the checksum of all that a result depends on."""
+    return f"{label}-{hashlib.sha256(json.dumps(depends, sort_keys=True).encode()).hexdigest()[:digits]}"
+
+
+def array_task(call: Callable[..., dict[str, NDArray[np.float64]]], arguments: tuple[Any, ...], depends: Any) -> Task:
+    """A task whose result is arrays; ``depends`` is everything that it depends on, JSON-ready."""
+    return Task(hashed(call.__name__, [call.__name__, depends], 24) + ".npz", call, arguments)
 
 
 def run_all(
     tasks: Sequence[Task], folder: Path, jobs: int, done: Callable[[int], None] = lambda _: None
-) -> list[Result]:
+) -> list[dict[str, Any]]:
     """Results of all tasks, in order; those that ``folder`` keeps are read, the others computed and kept there.
 
     ``done`` is called with how many are finished. With one job all is computed in this process.
+
+    Raises
+    ------
+    DamagedError
+        If a kept result cannot be read.
     """
-    results: list[Result | None] = [_kept(folder / task.name) for task in tasks]
-    missing = [number for number, result in enumerate(results) if result is None]
-    finished = len(tasks) - len(missing)
-    done(finished)
-    for number, result in _computed([(number, tasks[number]) for number in missing], jobs):
+    results = {
+        number: kept for number, task in enumerate(tasks) if (kept := kept_result(folder / task.name)) is not None
+    }
+    done(len(results))
+    for number, result in _computed(
+        [(number, task) for number, task in enumerate(tasks) if number not in results], jobs
+    ):
         _keep(folder / tasks[number].name, result)
         results[number] = result
-        finished += 1
-        done(finished)
-    return [result for result in results if result is not None]
+        done(len(results))
+    return [results[number] for number in range(len(tasks))]
 
 
-def processes(asked: int | None) -> int:
-    """Processes to use; inside Blender one, whose program starts no other Python."""
-    application = getattr(getattr(sys.modules.get("bpy"), "app", None), "binary_path", "")
-    return 1 if application else asked or os.cpu_count() or 1
-
-
-def _computed(tasks: Sequence[tuple[int, Task]], jobs: int) -> Iterator[tuple[int, Result]]:
+def _computed(tasks: Sequence[tuple[int, Task]], jobs: int) -> Iterator[tuple[int, dict[str, Any]]]:
     if jobs == 1 or len(tasks) < 2:
         for number, task in tasks:
             yield number, task.call(*task.arguments)
         return
-    with _single_threads(), ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool:
+    with process_pool(jobs) as pool:
         running = {pool.submit(task.call, *task.arguments): number for number, task in tasks}
-        try:
-            for future in as_completed(running):
-                yield running[future], future.result()
-        finally:
-            pool.shutdown(cancel_futures=True)
+        for future in as_completed(running):
+            yield running[future], future.result()
 
 
-@contextmanager
-def _single_threads() -> Iterator[None]:
-    """New processes compute on one thread each."""
-    before = {name: os.environ.get(name) for name in THREADS}
-    os.environ.update(dict.fromkeys(THREADS, "1"))
+def kept_result(path: Path) -> dict[str, Any] | None:
+    """What a file keeps, None if there is none; DamagedError if it is not what was written."""
     try:
-        yield
-    finally:
-        for name, value in before.items():
-            os.environ.pop(name)
-            if value is not None:
-                os.environ[name] = value
-
-
-def _kept(path: Path) -> Result | None:
-    """What a file keeps; None if there is none, or only half of one."""
-    try:
-        with np.load(path, allow_pickle=False) as file:
-            return dict(file)
-    except (OSError, ValueError, zipfile.BadZipFile):
+        data = path.read_bytes()
+        if path.suffix == ".json":
+            return json.loads(data)
+        with np.load(io.BytesIO(data), allow_pickle=False) as arrays:
+            return dict(arrays)
+    except FileNotFoundError:
         return None
+    except (OSError, ValueError, zipfile.BadZipFile) as error:
+        raise DamagedError(f"{path} cannot be read ({error}): remove it, it will be made again") from None
 
 
-def _keep(path: Path, result: Result) -> None:
-    handle, name = tempfile.mkstemp(suffix=".npz", prefix=".", dir=path.parent)
-    try:
-        with os.fdopen(handle, "wb") as file:
-            np.savez(file, **result)
-        os.replace(name, path)
-    finally:
-        Path(name).unlink(missing_ok=True)
+def _keep(path: Path, result: dict[str, Any]) -> None:
+    if path.suffix == ".json":
+        write_file(path, json.dumps(result, ensure_ascii=False))
+        return
+    data = io.BytesIO()
+    np.savez(data, **result)
+    write_file(path, data.getvalue())

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import os
-import tempfile
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
 from ..errors import UniSGError
+from ..runtime.atomic_files import replacing
 from .pxr_library import require_pxr
 from .ticks import Progress, ticks
 
@@ -45,15 +44,16 @@ def write_usd(graph: SceneGraph, path: str | os.PathLike[str], progress: Progres
 
     from .write.layer_writer import nested_graphs, write_layer
 
-    with replacing(path) as temporary:
-        packed = temporary.suffix == ".usdz"
-        layer = Sdf.Layer.CreateNew(str(temporary.with_suffix(".usdc") if packed else temporary))
+    with replacing(path) as temporary, TemporaryDirectory() as folder:
+        packed = path.suffix.lower() == ".usdz"
+        place = Path(folder, "scene.usdc") if packed else temporary
+        layer = Sdf.Layer.CreateNew(str(place))
         write_layer(graph, layer, ticks(sum(map(len, nested_graphs(graph))), progress))
         if not layer.Save():
             raise UniSGError(f"{path}: USD could not write this file")
         del layer
         if packed:
-            _package(temporary)
+            _package(place, temporary)
 
 
 def read_usd(path: str | os.PathLike[str], progress: Progress | None = None) -> SceneGraph:
@@ -88,31 +88,11 @@ def read_usd(path: str | os.PathLike[str], progress: Progress | None = None) -> 
     return read_stage(open_stage(path), path.stem, progress)
 
 
-@contextmanager
-def replacing(path: Path) -> Iterator[Path]:
-    """A temporary file beside ``path`` that takes its place when all went well, and vanishes otherwise."""
-    if not path.parent.is_dir():
-        raise UniSGError(f"{path}: there is no folder {path.parent}")
-    if path.is_dir():
-        raise UniSGError(f"{path}: this is a folder")
-    folder = None
-    try:
-        folder = tempfile.TemporaryDirectory(dir=path.parent, prefix=".unisg-")
-        temporary = Path(folder.name) / f"scene{path.suffix.lower()}"
-        yield temporary
-        os.replace(temporary, path)
-    except OSError as error:
-        raise UniSGError(f"{path}: cannot be written: {error.strerror or error}") from None
-    finally:
-        if folder is not None:
-            folder.cleanup()
-
-
-def _package(temporary: Path) -> None:
-    """Pack the binary layer beside ``temporary`` into a package of that name."""
+def _package(layer: Path, path: Path) -> None:
+    """Pack a binary layer into a package."""
     from pxr import Sdf, Usd
 
-    package = (Sdf if hasattr(Sdf, "ZipFileWriter") else Usd).ZipFileWriter.CreateNew(str(temporary))
-    package.AddFile(str(temporary.with_suffix(".usdc")), "scene.usdc")
+    package = (Sdf if hasattr(Sdf, "ZipFileWriter") else Usd).ZipFileWriter.CreateNew(str(path))
+    package.AddFile(str(layer), "scene.usdc")
     if not package.Save():
-        raise UniSGError(f"{temporary.name}: USD could not write this package")
+        raise UniSGError(f"{path.name}: USD could not write this package")

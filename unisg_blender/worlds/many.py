@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from itertools import islice
-from multiprocessing import get_context
 
+from ..runtime.process_pool import process_pool
 from ..scene.graph import SceneGraph
 
 BATCH = 10
@@ -36,7 +35,7 @@ def _here(name: str, seeds: Sequence[int]) -> Iterator[list[SceneGraph]]:
 def _in_processes(name: str, batches: Sequence[Sequence[int]], jobs: int) -> Iterator[list[SceneGraph]]:
     """The batches in order; no more than a few are made ahead, so that memory stays small."""
     waiting = iter(batches)
-    with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool:
+    with process_pool(jobs) as pool:
         ahead = deque(pool.submit(make_scenes, name, batch) for batch in islice(waiting, 2 * jobs))
         while ahead:
             scenes = ahead.popleft().result()

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import UniSGError
+from ...runtime.atomic_files import replacing
 from ...scene.properties import CATEGORY
 from ..depsgraph import updated_depsgraph
 from ..quiet import captured_output
@@ -65,8 +66,6 @@ def render_picture(
         If there is nothing to show, or the file cannot be written.
     """
     path = Path(path).absolute()
-    if not path.parent.is_dir():
-        raise UniSGError(f"cannot write {path}: the folder {path.parent} does not exist")
     scene = scene or bpy.context.scene
     items = [
         item
@@ -78,16 +77,14 @@ def render_picture(
         points = corner_points([item.evaluated_get(depsgraph) for item in items])
     if not len(points):
         raise UniSGError(f"scene {scene.name!r} has nothing to show: add objects with a mesh")
-    with _stage(items, engine) as stage:
+    with replacing(path) as unfinished, _stage(items, engine) as stage:
         _aim(stage.camera, points, view, size)
-        _set_output(stage, path, size, engine)
+        _set_output(stage, unfinished, size, engine)
         try:
             with captured_output():
                 bpy.ops.render.render(write_still=True, scene=stage.name)
         except RuntimeError as error:
             raise UniSGError(f"cannot render {path}: {str(error).strip()}") from None
-    if not path.is_file():
-        raise UniSGError(f"cannot write the picture {path}")
 
 
 def category_of(item: bpy.types.Object) -> str:

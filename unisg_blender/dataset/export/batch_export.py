@@ -13,7 +13,7 @@ from typing import Literal
 
 from ... import __version__
 from ...errors import UniSGError
-from ...runtime.atomic_files import DiskFullError
+from ...runtime.atomic_files import UNFINISHED, DiskFullError
 from ..assets.asset_file import VERSION as ASSETS_VERSION
 from ..assets.asset_file import Assets
 from ..category_mapping import Patterns, scene_label
@@ -213,7 +213,7 @@ def _parts_folder(folder: Path) -> Iterator[Path]:
     try:
         yield parts
     except BaseException:
-        for path in parts.glob(".*.tmp"):
+        for path in parts.glob(UNFINISHED):
             path.unlink(missing_ok=True)
         if not any(parts.iterdir()):
             parts.rmdir()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import queue
 from collections.abc import Iterator
 from concurrent.futures import BrokenExecutor, Executor, Future, ThreadPoolExecutor
@@ -13,6 +12,7 @@ from typing import Any
 
 from ...errors import UniSGError
 from ...runtime.atomic_files import DiskFullError
+from ...runtime.process_pool import processors
 from .supervisor import close_children, export_file
 
 WINDOW = 1000
@@ -24,7 +24,7 @@ Record = dict[str, Any]
 @contextmanager
 def own_executor(jobs: int | None) -> Iterator[Executor]:
     """Threads, by default one per processor; each has files read by a process of its own."""
-    pool = ThreadPoolExecutor(jobs or _processors())
+    pool = ThreadPoolExecutor(jobs or processors())
     try:
         yield pool
     finally:
@@ -41,10 +41,6 @@ def borrowed(executor: Executor) -> Iterator[Executor]:
         yield executor
     finally:
         close_children()
-
-
-def _processors() -> int:
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def run_files(executor: Executor, work: Iterator[Record], wait: float | None) -> Iterator[Record | None]:

@@ -21,6 +21,7 @@ from typing import Any
 import numpy as np
 
 from ...runtime.atomic_files import DamagedError, checksum, checksum_of
+from ...runtime.process_pool import blender_program
 from ..assets.asset_file import Arrays, Assets
 from ..format.columns import Columns
 from ..format.shards import map_shard
@@ -125,7 +126,7 @@ def child_command(memory: int) -> list[str]:
     There the library is ``unisg_blender``, whatever it is called here, and finds
     its packages where this process does: an extension has them in a place of its own.
     """
-    application = getattr(getattr(sys.modules.get("bpy"), "app", None), "binary_path", "")
+    application = blender_program()
     paths = [str(ROOT), *filter(None, sys.path)]
     code = f"import sys; sys.path += [path for path in {paths!r} if path not in sys.path]; "
     code += f"from unisg_blender.dataset.export.reader_process import main; main({memory})"

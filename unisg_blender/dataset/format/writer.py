@@ -8,6 +8,7 @@ import shutil
 from collections import deque
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from fnmatch import fnmatch
 from itertools import islice
 from pathlib import Path
 from typing import Any
@@ -20,7 +21,7 @@ from ...behaviour.lesson.behaviour_links import NODE_CHANNELS
 from ...errors import UniSGError
 from ...poses import FORMS
 from ...poses.forms import STRETCH_CHANNELS
-from ...runtime.atomic_files import write_file, write_named
+from ...runtime.atomic_files import UNFINISHED, write_file, write_named
 from ...runtime.folder_lock import NAME as LOCK
 from ...runtime.folder_lock import folder_lock
 from ...scene.graph import TYPES, SceneGraph
@@ -150,7 +151,7 @@ def remove_strays(folder: Path, manifest: Mapping[str, Any] | None) -> None:
     kept = set()
     if manifest is not None:
         kept = {entry["file"] for entry in (*manifest["shards"], manifest.get("assets"), manifest["files"]) if entry}
-    for pattern in ("scenes-*.safetensors", "assets*.safetensors", "files-*.jsonl", ".*.tmp"):
+    for pattern in ("scenes-*.safetensors", "assets*.safetensors", "files-*.jsonl", UNFINISHED):
         for path in folder.glob(pattern):
             if path.name not in kept:
                 path.unlink(missing_ok=True)
@@ -218,7 +219,7 @@ def _check_free(folder: Path, overwrite: bool, resume: bool) -> None:
 
 def _is_ours(name: str) -> bool:
     """Whether an interrupted export leaves files of that name."""
-    return name in (LOCK, PARTS) or name.endswith(".tmp") or name.startswith(("scenes-", "assets-", "files-"))
+    return name in (LOCK, PARTS) or fnmatch(name, UNFINISHED) or name.startswith(("scenes-", "assets-", "files-"))
 
 
 def write_steps(

@@ -6,7 +6,6 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,8 +21,8 @@ from ...meshes.sphere import sphere_template
 from ...metrics.point_clouds import chamfer_l2, diagonal, f_score
 from ...predict.category_model import LabelModel, size_channels
 from ...scene.mesh import Mesh, mesh_from_faces
+from ..reports import Table
 
-Table = list[dict[str, Any]]
 DENSE = 6_000
 """Points per surface that quality is measured with."""
 SPARSE = 500

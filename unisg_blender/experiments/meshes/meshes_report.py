@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 import argparse
-import json
-import os
-import tempfile
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 from ...errors import UniSGError
 from ...meshes.shape_files import ShapeFile, of_split, read_models, world_models
-from ..poses.poses_report import machine, write_csv
+from ...runtime.atomic_files import filling
+from ..reports import Table, machine, markdown_table, write_csv, write_json
 from .meshes_benchmark import (
-    Table,
     measure_categories,
     measure_reconstruction,
     measure_speed,
@@ -50,17 +47,13 @@ def write_meshes_report(args: argparse.Namespace, folder: Path, progress: Callab
     rooms = [m for m in world_models(WORLDS_WITH_OBJECTS, ROOMS, args.seed) if m.category not in unseen]
     tables = measure_all(models, rooms, args.repeats, progress)
     report = {"machine": machine(), "settings": {"seed": args.seed, "repeats": args.repeats}, "tables": tables}
-    folder.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(dir=folder, prefix=".unfinished") as name:
-        draft = Path(name)
-        (draft / "meshes.json").write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")
+    with filling(folder) as draft:
+        write_json(draft / "meshes.json", report)
         (draft / "meshes.md").write_text(to_markdown(tables), encoding="utf-8")
         shown = {model.category: model for model in reversed(of_split(models, "test"))}
         draw_meshes([shown[name] for name in PICTURED if name in shown], [draft / "meshes.png"])
         for table, rows in tables.items():
             write_csv(draft / f"meshes_{table}.csv", rows)
-        for file in draft.iterdir():
-            os.replace(file, folder / file.name)
     return report
 
 
@@ -84,12 +77,9 @@ def measure_all(
 
 def to_markdown(tables: dict[str, Table]) -> str:
     """The tables as Markdown."""
-    lines = []
-    for name, rows in tables.items():
-        if not rows:
-            continue
-        columns = list(rows[0])
-        lines += [f"## {name.capitalize()}", "", f"| {' | '.join(columns)} |", f"|{'---|' * len(columns)}"]
-        lines += [f"| {' | '.join(str(row[column]) for column in columns)} |" for row in rows]
-        lines.append("")
-    return "\n".join(lines)
+    pages = [
+        f"## {name.capitalize()}\n\n{markdown_table(list(rows[0]), (list(map(str, row.values())) for row in rows))}\n"
+        for name, rows in tables.items()
+        if rows
+    ]
+    return "\n".join(pages)

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import os
-import tempfile
 from collections.abc import Callable
 from datetime import UTC, datetime
 from pathlib import Path
@@ -13,11 +11,13 @@ from typing import Any
 
 from ...errors import UniSGError
 from ...learn.paper.experiment_scenes import make_data
-from ..poses.poses_report import machine, write_csv
+from ...runtime.atomic_files import filling, write_file
+from ...runtime.process_pool import processors
+from ..reports import machine, write_csv, write_json
 from .paper_figures import draw_errors, draw_panels
 from .paper_tables import Table, make_tables, to_markdown
 from .plan import QUICK_PLAN, PaperPlan, all_runs
-from .runs import finished, run_all, write_json
+from .runs import finished, run_all
 
 MARKDOWN: dict[str, tuple[str, dict[str, str]]] = {
     "classification": ("The paper's classification, last epoch (mean ± standard deviation over runs)", {
@@ -74,7 +74,7 @@ def write_paper_report(args: argparse.Namespace, folder: Path, progress: Callabl
         Called with the name of each step.
     """
     plan = QUICK_PLAN if args.quick else PaperPlan()
-    jobs = args.jobs or os.cpu_count() or 1
+    jobs = args.jobs or processors()
     folder.mkdir(parents=True, exist_ok=True)
     _claim(folder, bool(args.quick))
     runs = all_runs(plan)
@@ -105,14 +105,13 @@ def _claim(folder: Path, quick: bool) -> None:
     path = folder / "settings.json"
     if path.is_file() and json.loads(path.read_text("utf-8"))["quick"] != quick:
         raise UniSGError(f"{folder} holds results made {'without' if quick else 'with'} --quick: choose another folder")
-    write_json(path, {"quick": quick})
+    write_file(path, json.dumps({"quick": quick}))
 
 
 def _write(folder: Path, report: dict[str, Any], tables: dict[str, Table]) -> None:
-    with tempfile.TemporaryDirectory(dir=folder, prefix=".unfinished") as name:
-        draft = Path(name)
+    with filling(folder) as draft:
         kept = {key: table for key, table in tables.items() if not key.endswith("_curves")}
-        (draft / "paper.json").write_text(json.dumps(report | {"tables": kept}, indent=1) + "\n", encoding="utf-8")
+        write_json(draft / "paper.json", report | {"tables": kept})
         for key, rows in tables.items():
             if rows:
                 write_csv(draft / f"paper_{key}.csv", rows)
@@ -124,5 +123,3 @@ def _write(folder: Path, report: dict[str, Any], tables: dict[str, Table]) -> No
         (draft / "paper_tables.md").write_text("\n".join(pages), encoding="utf-8")
         draw_panels(tables, [draft / "paper.png", draft / "paper.svg"])
         draw_errors(tables, [draft / "paper_poses.png", draft / "paper_poses.svg"])
-        for file in draft.iterdir():
-            os.replace(file, folder / file.name)

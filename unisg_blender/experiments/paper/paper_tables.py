@@ -10,13 +10,12 @@ import numpy as np
 from ...errors import UniSGError
 from ...learn.paper.experiment_scenes import TESTS
 from ...metrics.pose_errors import interval
+from ..reports import Table, markdown_table
 from .plan import PAPER_FORMS, PaperPlan, few_runs, link_runs, pair_runs, paper_runs, pose_runs, rule_runs, scale_runs
 from .runs import Run
 
 Results = Mapping[str, Mapping[str, Any]]
 """What :func:`.runs.run_all` gave, by key; runs that are not there are left out of the tables."""
-
-Table = list[dict[str, Any]]
 
 LAST = {
     "classification": ("loss", "accuracy", "test_loss", "test_accuracy"),
@@ -193,9 +192,7 @@ def to_markdown(table: Table, columns: Mapping[str, str]) -> str:
     """
     if not table:
         raise UniSGError("there is nothing to write a table of: no training has finished")
-    lines = [f"| {' | '.join(columns.values())} |", f"|{'---|' * len(columns)}"]
-    lines += [f"| {' | '.join(_cell(row, name) for name in columns)} |" for row in table]
-    return "\n".join(lines)
+    return markdown_table(list(columns.values()), ([_cell(row, name) for name in columns] for row in table))
 
 
 def _cell(row: Mapping[str, Any], name: str) -> str:

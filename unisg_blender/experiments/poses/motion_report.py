@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import argparse
-import json
-import os
-import tempfile
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 from ...errors import MissingPackageError
-from .poses_report import machine, write_csv
+from ...runtime.atomic_files import filling
+from ..reports import machine, write_csv, write_json
 
 MILLIMETRES, DEGREES = 1.0, 0.1
 
@@ -51,11 +49,7 @@ def write_motion_report(args: argparse.Namespace, folder: Path, progress: Callab
         "settings": settings,
         "reductions": rows,
     }
-    folder.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(dir=folder, prefix=".unfinished") as name:
-        draft = Path(name)
-        (draft / "motion.json").write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")
+    with filling(folder) as draft:
+        write_json(draft / "motion.json", report)
         write_csv(draft / "motion.csv", rows)
-        for file in draft.iterdir():
-            os.replace(file, folder / file.name)
     return report

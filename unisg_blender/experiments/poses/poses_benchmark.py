@@ -17,9 +17,7 @@ import numpy as np
 
 from ...errors import MissingPackageError
 from ...poses import FORMS, blend, compose, exp, from_multivector, sclerp, to_multivector
-
-Row = dict[str, Any]
-Table = list[Row]
+from ..reports import Table
 
 CLIFFORD_SAMPLE = 300
 MOTORS = ("pga", "cga", "cga_similarity")
@@ -120,7 +118,7 @@ def exactness(seed: int) -> Table:
     for kind, stretch in (("rigid", False), ("general", True)):
         poses = difficult_poses(seed, kind)
         for form in FORMS.values():
-            row: Row = {"form": form.name, "poses": kind, "count": len(poses)}
+            row: dict[str, Any] = {"form": form.name, "poses": kind, "count": len(poses)}
             for dtype in (np.float64, np.float32):
                 given = poses.astype(dtype)
                 found = form.decode(form.encode(given, stretch=stretch), stretch=stretch)
@@ -246,7 +244,7 @@ def memory(count: int, seed: int) -> Table:
         for kind, stretch in (("rigid", False), ("general", True)):
             poses = random_poses(count, seed, kind)
             features = form.encode(poses, stretch=stretch)
-            row: Row = {"form": name, "poses": kind}
+            row: dict[str, Any] = {"form": name, "poses": kind}
             row["encode"] = _peak(partial(form.encode, poses, stretch)) / poses.nbytes
             row["decode"] = _peak(partial(form.decode, features, stretch)) / features.nbytes
             rows.append(row)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from ...errors import MissingPackageError
-from .poses_benchmark import Table
+from ..reports import Table
 
 
 def draw_poses(tables: dict[str, Table], paths: list[Path]) -> None:

@@ -21,7 +21,7 @@ from ... import __version__
 from ...dataset import Sample, open_dataset, to_scenegraph, write_dataset
 from ...errors import UniSGError
 from ...runtime.atomic_files import write_file
-from ...runtime.result_cache import processes
+from ...runtime.process_pool import processes
 from ...scene import SceneGraph
 from ...worlds.many import make_many
 
@@ -91,7 +91,7 @@ def write_rooms(args: argparse.Namespace, folder: Path, progress: Callable[[str]
     folder.mkdir(parents=True, exist_ok=True)
     parts = {part.folder: write_part(part, folder / part.folder, progress) for part in PARTS}
     report = {"name": NAME, "version": VERSION, "software": f"unisg_blender {__version__}", "parts": parts}
-    write_file(folder / RECORD, (json.dumps(report, indent=1) + "\n").encode())
+    write_file(folder / RECORD, json.dumps(report, indent=1) + "\n")
     return report
 
 
@@ -113,7 +113,7 @@ def write_part(part: FrozenPart, folder: Path, progress: Callable[[str], None]) 
         "is_version": VERSION if found == part.digest else None,
         "counts": open_dataset(folder).manifest["counts"], "sha256": file_sums(folder),
     }  # fmt: skip
-    write_file(note, (json.dumps(record, indent=1) + "\n").encode())
+    write_file(note, json.dumps(record, indent=1) + "\n")
     return record
 
 

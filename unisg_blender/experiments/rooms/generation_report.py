@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import csv
-import json
-import os
-import tempfile
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
+from ...runtime.atomic_files import filling
+from ..reports import markdown_table, write_csv, write_json
 from .row_summary import TableRow
 
 COLUMNS = {
@@ -31,10 +29,8 @@ def table(rows: Sequence[TableRow]) -> str:
     """The rows as a Markdown table; "±" is the standard deviation between seeds."""
     known = [name for name in COLUMNS if any(name in row.to_record()["values"] for row in rows)]
     head = ["", "seeds x scenes", *(COLUMNS[name][0] for name in known)]
-    lines = [_line(head), _line(["---"] + ["---:"] * (len(head) - 1))]
-    for row in rows:
-        lines.append(_line([row.name, f"{row.seeds} x {row.scenes}", *(_cell(row, name) for name in known)]))
-    return "\n".join(lines)
+    lines = ([row.name, f"{row.seeds} x {row.scenes}", *(_cell(row, name) for name in known)] for row in rows)
+    return markdown_table(head, lines)
 
 
 def _cell(row: TableRow, name: str) -> str:
@@ -45,10 +41,6 @@ def _cell(row: TableRow, name: str) -> str:
     text = f"{factor * record['values'][name]:.{digits}f}"
     spread = factor * record["spread"].get(name, 0.0)
     return f"{text} ± {spread:.{digits}f}" if round(spread, digits) > 0 and not name.startswith("p_") else text
-
-
-def _line(cells: Sequence[str]) -> str:
-    return f"| {' | '.join(cells)} |"
 
 
 def write_report(rows: Sequence[TableRow], facts: dict[str, Any], folder: Path) -> dict[str, Any]:
@@ -62,31 +54,26 @@ def write_report(rows: Sequence[TableRow], facts: dict[str, Any], folder: Path) 
         What the JSON file holds: the facts, and the rows.
     """
     report = {"date": datetime.now(UTC).strftime("%Y-%m-%d"), **facts, "rows": [row.to_record() for row in rows]}
-    with tempfile.TemporaryDirectory(dir=folder, prefix=".unfinished") as name:
-        draft = Path(name)
+    with filling(folder) as draft:
         (draft / "table.md").write_text(table(rows) + "\n", encoding="utf-8")
-        (draft / "table.json").write_text(json.dumps(report, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
-        _write_csv(rows, draft / "table.csv")
+        write_json(draft / "table.json", report)
+        write_csv(draft / "table.csv", [line for row in rows for line in _values(row)])
         try:
             _draw(rows, draft / "table.png")
         except ImportError:
             (draft / "table.png").unlink(missing_ok=True)
-        for file in draft.iterdir():
-            os.replace(file, folder / file.name)
     return report
 
 
-def _write_csv(rows: Sequence[TableRow], path: Path) -> None:
-    """One line per row and value: mean, spread between seeds, and the interval by scene."""
-    with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file)
-        writer.writerow(["row", "seeds", "scenes", "objects", "value", "mean", "spread", "low", "high"])
-        for row in rows:
-            record = row.to_record()
-            for name, value in record["values"].items():
-                low, high = record["interval"].get(name, ("", ""))
-                spread = record["spread"].get(name, "")
-                writer.writerow([row.name, row.seeds, row.scenes, row.objects, name, value, spread, low, high])
+def _values(row: TableRow) -> Iterator[dict[str, Any]]:
+    """One line per value of a row: mean, spread between seeds, and the interval by scene."""
+    record = row.to_record()
+    for name, value in record["values"].items():
+        low, high = record["interval"].get(name, ("", ""))
+        yield {
+            "row": row.name, "seeds": row.seeds, "scenes": row.scenes, "objects": row.objects, "value": name,
+            "mean": value, "spread": record["spread"].get(name, ""), "low": low, "high": high,
+        }  # fmt: skip
 
 
 FIGURE = ("colliding", "off_support", "c2st_objects_0.03", "c2st_scene_0.03", "novelty", "completion_cm")

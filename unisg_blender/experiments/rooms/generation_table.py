@@ -22,7 +22,7 @@ from ...metrics.layout_distances import LayoutSet, mean_pairwise, nearest_distan
 from ...metrics.layout_features import VERSION as FEATURES_VERSION
 from ...metrics.scene_validity import overlapping_categories
 from ...metrics.two_sample_test import FOLDS, LEVELS, NOISES, TREES, c2st
-from ...runtime.result_cache import Task, run_all
+from ...runtime.result_cache import array_task, run_all
 from ..behaviour.behaviour_benchmark import count_right
 from .room_measures import VERSION, Arrays, features_of, joined, measure_rooms, split_ragged, training_layouts
 from .row_summary import Measured, TableRow, row_of
@@ -98,7 +98,7 @@ def _measured(
     lots = [range(start, min(start + LOT, count)) for start in range(0, count, LOT)]
     keys = [(spec, seed) for spec in rows for seed in plan.seeds_of(spec)]
     tasks = [
-        Task(
+        array_task(
             measure_rooms, (spec, plan.data, seed, tuple(lot), allowed),
             depends | {"row": _named(asdict(replace(spec, name="")), sums), "seed": seed, "lot": list(lot)},
         )
@@ -112,7 +112,7 @@ def _measured(
 
 def _allowed(data: Data, depends: dict[str, Any], folder: Path) -> frozenset[tuple[str, str]]:
     """Category pairs that overlap in real rooms."""
-    task = Task(_overlapping, (data,), depends)
+    task = array_task(_overlapping, (data,), depends)
     names = vocabulary_of(data)
     (found,) = run_all([task], folder, 1)
     return frozenset((names[int(a)], names[int(b)]) for a, b in found["pairs"])
@@ -134,7 +134,7 @@ def _judged(
     keys = [(spec, seed) for spec in rows[1:] for seed in plan.seeds_of(spec)]
     judges = [(level, noise) for level in LEVELS for noise in NOISES]
     tasks = [
-        Task(
+        array_task(
             told_apart, (real, found[key], level, noise, vocabulary_of(plan.data), key[1], plan.trees),
             depends | {
                 "row": _named(asdict(replace(key[0], name="")), sums), "seed": key[1], "level": level, "noise": noise,
@@ -169,7 +169,9 @@ def _acted(
     lots = [tuple(range(start, min(start + LOT, count))) for start in range(0, count, LOT)]
     model = [sums[str(plan.model)], _sum_of(str(beside))]
     tasks = [
-        Task(behaviour_of_rooms, (own[0], plan.data, seed, lot), depends | {"model": model, "seed": seed, "lot": lot})
+        array_task(
+            behaviour_of_rooms, (own[0], plan.data, seed, lot), depends | {"model": model, "seed": seed, "lot": lot}
+        )
         for seed in seeds
         for lot in lots
     ]
@@ -190,7 +192,7 @@ def _training_layouts(plan: TablePlan, depends: dict[str, Any], folder: Path, jo
         return {"layout": np.zeros((0, 4)), "counts": np.zeros((0, 1))}
     count = len(open_dataset(plan.data.training))
     lots = [tuple(range(start, min(start + LAYOUT_LOT, count))) for start in range(0, count, LAYOUT_LOT)]
-    tasks = [Task(training_layouts, (plan.data, lot), depends | {"lot": list(lot)}) for lot in lots]
+    tasks = [array_task(training_layouts, (plan.data, lot), depends | {"lot": list(lot)}) for lot in lots]
     return joined(run_all(tasks, folder, jobs, lambda done: progress("reading training rooms", done, len(tasks))))
 
 
@@ -201,7 +203,7 @@ def _varieties(
     """Of each row and seed: distances to the nearest training rooms, and the mean distance between its rooms."""
     categories = len(vocabulary_of(plan.data))
     tasks = [
-        Task(
+        array_task(
             variety_of, (_only_layouts(arrays), _only_layouts(training), categories),
             depends | {
                 "row": _named(asdict(replace(spec, name="")), sums), "seed": seed, "scenes": len(arrays["counts"]),

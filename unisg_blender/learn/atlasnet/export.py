@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +10,7 @@ import numpy as np
 import torch
 
 from ...meshes.atlasnet_sessions import CONTRACT, DECODER_FILE, ENCODER_FILE, FEATURE_WIDTH, TASK
+from ...runtime.atomic_files import write_file
 from ..onnx_export import export_onnx
 from .network import AtlasNet
 
@@ -59,9 +59,4 @@ def _halve_weights(path: Path) -> None:
         tensor.CopyFrom(numpy_helper.from_array(values.astype(np.float16), f"{name}_half"))
         model.graph.node.insert(0, onnx.helper.make_node("Cast", [f"{name}_half"], [name], to=TensorProto.FLOAT))
     onnx.checker.check_model(model)
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
-    try:
-        onnx.save(model, str(temporary))
-        os.replace(temporary, path)
-    finally:
-        temporary.unlink(missing_ok=True)
+    write_file(path, model.SerializeToString())

@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from functools import partial
-from itertools import chain
-from multiprocessing import get_context
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +16,7 @@ from ...meshes.shape_feature import AtlasNetEncoder
 from ...scene import SceneGraph
 from ...scene.augmentation import pose_noise, scale_noise
 from ...worlds import WORLDS
+from ...worlds.many import make_many
 
 FORM = "trs_matrix"
 """The datasets hold whole affines; each experiment writes them in its own form."""
@@ -73,7 +71,7 @@ def make_data(folder: Path, sizes: Sizes, jobs: int, progress: Callable[[str], N
         "classification_tests": lambda: _tests(sizes.tests),
         "pairs": lambda: [Sample(WORLDS["cube-pairs"](0) if sizes.pairs == 5000 else _pairs(sizes.pairs))],
         **{f"cubes_{rotation}": partial(_cubes, sizes.cubes, rotation) for rotation in _ROTATIONS},
-        "rooms": lambda: map(Sample, made("operating-room", range(sizes.rooms), jobs)),
+        "rooms": lambda: map(Sample, make_many("operating-room", range(sizes.rooms), jobs)),
     }
     encoder = AtlasNetEncoder()
     for name, maker in makers.items():
@@ -118,17 +116,3 @@ def _tests(count: int) -> Iterator[Sample]:
             yield Sample(tumbled(room, seed, upright=True), TESTS[2], kind)
             yield Sample(tumbled(room, seed), TESTS[3], kind)
             yield Sample(augmented(WORLDS[kind](OTHER_SEEDS + seed), seed), TESTS[4], kind)
-
-
-def made(name: str, seeds: Sequence[int], jobs: int) -> Iterator[SceneGraph]:
-    """Scenes of a world, made in ``jobs`` processes."""
-    if jobs <= 1:
-        yield from map(WORLDS[name], seeds)
-        return
-    batches = [seeds[start : start + 20] for start in range(0, len(seeds), 20)]
-    with ProcessPoolExecutor(jobs, get_context("spawn")) as pool:
-        yield from chain.from_iterable(pool.map(_scenes, [name] * len(batches), batches))
-
-
-def _scenes(name: str, seeds: Sequence[int]) -> list[SceneGraph]:
-    return [WORLDS[name](seed) for seed in seeds]
