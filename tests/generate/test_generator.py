@@ -15,9 +15,10 @@ from tests.generate.rooms import at, box, room
 from unisg_blender.dataset.assets.asset import object_graph
 from unisg_blender.errors import UniSGError
 from unisg_blender.generate import Generator
-from unisg_blender.generate.observe.proposals import ObservedScene, Proposals
-from unisg_blender.generate.place.placeable import Placeable
+from unisg_blender.generate.observe.observed_scene import ObservedScene
+from unisg_blender.generate.observe.placeable import Placeable
 from unisg_blender.generate.propose.anchor_proposer import DRAWN, AnchorProposer, SupportChoice, Upcoming
+from unisg_blender.generate.propose.proposer import Proposals
 from unisg_blender.metrics.scene_validity import measure_scene
 from unisg_blender.scene import SceneBuilder, SceneGraph, world_matrices
 from unisg_blender.spatial.objects import scene_objects

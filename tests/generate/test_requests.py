@@ -12,8 +12,9 @@ from tests.generate.rooms import at, box, room
 from unisg_blender.cli import main
 from unisg_blender.errors import UniSGError
 from unisg_blender.generate import Generator
-from unisg_blender.generate.observe.proposals import ObservedScene, Proposals
-from unisg_blender.generate.place.placeable import Placeable, box_placeable
+from unisg_blender.generate.observe.observed_scene import ObservedScene
+from unisg_blender.generate.observe.placeable import Placeable, box_placeable
+from unisg_blender.generate.propose.proposer import Proposals
 from unisg_blender.generate.propose.requests import APART, BESIDE, Beside, aside
 from unisg_blender.metrics.requested_relations import is_beside, is_on
 from unisg_blender.scene import Mesh, Relation, SceneBuilder, SceneGraph, world_matrices

@@ -13,14 +13,14 @@ from tests.generate.rooms import at, box
 from unisg_blender.dataset.assets.asset import shell_of
 from unisg_blender.dataset.assets.asset_file import save_assets
 from unisg_blender.generate.observe.contract import Contract
-from unisg_blender.generate.observe.proposals import ObservedScene
+from unisg_blender.generate.observe.observed_scene import ObservedScene
+from unisg_blender.generate.observe.placeable import Placeable, box_placeable
 from unisg_blender.generate.observe.support_priors import learn_priors
-from unisg_blender.generate.place.placeable import Placeable, box_placeable
 from unisg_blender.generate.place.room_shell import add_shell
 from unisg_blender.generate.place.scene_extension import Names, uid_maker
+from unisg_blender.generate.place.shape_library import Library
 from unisg_blender.generate.place.spanning_objects import fit_for, reached
-from unisg_blender.generate.shape_library import Library
-from unisg_blender.generate.trained_model import TrainedModel, assets_path
+from unisg_blender.generate.propose.trained_model import TrainedModel, assets_path
 from unisg_blender.geometry.planar import turn
 from unisg_blender.scene import Relation, SceneBuilder, SceneGraph, world_matrices
 from unisg_blender.spatial.objects import scene_objects

@@ -7,8 +7,9 @@ import pytest
 
 from tests.generate.rooms import at, box, room
 from unisg_blender.dataset.assets.asset import object_graph
+from unisg_blender.generate.observe.observed_scene import ObservedScene, within
+from unisg_blender.generate.observe.placeable import Placeable
 from unisg_blender.generate.observe.placement_order import DEEPEST, along, groups, learn_orders, levels, row_order
-from unisg_blender.generate.observe.proposals import ObservedScene, within
 from unisg_blender.generate.observe.reference_objects import find_reference_objects
 from unisg_blender.generate.observe.scene_tokens import room_of, tokens_for
 from unisg_blender.generate.observe.support_candidates import (
@@ -19,7 +20,6 @@ from unisg_blender.generate.observe.support_candidates import (
 )
 from unisg_blender.generate.observe.support_priors import AT_SIDE, RESTS, CategoryPriors, SupportPrior, learn_priors
 from unisg_blender.generate.place.free_space import FreeSpace
-from unisg_blender.generate.place.placeable import Placeable
 from unisg_blender.generate.place.settling import Support, nearest_support, rest
 from unisg_blender.generate.propose.mixture import behind_walls
 from unisg_blender.scene import Boxes, SceneBuilder, world_matrices

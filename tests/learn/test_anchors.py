@@ -12,11 +12,11 @@ torch = pytest.importorskip("torch")
 
 from tests.generate.rooms import room  # noqa: E402
 from unisg_blender.generate.observe.contract import Contract  # noqa: E402
-from unisg_blender.generate.observe.proposals import ObservedScene  # noqa: E402
+from unisg_blender.generate.observe.observed_scene import ObservedScene  # noqa: E402
 from unisg_blender.generate.observe.scene_tokens import FLAGS  # noqa: E402
 from unisg_blender.generate.observe.support_priors import CategoryPriors, learn_priors  # noqa: E402
 from unisg_blender.generate.propose.mixture import TAIL  # noqa: E402
-from unisg_blender.generate.trained_model import load_model  # noqa: E402
+from unisg_blender.generate.propose.trained_model import load_model  # noqa: E402
 from unisg_blender.learn.anchors.critic import DRAWS, drawn  # noqa: E402
 from unisg_blender.learn.anchors.examples import (  # noqa: E402
     BARE,

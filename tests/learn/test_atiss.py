@@ -15,8 +15,8 @@ from unisg_blender.experiments.rooms.atiss_proposer import AtissProposer, load_g
 from unisg_blender.experiments.rooms.cases import case_of  # noqa: E402
 from unisg_blender.experiments.rooms.furnishing import ByModel  # noqa: E402
 from unisg_blender.generate.observe.contract import Contract  # noqa: E402
+from unisg_blender.generate.observe.placeable import box_placeable  # noqa: E402
 from unisg_blender.generate.observe.support_priors import CategoryPriors  # noqa: E402
-from unisg_blender.generate.place.placeable import box_placeable  # noqa: E402
 from unisg_blender.learn.atiss.network import Atiss, AtissSizes  # noqa: E402
 from unisg_blender.learn.atiss.training import example_inputs, train, write_atiss  # noqa: E402
 from unisg_blender.learn.losses.mixtures import logistics_nll  # noqa: E402
@@ -95,7 +95,7 @@ def test_rooms_are_furnished_and_the_same_seed_gives_the_same(model: Path) -> No
 
 
 def test_drawn_places_are_where_the_density_is_high(model: Path) -> None:
-    from unisg_blender.generate.observe.proposals import ObservedScene
+    from unisg_blender.generate.observe.observed_scene import ObservedScene
     from unisg_blender.scene import world_matrices
     from unisg_blender.spatial.objects import scene_objects
 

@@ -15,7 +15,7 @@ from unisg_blender.dataset import open_dataset  # noqa: E402
 from unisg_blender.generate.observe.contract import Contract  # noqa: E402
 from unisg_blender.generate.observe.support_priors import CategoryPriors  # noqa: E402
 from unisg_blender.generate.propose.cgvae_proposer import edges_of, node_features, poses_of  # noqa: E402
-from unisg_blender.generate.trained_model import load_model  # noqa: E402
+from unisg_blender.generate.propose.trained_model import load_model  # noqa: E402
 from unisg_blender.learn.cgvae.network import Cgvae, CgvaeSizes  # noqa: E402
 from unisg_blender.learn.cgvae.training import normalisation, write_cgvae  # noqa: E402
 from unisg_blender.learn.losses.variational import cgvae_losses  # noqa: E402
@@ -118,7 +118,7 @@ def test_the_file_agrees_with_torch_and_keeps_to_blenders_onnxruntime(network: C
 @pytest.mark.parametrize("form", FORMS)
 def test_features_go_out_and_come_back_in_every_form(form: str) -> None:
     from tests.generate.rooms import room
-    from unisg_blender.generate.observe.proposals import relative
+    from unisg_blender.generate.observe.observed_scene import relative
     from unisg_blender.scene import world_matrices
     from unisg_blender.spatial.objects import scene_objects
 

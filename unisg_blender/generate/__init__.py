@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from .generator import Generator
-from .results import Generated, Placement
+from .generator import Generated, Generator
+from .place.placement import Placement
 
 __all__ = ["Generated", "Generator", "Placement"]

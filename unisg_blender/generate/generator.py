@@ -5,9 +5,11 @@ from __future__ import annotations
 import os
 from collections import abc
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..behaviour import all_actions
 from ..dataset.assets.asset import Asset
@@ -15,19 +17,40 @@ from ..errors import UniSGError
 from ..scene import SceneGraph
 from ..spatial.floor_plan import FLOOR
 from ..spatial.structure import STRUCTURE
-from .behaviour import ActionPolicy, behaviour_path, load_behaviour, with_behaviour
+from .behaviour import ActionPolicy, Behaviour, add_behaviour, behaviour_path, load_behaviour
 from .observe.contract import Contract
 from .observe.placement_order import in_order
-from .observe.proposals import Proposer
+from .place.placement import Placement
 from .place.placing import Placing
 from .place.planning import Planned
 from .place.room_shell import add_shell
 from .place.scene_extension import Names, extend, uid_maker
+from .place.shape_library import Library
 from .propose.anchor_proposer import AnchorProposer
 from .propose.cgvae_proposer import CgvaeProposer
-from .results import Generated, Placement
-from .shape_library import Library
-from .trained_model import TrainedModel, load_model
+from .propose.proposer import Proposer
+from .propose.trained_model import TrainedModel, load_model
+
+
+@dataclass(frozen=True, eq=False)
+class Generated:
+    """The extended scene, the rows that are new in it, what became of each object asked for, and how many ``actions``
+    are new."""
+
+    scene: SceneGraph
+    rows: NDArray[np.int64]
+    objects: tuple[Placement, ...]
+    actions: int = 0
+
+    @property
+    def added(self) -> int:
+        """How many objects were added."""
+        return sum(not placement.refused for placement in self.objects)
+
+    @property
+    def refused(self) -> tuple[Placement, ...]:
+        """The objects for which there was no room."""
+        return tuple(placement for placement in self.objects if placement.refused)
 
 
 class Generator:
@@ -137,13 +160,20 @@ class Generator:
             yield placements[-1]
         result = extend(scene, work.additions, names, make_uid)
         if behaviour and self.behaviour is not None:
-            result, placements = with_behaviour(result, placements, self.behaviour, make_uid, rng)
+            made = add_behaviour(result, [item.uid for item in placements if item.uid], self.behaviour, make_uid, rng)
+            result, placements = made.scene, [_with_behaviour(item, made) for item in placements]
         rows = np.array([row for row, uid in enumerate(result.uid) if uid not in before], np.int64)
         return Generated(result, rows, tuple(placements), len(all_actions(result)) - len(all_actions(scene)))
 
 
 def _proposer(model: TrainedModel) -> Proposer:
     return AnchorProposer(model) if model.contract.kind == "anchors" else CgvaeProposer(model)
+
+
+def _with_behaviour(item: Placement, made: Behaviour) -> Placement:
+    """A placement with the names of its new actions and with notes on those that could not be made."""
+    notes = [note for note in (item.note, *made.notes.get(item.uid, ())) if note] if item.uid else [item.note]
+    return replace(item, actions=tuple(made.actions.get(item.uid, ())), note="; ".join(notes))
 
 
 def _check_counts(counts: Mapping[str, int], contract: Contract) -> None:

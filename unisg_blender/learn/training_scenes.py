@@ -14,7 +14,7 @@ from tqdm import tqdm
 from ..dataset.assets.shaped_scenes import scenes_with_shapes
 from ..dataset.format.reader import Dataset
 from ..errors import UniSGError
-from ..generate.observe.proposals import relative
+from ..generate.observe.observed_scene import relative
 from ..scene import world_matrices
 from ..spatial.objects import SceneObjects, scene_objects
 

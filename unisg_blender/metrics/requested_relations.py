@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..experiments.rooms.cases import place_of
-from ..generate.place.placeable import Placeable
+from ..generate.observe.placeable import Placeable
 from ..generate.propose.requests import BESIDE, COVERING, SHARED, THIN
 from ..geometry.planar import footprint_gap
 from ..scene import SceneGraph

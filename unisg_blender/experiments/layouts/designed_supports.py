@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...generate.observe.proposals import ObservedScene
+from ...generate.observe.observed_scene import ObservedScene
 from ...generate.propose.anchor_proposer import AnchorProposer
 from ...scene import SceneGraph, world_matrices
 from ...spatial.objects import scene_objects

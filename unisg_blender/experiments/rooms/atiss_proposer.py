@@ -13,11 +13,12 @@ from numpy.typing import NDArray
 from ...errors import UniSGError
 from ...generate import Generator
 from ...generate.observe.contract import Contract
-from ...generate.observe.proposals import ObservedScene, Proposals
+from ...generate.observe.observed_scene import ObservedScene
+from ...generate.observe.placeable import Placeable
 from ...generate.observe.scene_tokens import ground_of, room_middle
 from ...generate.observe.support_priors import CategoryPriors
-from ...generate.place.placeable import Placeable
-from ...generate.trained_model import TrainedModel
+from ...generate.propose.proposer import Proposals
+from ...generate.propose.trained_model import TrainedModel
 from ...runtime.onnx_session import open_session
 from .baselines import carrier_of
 
@@ -66,7 +67,7 @@ class AtissProposer:
         self, scene: ObservedScene, category: int, placeable: Placeable, count: int, rng: np.random.Generator,
         allowed: NDArray[np.bool_], coming: Mapping[int, int],
     ) -> Proposals:  # fmt: skip
-        """See :class:`~unisg_blender.generate.observe.proposals.Proposer`."""
+        """See :class:`~unisg_blender.generate.propose.proposer.Proposer`."""
         origin = np.array([*room_middle(scene), ground_of(scene)])
         position, _ = self._mixtures(scene, category, placeable, np.zeros((1, 3)))
         drawn = np.column_stack([_draw(position[0, axis], count, rng) for axis in range(3)])

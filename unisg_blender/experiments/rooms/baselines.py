@@ -8,9 +8,10 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ...generate.observe.proposals import ObservedScene, Proposals
+from ...generate.observe.observed_scene import ObservedScene
+from ...generate.observe.placeable import Placeable
 from ...generate.observe.scene_tokens import ground_of, room_middle
-from ...generate.place.placeable import Placeable
+from ...generate.propose.proposer import Proposals
 from ...scene import SceneGraph
 from ...spatial.floor_plan import FLOOR, room_outline
 
@@ -47,7 +48,7 @@ class GaussianProposer:
         self, scene: ObservedScene, category: int, placeable: Placeable, count: int, rng: np.random.Generator,
         allowed: NDArray[np.bool_], coming: Mapping[int, int],
     ) -> Proposals:  # fmt: skip
-        """See :class:`~unisg_blender.generate.observe.proposals.Proposer`."""
+        """See :class:`~unisg_blender.generate.propose.proposer.Proposer`."""
         if not allowed.any():
             return Proposals(np.full(count, -1, np.int64), rng.normal(0, 1, (count, 4)))
         objects = np.flatnonzero(allowed)
@@ -99,7 +100,7 @@ class WorldGaussianProposer:
         self, scene: ObservedScene, category: int, placeable: Placeable, count: int, rng: np.random.Generator,
         allowed: NDArray[np.bool_], coming: Mapping[int, int],
     ) -> Proposals:  # fmt: skip
-        """See :class:`~unisg_blender.generate.observe.proposals.Proposer`."""
+        """See :class:`~unisg_blender.generate.propose.proposer.Proposer`."""
         mean, deviation = self.fits.get(category, _NOWHERE)
         places = mean + deviation * rng.standard_normal((count, 4))
         places[:, :3] += (*room_middle(scene), ground_of(scene))

@@ -120,7 +120,7 @@ def without(graph: SceneGraph, gone: NDArray[np.bool_]) -> SceneGraph:
 
 def place_of(graph: SceneGraph, row: int) -> NDArray[np.float64]:
     """Place (4,) of an entity: x, y and bottom of its upright box's middle, metres, and its turn, radians."""
-    from ...generate.place.placeable import Placeable
+    from ...generate.observe.placeable import Placeable
 
     world = world_matrices(graph)
     x, y, z = Placeable(object_graph(graph, row, world=world)).foot

@@ -14,8 +14,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ...generate.observe.proposals import ObservedScene, Proposer
-from ...generate.place.placeable import Placeable
+from ...generate.observe.observed_scene import ObservedScene
+from ...generate.observe.placeable import Placeable
+from ...generate.propose.proposer import Proposer
 from ...metrics.layout_features import wrapped
 from ...metrics.requested_relations import is_beside, is_on
 from ...scene import SceneGraph, world_matrices

@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...generate import Generator
-from ...generate.observe.proposals import Proposer
-from ...generate.place.placeable import Placeable
+from ...generate.observe.placeable import Placeable
 from ...generate.place.scene_extension import Addition, Names, extend, uid_maker
+from ...generate.propose.proposer import Proposer
 from ...scene import SceneGraph
 from ...spatial.objects import SceneObjects, scene_objects
 from .baselines import nearest_room, signature

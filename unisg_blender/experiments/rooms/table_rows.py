@@ -13,9 +13,9 @@ from ...dataset.assets.shaped_scenes import scenes_with_shapes
 from ...dataset.format.reader import open_dataset
 from ...generate import Generator
 from ...generate.observe.contract import Contract
-from ...generate.observe.proposals import ObservedScene
+from ...generate.observe.observed_scene import ObservedScene
 from ...generate.observe.support_priors import CategoryPriors, learn_priors
-from ...generate.trained_model import TrainedModel
+from ...generate.propose.trained_model import TrainedModel
 from ...scene import SceneGraph, world_matrices
 from ...spatial.objects import scene_objects
 from ...spatial.structure import STRUCTURE

@@ -6,6 +6,5 @@ from .action_kinds import behaviour_path
 from .action_policy import ActionPolicy
 from .behaviour_adder import Behaviour, add_behaviour
 from .behaviour_file import load_behaviour
-from .placed_behaviour import with_behaviour
 
-__all__ = ["ActionPolicy", "Behaviour", "add_behaviour", "behaviour_path", "load_behaviour", "with_behaviour"]
+__all__ = ["ActionPolicy", "Behaviour", "add_behaviour", "behaviour_path", "load_behaviour"]

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...spatial.structure import STRUCTURE
-from .proposals import ObservedScene
+from .observed_scene import ObservedScene
 from .support_priors import CategoryPriors
 
 DEEPEST = 8

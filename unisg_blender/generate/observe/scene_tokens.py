@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .proposals import ObservedScene
+from .observed_scene import ObservedScene
 
 TOKENS = 32
 """Objects that the model looks at, at most: the support with what holds it and what it holds, then what is near."""

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .proposals import ObservedScene
+from .observed_scene import ObservedScene
 from .scene_tokens import TINY, Arrays, room_of
 
 OCCUPANCY_WIDTH = 14

@@ -12,8 +12,8 @@ from ...geometry.boxes import world_bounds
 from ...geometry.planar import footprints
 from ...geometry.polygon import outside_distance
 from ...scene import Boxes
+from ..observe.placeable import Placeable
 from ..observe.support_priors import CategoryPriors
-from .placeable import Placeable
 
 TOUCH = 0.001
 """Metres that boxes may reach into each other anyway."""

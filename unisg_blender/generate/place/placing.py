@@ -18,17 +18,18 @@ from ...spatial.floor_plan import FLOOR, room_outline
 from ...spatial.objects import find_object, scene_objects
 from ...spatial.structure import STRUCTURE
 from ..observe.contract import Contract
-from ..observe.proposals import ObservedScene, Proposals, Proposer
+from ..observe.observed_scene import ObservedScene
+from ..observe.placeable import Placeable
 from ..observe.support_priors import RESTS, SupportPrior
 from ..propose.anchor_proposer import AnchorProposer
+from ..propose.proposer import Proposals, Proposer
 from ..propose.requests import BESIDE, Beside, On, aside, covers
-from ..results import Placement
-from ..shape_library import Library
 from .free_space import FreeSpace
-from .placeable import Placeable
+from .placement import Placement
 from .planning import Planned, Planner, usual_kinds
 from .scene_extension import Addition, Names, UidMaker
 from .settling import Support, fitting, nearest_support, rest, search
+from .shape_library import Library
 from .spanning_objects import fit_for, reaches
 
 BATCHES = (8, 24, 28)

@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 
 from ...spatial.structure import STRUCTURE
 from ..observe.contract import Contract
+from ..observe.observed_scene import ObservedScene
+from ..observe.placeable import Placeable
 from ..observe.placement_order import groups, ranks, row_order
-from ..observe.proposals import ObservedScene
 from ..observe.support_candidates import SupportOccupancy
 from ..observe.support_priors import CategoryPriors
 from ..propose.anchor_proposer import AnchorProposer, SupportChoice, Upcoming
-from .placeable import Placeable
 from .spanning_objects import fit_for
 
 

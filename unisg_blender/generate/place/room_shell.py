@@ -13,11 +13,11 @@ from ...errors import UniSGError
 from ...scene import SceneGraph, subtree, take, world_matrices
 from ...spatial.objects import scene_objects
 from ...spatial.structure import STRUCTURE
-from ..observe.proposals import ObservedScene
-from ..results import Placement
-from ..shape_library import Library
+from ..observe.observed_scene import ObservedScene
+from .placement import Placement
 from .planning import usual_kinds
 from .scene_extension import Addition, Names, UidMaker, extend
+from .shape_library import Library
 from .spanning_objects import reaches
 
 

@@ -13,7 +13,7 @@ from ...dataset.assets.asset import Asset
 from ...scene import Material, Mesh, SceneGraph, Table, canonical, table, world_matrices
 from ...scene.assembly import index_categories
 from ...scene.identity import derived_uid, new_uid
-from ..observe.proposals import within
+from ..observe.observed_scene import within
 
 UidMaker = Callable[[str], str]
 

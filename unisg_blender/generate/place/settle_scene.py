@@ -15,10 +15,10 @@ from ...scene import SceneGraph
 from ...spatial.floor_plan import FLOOR, room_outline
 from ...spatial.objects import SceneObjects, scene_objects
 from ...spatial.structure import STRUCTURE
+from ..observe.placeable import Placeable
 from ..observe.scene_tokens import levels_of
 from ..observe.support_priors import AT_SIDE, HANGS, RESTS, CategoryPriors, SupportPrior, contact
 from .free_space import FreeSpace
-from .placeable import Placeable
 from .settling import Support, fitting, rest, search
 
 SUNK = 0.5

@@ -14,9 +14,9 @@ from ...geometry.planar import footprints
 from ...geometry.polygon import inside, next_corners, outside_distance
 from ...scene import Boxes
 from ...spatial.level_surfaces import LEVEL, LevelSurfaces, rectangles, with_joined
+from ..observe.placeable import Placeable
 from ..observe.support_priors import AT_SIDE, HANGS, RESTS, SupportPrior
 from .free_space import FreeSpace
-from .placeable import Placeable
 
 OUTSIDE = 0.001
 """Metres by which a footprint may leave the room."""

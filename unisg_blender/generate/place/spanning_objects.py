@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry.planar import footprint_gap
-from ..observe.proposals import ObservedScene
+from ..observe.observed_scene import ObservedScene
 from ..observe.support_priors import FAR_END, CategoryPriors
 
 ALONG = np.linspace(-0.6, 0.6, 13)

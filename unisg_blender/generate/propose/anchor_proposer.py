@@ -9,12 +9,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..observe.proposals import ObservedScene, Proposals
+from ..observe.observed_scene import ObservedScene
+from ..observe.placeable import Placeable
 from ..observe.scene_tokens import Arrays, coming_vector, context_arrays, plan_vector, room_of, tokens_for
 from ..observe.support_candidates import Proximity, SupportCandidates, SupportOccupancy, support_arrays
-from ..place.placeable import Placeable
-from ..trained_model import TrainedModel
 from .mixture import OUT, behind_walls, draw_places, log_density, snapped
+from .proposer import Proposals
+from .trained_model import TrainedModel
 
 MOST_CANDIDATES = 3
 """On how many different candidates at most proposals are made at a time."""
@@ -79,7 +80,7 @@ class AnchorProposer:
         allowed: NDArray[np.bool_],
         coming: Mapping[int, int],
     ) -> Proposals:
-        """``count`` proposals for a new object; see :class:`~..observe.proposals.Proposer`."""
+        """``count`` proposals for a new object; see :class:`~.proposer.Proposer`."""
         if not allowed.any():
             return self.propose_on(scene, category, placeable, count, rng, (-1, -1), Upcoming(coming, 0.0))
         load = SupportOccupancy.of(scene, np.ones(len(scene.category), bool))

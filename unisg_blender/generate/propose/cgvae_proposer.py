@@ -10,9 +10,10 @@ from numpy.typing import NDArray
 from ...geometry.planar import heading
 from ...poses import FORMS
 from ..observe.contract import Contract
-from ..observe.proposals import ObservedScene, Proposals
-from ..place.placeable import Placeable
-from ..trained_model import TrainedModel
+from ..observe.observed_scene import ObservedScene
+from ..observe.placeable import Placeable
+from .proposer import Proposals
+from .trained_model import TrainedModel
 
 SHIFT = 1e-6
 
@@ -63,7 +64,7 @@ class CgvaeProposer:
         allowed: NDArray[np.bool_],
         coming: Mapping[int, int],
     ) -> Proposals:
-        """``count`` proposals; see :class:`~..observe.proposals.Proposer`; what is to come plays no part."""
+        """``count`` proposals; see :class:`~.proposer.Proposer`; what is to come plays no part."""
         known = len(scene.category)
         width = len(self.contract.kept)
         features = np.zeros((known + count, width), np.float32)

@@ -10,9 +10,10 @@ from numpy.typing import NDArray
 from ...geometry.boxes import turned_reach
 from ...geometry.planar import footprint_gap
 from ...spatial.relations import RelationTolerances
-from ..observe.proposals import ObservedScene, Proposals, Proposer
-from ..place.placeable import Placeable
+from ..observe.observed_scene import ObservedScene
+from ..observe.placeable import Placeable
 from .anchor_proposer import AnchorProposer, Upcoming
+from .proposer import Proposals, Proposer
 
 DRAWS = 24
 """How many times as many proposals are drawn; those that are beside the object come first."""
@@ -47,7 +48,7 @@ class On:
         self, scene: ObservedScene, category: int, placeable: Placeable, count: int, rng: np.random.Generator,
         allowed: NDArray[np.bool_], coming: Mapping[int, int],
     ) -> Proposals:  # fmt: skip
-        """See :class:`~..observe.proposals.Proposer`; ``allowed`` does not count."""
+        """See :class:`~.proposer.Proposer`; ``allowed`` does not count."""
         lying = covers(scene, self.obj)
         on = lying | (np.arange(len(lying)) == self.obj)
         usual = on & self.usual[category][scene.category]
@@ -76,7 +77,7 @@ class Beside:
         self, scene: ObservedScene, category: int, placeable: Placeable, count: int, rng: np.random.Generator,
         allowed: NDArray[np.bool_], coming: Mapping[int, int],
     ) -> Proposals:  # fmt: skip
-        """See :class:`~..observe.proposals.Proposer`; on the object's own surface, if that may hold the new one."""
+        """See :class:`~.proposer.Proposer`; on the object's own surface, if that may hold the new one."""
         support = int(scene.support[self.obj])
         candidate = support, int(scene.surface[self.obj])
         if isinstance(self.proposer, AnchorProposer) and support >= 0 and allowed[support] and candidate[1] >= 0:

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from torch import Tensor
 from torch.utils.data import Dataset
 
+from ...generate.observe.observed_scene import ObservedScene
 from ...generate.observe.placement_order import along, groups, holders, middles, ranks
-from ...generate.observe.proposals import ObservedScene
 from ...generate.observe.scene_tokens import chain, coming_vector, context_arrays, plan_vector, room_of, tokens_for
 from ...generate.observe.support_candidates import Proximity, SupportCandidates, SupportOccupancy, support_arrays
 from ...generate.observe.support_priors import CategoryPriors

@@ -15,8 +15,8 @@ from tqdm import tqdm
 
 from ...dataset.format.reader import Dataset
 from ...generate.observe.contract import Contract
+from ...generate.observe.observed_scene import ObservedScene
 from ...generate.observe.placement_order import ranks
-from ...generate.observe.proposals import ObservedScene
 from ...generate.observe.scene_tokens import ground_of, room_middle
 from ...generate.observe.support_priors import learn_priors
 from ..losses.mixtures import logistics_nll

@@ -6,10 +6,10 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ..dataset.assets.asset import Asset, object_graph
-from ..scene import SceneGraph
-from .place.placeable import Placeable, box_placeable
-from .trained_model import TrainedModel
+from ...dataset.assets.asset import Asset, object_graph
+from ...scene import SceneGraph
+from ..observe.placeable import Placeable, box_placeable
+from ..propose.trained_model import TrainedModel
 
 
 class Library:

@@ -1,4 +1,4 @@
-"""What the generator answers."""
+"""What became of one object that was asked for."""
 
 from __future__ import annotations
 
@@ -7,8 +7,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-
-from ..scene import SceneGraph
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,24 +57,3 @@ class Placement:
         world = None if self.world is None else self.world.round(6).tolist()
         changed = {"world": world, "actions": list(self.actions), "milliseconds": round(self.milliseconds, 2)}
         return {**self.__dict__, **changed, "refused": self.refused}
-
-
-@dataclass(frozen=True, eq=False)
-class Generated:
-    """The extended scene, the rows that are new in it, what became of each object asked for, and how many ``actions``
-    are new."""
-
-    scene: SceneGraph
-    rows: NDArray[np.int64]
-    objects: tuple[Placement, ...]
-    actions: int = 0
-
-    @property
-    def added(self) -> int:
-        """How many objects were added."""
-        return sum(not placement.refused for placement in self.objects)
-
-    @property
-    def refused(self) -> tuple[Placement, ...]:
-        """The objects for which there was no room."""
-        return tuple(placement for placement in self.objects if placement.refused)

@@ -1,10 +1,9 @@
-"""What passes between a model and the generator: the scene as arrays, and proposed places."""
+"""A scene as the models of generation see it: objects as arrays, growing as objects are added."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +11,7 @@ from numpy.typing import NDArray
 from ...scene import Boxes
 from ...spatial.objects import SceneObjects
 from ...spatial.support_surfaces import support_surfaces, surface_at
-from ..place.placeable import Placeable
+from .placeable import Placeable
 
 
 @dataclass(eq=False)
@@ -117,35 +116,3 @@ def within(above: NDArray[np.float64], world: NDArray[np.float64]) -> NDArray[np
     local[..., :3, 3] -= above[..., :3, 3]
     local[..., :3, :] = np.where(flat, local[..., :3, :], inverse @ local[..., :3, :])
     return local
-
-
-@dataclass(frozen=True, eq=False)
-class Proposals:
-    """T proposed places (T, 4) (x, y, bottom z, yaw) with the supports int64 (T,) that they are meant for.
-
-    ``score`` (T,) is the logarithm of their density where the model has one.
-    """
-
-    support: NDArray[np.int64]
-    places: NDArray[np.float64]
-    score: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
-
-
-class Proposer(Protocol):
-    """A model that proposes where a new object could be."""
-
-    def propose(
-        self,
-        scene: ObservedScene,
-        category: int,
-        placeable: Placeable,
-        count: int,
-        rng: np.random.Generator,
-        allowed: NDArray[np.bool_],
-        coming: Mapping[int, int],
-    ) -> Proposals:
-        """``count`` proposals for a placeable of a category.
-
-        ``allowed`` bool (K,) says which objects may hold it, ``coming`` how many objects of
-        which categories are still to be placed after it.
-        """

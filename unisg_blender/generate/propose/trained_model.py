@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..dataset.assets.asset_file import AssetFile
-from ..errors import UniSGError
-from ..runtime.onnx_session import open_session
-from .observe.contract import Contract
+from ...dataset.assets.asset_file import AssetFile
+from ...errors import UniSGError
+from ...runtime.onnx_session import open_session
+from ..observe.contract import Contract
 
 ASSETS_SUFFIX = ".assets.safetensors"
 
