@@ -30,9 +30,9 @@ LAYERS: dict[str, tuple[str, ...]] = {
     "the scenegraph": ("scene",),
     "arrays": ("geometry",),
     "forms of a pose": ("poses",),
-    "ground": ("runtime", "pretrained", "errors"),
+    "open to every room": ("runtime", "pretrained", "errors"),
 }
-GROUND = set(LAYERS["ground"])
+GROUND = set(LAYERS["open to every room"])
 
 # The rooms whose files a room imports, neither more nor fewer; every room may import the ground, the ground ``errors``.
 ARROWS: dict[str, set[str]] = {
