@@ -1,29 +1,47 @@
-# make demo | test | lint | extension | bench      BPY=5.0.1 picks another Blender, PYTHON=python3.13 another Python
+# BPY=5.0.1 picks another Blender, PYTHON=python3.13 another Python, TESTS=tests/poses one room's tests
 PYTHON ?= python3.11
 BPY ?= 4.5.15
 VENV ?= .venv$(if $(filter-out 4.5.15,$(BPY)),-$(BPY))
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 WORKERS ?= 2
+BENCH ?= poses
+PYTEST := $(BIN)/python -m pytest -n $(WORKERS) --dist loadfile
 
-.PHONY: demo test lint extension bench clean
+.PHONY: help demo test test-fast coverage lint extension bench picture hooks clean
 
-demo: $(READY)
+help:  ## say what can be made
+	@grep -E '^[a-z-]+:.*##' $(firstword $(MAKEFILE_LIST)) | sed -E 's/:[^#]*## */\t/' | expand -t 14
+	@head -1 $(firstword $(MAKEFILE_LIST))
+
+demo: $(READY)  ## the whole job once: an operating room, its dataset, objects added -> demo/
 	$(BIN)/unisg demo --out demo
 
-test: $(READY)
-	$(BIN)/python -m pytest -n $(WORKERS) --dist loadfile $(TESTS)
+test: $(READY)  ## every test, and which were the slowest
+	$(PYTEST) --durations=15 $(TESTS)
 
-lint: $(READY)
+test-fast: $(READY)  ## the tests without those marked slow: under a minute on two cores
+	$(PYTEST) -m "not slow" $(TESTS)
+
+coverage: $(READY)  ## every test, and the lines that none of them runs -> build/coverage/
+	$(PYTEST) --cov=unisg_blender --cov-report=term --cov-report=html:build/coverage $(TESTS)
+
+lint: $(READY)  ## ruff, its formatter, mypy
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 
-extension: $(READY)
+extension: $(READY)  ## the zips for Blender, validated -> build/extension/
 	$(BIN)/python packaging/build_extension.py
 
-bench: $(READY)
-	$(BIN)/unisg benchmark poses --out build/benchmarks/poses
+bench: $(READY)  ## one benchmark of the command line, BENCH=poses unless another is named -> build/benchmarks/
+	$(BIN)/unisg benchmark $(BENCH) --out build/benchmarks/$(BENCH)
+
+picture: $(READY)  ## the picture of the rooms, from their imports -> docs/pictures/
+	$(BIN)/python packaging/draw_architecture.py
+
+hooks: $(READY)  ## let git run what `make lint` runs before each commit
+	$(BIN)/pre-commit install
 
 # torch first and by itself: its exact version decides which build the others find installed
 $(READY): pyproject.toml constraints.txt
@@ -32,5 +50,5 @@ $(READY): pyproject.toml constraints.txt
 	$(BIN)/python -m pip install --quiet --constraint constraints.txt "bpy==$(BPY)" --editable ".[ga,learn,cluster,blender,figures,dev]"
 	touch $(READY)
 
-clean:
+clean:  ## take away everything that was made here
 	rm -rf build demo .venv .venv-*

@@ -17,6 +17,8 @@ import pytest
 from unisg_blender.cli import main
 from unisg_blender.dataset.export.batch_export import ExportOptions, export_dataset
 
+pytestmark = pytest.mark.slow
+
 pytest.importorskip("distributed")
 HERE = Path(__file__).parent
 READER = "fake_reader:read"

@@ -17,6 +17,8 @@ from unisg_blender.dataset.dataset_description import printable
 from unisg_blender.dataset.export.batch_export import ExportOptions, export_dataset
 from unisg_blender.errors import MISUSE, SOME_FAILED, UNUSABLE_INPUT, UniSGError
 
+pytestmark = pytest.mark.slow
+
 HERE = Path(__file__).parent
 OPTIONS = ExportOptions(reader="fake_reader:read", timeout=60)
 Contents = dict[str, bytes]

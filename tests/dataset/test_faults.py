@@ -25,7 +25,7 @@ from unisg_blender.errors import UniSGError
 from unisg_blender.runtime import atomic_files
 from unisg_blender.scene import SceneGraph
 
-pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
+pytestmark = [pytest.mark.slow, pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")]
 
 HERE = Path(__file__).parent
 LIMIT = 250

@@ -18,7 +18,7 @@ from unisg_blender.dataset.export.batch_export import ExportOptions, export_data
 from unisg_blender.dataset.export.sources import SUFFIXES, find_sources
 from unisg_blender.scene import world_matrices
 
-pytestmark = pytest.mark.skipif(find_spec("bpy") is None, reason="needs Blender")
+pytestmark = [pytest.mark.slow, pytest.mark.skipif(find_spec("bpy") is None, reason="needs Blender")]
 
 HERE = Path(__file__).parent
 FOLDERS = [HERE.parent / "data", *map(Path, filter(None, [os.environ.get("UNISG_SCENES")]))]

@@ -13,7 +13,7 @@ import pytest
 from unisg_blender.dataset import open_dataset
 from unisg_blender.dataset.export.batch_export import ExportOptions, export_dataset
 
-pytestmark = pytest.mark.skipif(find_spec("bpy") is None, reason="needs Blender")
+pytestmark = [pytest.mark.slow, pytest.mark.skipif(find_spec("bpy") is None, reason="needs Blender")]
 MAPPING = {"objects": {"chair*": "Chair"}}
 
 

@@ -13,6 +13,8 @@ import pytest
 
 from .recorded import COUNTS, FILE, ROOMS, digest_of, measured, models
 
+pytestmark = pytest.mark.slow
+
 AGAIN = "measure them again with 'python -m tests.evaluate.recorded'"
 
 

@@ -11,6 +11,8 @@ from unisg_blender.cli import main
 from unisg_blender.commands.generate import parse_counts
 from unisg_blender.errors import UniSGError
 
+pytestmark = pytest.mark.slow
+
 
 def test_a_room_is_written_as_json(model_file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     out = tmp_path / "room.json"

@@ -23,6 +23,8 @@ from unisg_blender.metrics.scene_validity import measure_scene
 from unisg_blender.scene import SceneBuilder, SceneGraph, world_matrices
 from unisg_blender.spatial.objects import scene_objects
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def generator(model_file: Path) -> Generator:

@@ -21,6 +21,8 @@ from unisg_blender.scene import Mesh, Relation, SceneBuilder, SceneGraph, world_
 from unisg_blender.spatial.objects import scene_objects
 from unisg_blender.usd import write_usd
 
+pytestmark = pytest.mark.slow
+
 KNOWN = ("Cup", "Floor", "Lamp", "Table", "Wall")
 
 

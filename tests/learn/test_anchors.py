@@ -42,6 +42,8 @@ from unisg_blender.learn.training_scenes import TrainingScene  # noqa: E402
 from unisg_blender.scene import world_matrices  # noqa: E402
 from unisg_blender.spatial.objects import scene_objects  # noqa: E402
 
+pytestmark = pytest.mark.slow
+
 VOCABULARY = ("Cup", "Floor", "Lamp", "Table", "Wall")
 PLACES = (
     "target_category", "target_half", "target_bottom", "plan", "row", "latent", "category", "box",

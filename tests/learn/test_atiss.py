@@ -22,6 +22,8 @@ from unisg_blender.learn.atiss.training import example_inputs, train, write_atis
 from unisg_blender.learn.losses.mixtures import logistics_nll  # noqa: E402
 from unisg_blender.learn.settings import Settings  # noqa: E402
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def model(tmp_path_factory: pytest.TempPathFactory) -> Path:

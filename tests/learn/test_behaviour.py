@@ -26,6 +26,8 @@ from unisg_blender.learn.behaviour.training import make_network, train, write_be
 from unisg_blender.learn.settings import Settings  # noqa: E402
 from unisg_blender.worlds import living_room  # noqa: E402
 
+pytestmark = pytest.mark.slow
+
 
 @cache
 def taught() -> tuple[Kinds, BehaviourObservation, BehaviourNet]:

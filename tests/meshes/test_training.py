@@ -90,6 +90,7 @@ def test_training_learns_and_repeats() -> None:
         assert torch.equal(own, other)
 
 
+@pytest.mark.slow
 def test_exported_networks_are_the_trained_ones(tmp_path: Path) -> None:
     pytest.importorskip("onnxscript")
     from unisg_blender.learn.atlasnet.export import export

@@ -16,6 +16,7 @@ pytest.importorskip("threadpoolctl")
 pytest.importorskip("clifford")
 
 
+@pytest.mark.slow
 def test_writes_tables_and_figures(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     out = tmp_path / "made" / "here"
     assert main(["benchmark", "poses", "--out", str(out), "--count", "2000", "--repeats", "1", "--json"]) == 0

@@ -48,6 +48,7 @@ def moved_cga(versor, point) -> np.ndarray:
     return image.value[1:4] / -float((image | EINF).value[0])
 
 
+@pytest.mark.slow
 @settings(max_examples=80, deadline=None)
 @given(poses, points)
 def test_motors_move_points_as_matrices_do(matrix, point):

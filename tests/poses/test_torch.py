@@ -44,6 +44,7 @@ def test_tensors_give_what_arrays_give(name, dtype):
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
 def test_gradients_are_exact(name):
     form = FORMS[name]
