@@ -17,7 +17,7 @@ from tests.generate.models import write_rooms  # noqa: E402
 from unisg_blender.cli import main  # noqa: E402
 from unisg_blender.dataset import open_dataset, write_dataset  # noqa: E402
 from unisg_blender.errors import UniSGError  # noqa: E402
-from unisg_blender.generate.trained_model import assets_path, load_model  # noqa: E402
+from unisg_blender.generate.propose.trained_model import assets_path, load_model  # noqa: E402
 from unisg_blender.learn.anchors import training as train_anchors  # noqa: E402
 from unisg_blender.learn.behaviour import training as train_behaviour  # noqa: E402
 from unisg_blender.learn.cgvae import training as train_cgvae  # noqa: E402
