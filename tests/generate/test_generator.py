@@ -17,8 +17,8 @@ from unisg_blender.errors import UniSGError
 from unisg_blender.generate import Generator
 from unisg_blender.generate.observe.observed_scene import ObservedScene
 from unisg_blender.generate.observe.placeable import Placeable
-from unisg_blender.generate.propose.anchor_proposer import DRAWN, AnchorProposer, SupportChoice, Upcoming
-from unisg_blender.generate.propose.proposer import Proposals
+from unisg_blender.generate.propose.anchor_proposer import DRAWN, AnchorProposer
+from unisg_blender.generate.propose.proposer import NOTHING_ELSE, Proposals, Query, SupportChoice
 from unisg_blender.metrics.scene_validity import measure_scene
 from unisg_blender.scene import SceneBuilder, SceneGraph, world_matrices
 from unisg_blender.spatial.objects import scene_objects
@@ -61,26 +61,26 @@ def test_an_existing_scene_is_extended_and_not_changed(generator: Generator, bul
             assert placement.collision == 0
 
 
-def cups_on_a_table(count: int) -> tuple[ObservedScene, AnchorProposer, Placeable, Proposals]:
-    """A room, the proposer, a cup, and proposals for it on the table."""
+def cups_on_a_table(count: int) -> tuple[AnchorProposer, Query, Proposals]:
+    """The proposer, what it is asked about a cup in a room, and its proposals on the table."""
     graph, generator = room(100), Generator.load(shared_model("anchors"))
     objects = scene_objects(graph, generator.categories)
     scene = ObservedScene.of(objects, world_matrices(graph)[objects.row])
-    proposer, placeable = generator._proposer, Placeable(object_graph(graph, graph.row("Cup.0")))
+    proposer, placeable = generator.proposer, Placeable(object_graph(graph, graph.row("Cup.0")))
     assert isinstance(proposer, AnchorProposer)
     table = int(np.flatnonzero(scene.category == generator.categories.index("Table"))[0])
     cup = generator.categories.index("Cup")
-    drawn = proposer.propose_on(scene, cup, placeable, count, np.random.default_rng(0), (table, 0), Upcoming({}, 0.0))
-    return scene, proposer, placeable, drawn
+    query = Query(scene, cup, placeable, np.ones(len(scene.category), bool), {})
+    return proposer, query, proposer.propose_on(query, count, np.random.default_rng(0), (table, 0), NOTHING_ELSE)
 
 
 def test_proposals_are_where_the_density_is_high() -> None:
-    scene, proposer, placeable, drawn = cups_on_a_table(12)
-    table, cup = int(drawn.support[0]), proposer.model.contract.vocabulary.index("Cup")
-    near = [proposer.log_density(scene, cup, placeable, table, place) for place in drawn.places]
-    far = [proposer.log_density(scene, cup, placeable, table, place + 30 * np.eye(4)[0]) for place in drawn.places]
+    proposer, query, drawn = cups_on_a_table(12)
+    table = int(drawn.support[0])
+    near = [proposer.log_density(query, table, place) for place in drawn.places]
+    far = [proposer.log_density(query, table, place + 30 * np.eye(4)[0]) for place in drawn.places]
     assert np.mean(near) > np.mean(far) + 5
-    assert near[0] == proposer.log_density(scene, cup, placeable, table, drawn.places[0])
+    assert near[0] == proposer.log_density(query, table, drawn.places[0])
 
 
 def test_the_critic_chooses_among_the_draws(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -105,7 +105,7 @@ def test_what_is_put_on_an_empty_table_is_all_that_it_will_hold(
 
     def watched(self: AnchorProposer, *given: Any) -> Proposals:
         """Keep what is asked."""
-        seen.append(given[6])
+        seen.append(given[4])
         return original(self, *given)
 
     monkeypatch.setattr(AnchorProposer, "propose_on", watched)
@@ -123,7 +123,7 @@ def test_a_floor_for_less_than_a_room_may_get_more_another_time(
 
     def watched(self: AnchorProposer, *given: Any) -> SupportChoice:
         """Keep what is asked."""
-        seen.append(given[6])
+        seen.append(given[2])
         return original(self, *given)
 
     monkeypatch.setattr(AnchorProposer, "choose", watched)

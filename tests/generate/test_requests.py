@@ -13,8 +13,8 @@ from unisg_blender.cli import main
 from unisg_blender.errors import UniSGError
 from unisg_blender.generate import Generator
 from unisg_blender.generate.observe.observed_scene import ObservedScene
-from unisg_blender.generate.observe.placeable import Placeable, box_placeable
-from unisg_blender.generate.propose.proposer import Proposals
+from unisg_blender.generate.observe.placeable import box_placeable
+from unisg_blender.generate.propose.proposer import Proposals, Proposer, Query
 from unisg_blender.generate.propose.requests import APART, BESIDE, Beside, aside
 from unisg_blender.metrics.requested_relations import is_beside, is_on
 from unisg_blender.scene import Mesh, Relation, SceneBuilder, SceneGraph, world_matrices
@@ -106,16 +106,14 @@ def test_what_the_model_puts_elsewhere_is_shifted_to_beside_the_thing() -> None:
     scene = ObservedScene.of(objects, world_matrices(graph)[objects.row])
     table = int(np.flatnonzero(objects.category == KNOWN.index("Table"))[0])
 
-    class Far:
-        def propose(
-            self, scene: ObservedScene, category: int, placeable: Placeable, count: int, *rest: object
-        ) -> Proposals:
+    class Far(Proposer):
+        def propose(self, query: Query, count: int, rng: np.random.Generator) -> Proposals:
             bottom = scene.center[table, 2] - scene.half[table, 2]
             return Proposals(np.full(count, 0), np.tile([9.0, 9.0, bottom, 0.3], (count, 1)))
 
     placeable = box_placeable("Table", [0.6, 0.4, 0.8])
-    given = (scene, 3, placeable, 8, np.random.default_rng(0), np.ones(len(objects), bool), {})
-    found = Beside(Far(), table).propose(*given)
+    query = Query(scene, 3, placeable, np.ones(len(objects), bool), {})
+    found = Beside(Far(), table).propose(query, 8, np.random.default_rng(0))
     gaps = aside(scene, table, placeable.half, found.places)
     assert len(gaps) == 8
     assert (gaps >= -1e-9).all()

@@ -15,6 +15,7 @@ from unisg_blender.dataset.assets.asset_file import save_assets
 from unisg_blender.generate.observe.contract import Contract
 from unisg_blender.generate.observe.observed_scene import ObservedScene
 from unisg_blender.generate.observe.placeable import Placeable, box_placeable
+from unisg_blender.generate.observe.prior_tables import PriorTables
 from unisg_blender.generate.observe.support_priors import learn_priors
 from unisg_blender.generate.place.room_shell import add_shell
 from unisg_blender.generate.place.scene_extension import Names, uid_maker
@@ -83,10 +84,11 @@ def test_what_reaches_across_from_nowhere_may_be_held_by_any() -> None:
         ObservedScene.of(objects, world_matrices(graph)[objects.row]),
         objects.category == VOCABULARY.index("Wall"),
     )
-    priors = learn_priors([scene_objects(hall(), VOCABULARY)], VOCABULARY)
-    assert fit_for("Girder", np.array([1.0, 0.05, 0.04]), scene, walls, priors).sum() == 4
-    assert fit_for("Girder", np.array([WIDE / 2, 0.05, 0.04]), scene, walls, priors).sum() == 2
-    assert fit_for("Clock", np.array([WIDE / 2, 0.05, 0.04]), scene, walls, priors).sum() == 4
+    tables = PriorTables.of(learn_priors([scene_objects(hall(), VOCABULARY)], VOCABULARY), VOCABULARY)
+    clock, girder = VOCABULARY.index("Clock"), VOCABULARY.index("Girder")
+    assert fit_for(girder, np.array([1.0, 0.05, 0.04]), scene, walls, tables).sum() == 4
+    assert fit_for(girder, np.array([WIDE / 2, 0.05, 0.04]), scene, walls, tables).sum() == 2
+    assert fit_for(clock, np.array([WIDE / 2, 0.05, 0.04]), scene, walls, tables).sum() == 4
 
 
 def library_of(folder: Path, lengths: Sequence[float], shells: Sequence[SceneGraph] = ()) -> Library:
@@ -105,7 +107,10 @@ def test_of_several_shapes_one_that_fits_is_drawn(tmp_path: Path) -> None:
     def drawn(fits: Callable[[Placeable], bool] | None) -> set[float]:
         """The lengths of twenty shapes, metres."""
         rng = np.random.default_rng(0)
-        return {round(2 * float(library.placeable("Girder", empty, rng, fits).half.max()), 3) for _ in range(20)}
+        return {
+            round(2 * float(library.placeable(VOCABULARY.index("Girder"), empty, rng, fits).half.max()), 3)
+            for _ in range(20)
+        }
 
     assert drawn(None) == set(lengths)
     assert drawn(lambda placeable: abs(2 * placeable.half[0] - WIDE) < 0.1) == {WIDE}

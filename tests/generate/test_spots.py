@@ -9,7 +9,8 @@ from tests.generate.rooms import at, box, room
 from unisg_blender.dataset.assets.asset import object_graph
 from unisg_blender.generate.observe.observed_scene import ObservedScene, within
 from unisg_blender.generate.observe.placeable import Placeable
-from unisg_blender.generate.observe.placement_order import DEEPEST, along, groups, learn_orders, levels, row_order
+from unisg_blender.generate.observe.placement_order import DEEPEST, along, groups, learn_orders, levels
+from unisg_blender.generate.observe.prior_tables import PriorTables
 from unisg_blender.generate.observe.reference_objects import find_reference_objects
 from unisg_blender.generate.observe.scene_tokens import room_of, tokens_for
 from unisg_blender.generate.observe.support_candidates import (
@@ -20,6 +21,7 @@ from unisg_blender.generate.observe.support_candidates import (
 )
 from unisg_blender.generate.observe.support_priors import AT_SIDE, RESTS, CategoryPriors, SupportPrior, learn_priors
 from unisg_blender.generate.place.free_space import FreeSpace
+from unisg_blender.generate.place.planning import row_order
 from unisg_blender.generate.place.settling import Support, nearest_support, rest
 from unisg_blender.generate.propose.mixture import behind_walls
 from unisg_blender.scene import Boxes, SceneBuilder, world_matrices
@@ -123,8 +125,9 @@ def test_things_are_ordered_by_level_and_rows_from_end_to_end() -> None:
     assert (np.diff(along(scene)[cups]) > 0).all()  # they were laid from left to right
     orders = learn_orders([scene], VOCABULARY)
     assert orders.keys() == {"Table>Cup", "Wall>Lamp"}
-    assert sorted(row_order(["Cup", "Cup"], "Table", False, priors, np.random.default_rng(0))) == [0, 1]
-    assert row_order(["Cup", "Table"], "Floor", True, priors, np.random.default_rng(0)) == [1, 0]
+    tables, cup, floor, table = PriorTables.of(priors, VOCABULARY), 0, 1, 3
+    assert sorted(row_order([cup, cup], table, False, tables, np.random.default_rng(0))) == [0, 1]
+    assert row_order([cup, table], floor, True, tables, np.random.default_rng(0)) == [1, 0]
 
 
 def test_whatever_may_hold_a_thing_is_placed_before_it() -> None:
@@ -153,7 +156,11 @@ def wall(*placeables: tuple[float, float, float]) -> Support:
 def cup_in_empty_space() -> tuple[Placeable, FreeSpace]:
     none = Boxes(np.zeros((0, 3)), np.zeros((0, 3, 3)), np.zeros((0, 3)), np.zeros(0, bool))
     space = FreeSpace(
-        none, np.zeros(0, np.int64), np.zeros(0, np.int64), None, CategoryPriors({}, {}, {}, []), ("Wall",)
+        none,
+        np.zeros(0, np.int64),
+        np.zeros(0, np.int64),
+        None,
+        PriorTables.of(CategoryPriors({}, {}, {}, []), ("Wall",)),
     )
     return Placeable(object_graph(room(1, 1), room(1, 1).row("Cup.0"))), space
 

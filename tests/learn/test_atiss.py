@@ -98,6 +98,7 @@ def test_rooms_are_furnished_and_the_same_seed_gives_the_same(model: Path) -> No
 
 def test_drawn_places_are_where_the_density_is_high(model: Path) -> None:
     from unisg_blender.generate.observe.observed_scene import ObservedScene
+    from unisg_blender.generate.propose.proposer import Query
     from unisg_blender.scene import world_matrices
     from unisg_blender.spatial.objects import scene_objects
 
@@ -106,9 +107,9 @@ def test_drawn_places_are_where_the_density_is_high(model: Path) -> None:
     objects = scene_objects(room, generator.categories)
     scene = ObservedScene.of(objects, world_matrices(room)[objects.row])
     proposer, placeable = AtissProposer(generator.model), box_placeable("Cup", np.array([0.1, 0.1, 0.1]))
-    rng = np.random.default_rng(0)
-    drawn = proposer.propose(scene, 0, placeable, 40, rng, np.ones(len(objects), bool), {})
-    near = np.mean([proposer.log_density(scene, 0, placeable, -1, place) for place in drawn.places])
-    far = np.mean([proposer.log_density(scene, 0, placeable, -1, place + 30 * np.eye(4)[0]) for place in drawn.places])
+    query = Query(scene, 0, placeable, np.ones(len(objects), bool), {})
+    drawn = proposer.propose(query, 40, np.random.default_rng(0))
+    near = np.mean([proposer.log_density(query, -1, place) for place in drawn.places])
+    far = np.mean([proposer.log_density(query, -1, place + 30 * np.eye(4)[0]) for place in drawn.places])
     assert near > far + 5
     assert (drawn.support >= 0).all()

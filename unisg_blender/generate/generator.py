@@ -9,7 +9,6 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..behaviour import all_actions
 from ..dataset.assets.asset import Asset
@@ -18,11 +17,11 @@ from ..scene import SceneGraph
 from ..spatial.floor_plan import FLOOR
 from ..spatial.structure import STRUCTURE
 from .behaviour import ActionPolicy, Behaviour, add_behaviour, behaviour_path, load_behaviour
+from .observe.arrays import Ints
 from .observe.contract import Contract
 from .observe.placement_order import in_order
 from .place.placement import Placement
 from .place.placing import Placing
-from .place.planning import Planned
 from .place.room_shell import add_shell
 from .place.scene_extension import Names, extend, uid_maker
 from .place.shape_library import Library
@@ -38,7 +37,7 @@ class Generated:
     are new."""
 
     scene: SceneGraph
-    rows: NDArray[np.int64]
+    rows: Ints
     objects: tuple[Placement, ...]
     actions: int = 0
 
@@ -60,7 +59,7 @@ class Generator:
         self.model = model
         self.contract = model.contract
         self.library = Library(model)
-        self._proposer: Proposer = proposer or _proposer(model)
+        self.proposer: Proposer = proposer or _proposer(model)
 
     @staticmethod
     def load(path: str | os.PathLike[str]) -> Generator:
@@ -151,14 +150,14 @@ class Generator:
             scene, placements = add_shell(scene, counts, self.library, rng, names, make_uid)
             wanted = [name for name in wanted if name not in STRUCTURE]
             yield from placements
-        work = Placing(self._proposer, self.library, self.contract, scene, rng, settle, wanted, assets)
+        shapes = {self.categories.index(name): given for name, given in (assets or {}).items() if name in counts}
+        numbers = [self.categories.index(name) for name in wanted]
+        work = Placing(self.proposer, self.library, scene, rng, settle, numbers, shapes)
         work.request(on, beside)
-        early = work.propose_all(wanted) if bulk else []
-        for planned in map(Planned, range(len(wanted))) if bulk else work.order(wanted):
-            proposals = early[planned.number] if bulk else None
-            placements.append(work.place(planned, wanted[planned.number], names, make_uid, proposals))
+        for planned in work.order(bulk):
+            placements.append(work.place(planned, names, make_uid))
             yield placements[-1]
-        result = extend(scene, work.additions, names, make_uid)
+        result = extend(scene, work.scene.additions, names, make_uid)
         if behaviour and self.behaviour is not None:
             made = add_behaviour(result, [item.uid for item in placements if item.uid], self.behaviour, make_uid, rng)
             result, placements = made.scene, [_with_behaviour(item, made) for item in placements]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -13,11 +12,9 @@ from numpy.typing import NDArray
 from ...errors import UniSGError
 from ...generate import Generator
 from ...generate.observe.contract import Contract
-from ...generate.observe.observed_scene import ObservedScene
-from ...generate.observe.placeable import Placeable
 from ...generate.observe.scene_tokens import ground_of, room_middle
 from ...generate.observe.support_priors import CategoryPriors
-from ...generate.propose.proposer import Proposals
+from ...generate.propose.proposer import Proposals, Proposer, Query
 from ...generate.propose.trained_model import TrainedModel
 from ...runtime.onnx_session import open_session
 from .baselines import carrier_of
@@ -56,41 +53,35 @@ def _open(path: str | os.PathLike[str]) -> TrainedModel | None:
     return TrainedModel(Path(path), session, contract)
 
 
-class AtissProposer:
+class AtissProposer(Proposer):
     """Draws positions, then headings, from the network's mixtures of logistics; the carrier is found afterwards."""
 
     def __init__(self, model: TrainedModel) -> None:
         self.model = model
         self.unknown = len(model.contract.vocabulary)
 
-    def propose(
-        self, scene: ObservedScene, category: int, placeable: Placeable, count: int, rng: np.random.Generator,
-        allowed: NDArray[np.bool_], coming: Mapping[int, int],
-    ) -> Proposals:  # fmt: skip
+    def propose(self, query: Query, count: int, rng: np.random.Generator) -> Proposals:
         """See :class:`~unisg_blender.generate.propose.proposer.Proposer`."""
+        scene = query.scene
         origin = np.array([*room_middle(scene), ground_of(scene)])
-        position, _ = self._mixtures(scene, category, placeable, np.zeros((1, 3)))
+        position, _ = self._mixtures(query, np.zeros((1, 3)))
         drawn = np.column_stack([_draw(position[0, axis], count, rng) for axis in range(3)])
-        _, heading = self._mixtures(scene, category, placeable, drawn)
+        _, heading = self._mixtures(query, drawn)
         turn = np.array([_draw(mixture, 1, rng)[0] for mixture in heading])
         places = np.column_stack([drawn + origin, turn])
-        return Proposals(np.array([carrier_of(scene, place, allowed) for place in places], np.int64), places)
+        return Proposals(np.array([carrier_of(scene, place, query.allowed) for place in places], np.int64), places)
 
-    def log_density(
-        self, scene: ObservedScene, category: int, placeable: Placeable, support: int, place: NDArray[np.float64]
-    ) -> float:
+    def log_density(self, query: Query, support: int, place: NDArray[np.float64]) -> float:
         """Of a position (x, y) and heading, whatever the support, nats (metres, radians)."""
-        where = place[:3] - np.array([*room_middle(scene), ground_of(scene)])
-        position, heading = self._mixtures(scene, category, placeable, where[None])
+        where = place[:3] - np.array([*room_middle(query.scene), ground_of(query.scene)])
+        position, heading = self._mixtures(query, where[None])
         around = place[3] + 2 * np.pi * np.arange(-1, 2)
         turn = np.logaddexp.reduce([_log_logistics(heading[0], value) for value in around])
         return float(sum(_log_logistics(position[0, axis], where[axis]) for axis in range(2)) + turn)
 
-    def _mixtures(
-        self, scene: ObservedScene, category: int, placeable: Placeable, places: NDArray[np.float64]
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Mixtures of position (T, 3, 3, M) and heading (T, 3, M) for a placeable at each of places (T, 3)."""
-        count, seen = len(places), slice(TOKENS)
+    def _mixtures(self, query: Query, places: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Mixtures of position (T, 3, 3, M) and heading (T, 3, M) for the new object at each of places (T, 3)."""
+        scene, count, seen = query.scene, len(places), slice(TOKENS)
         center = scene.center[seen] - np.array([*room_middle(scene), ground_of(scene)])
         yaw, kind = scene.yaw[seen], scene.category[seen]
         box = np.column_stack([center, scene.half[seen], np.cos(yaw), np.sin(yaw)])
@@ -100,8 +91,8 @@ class AtissProposer:
             category=kind[None].astype(np.int64),
             box=box[None].astype(np.float32),
             mask=np.ones((1, len(box)), np.float32),
-            target_category=np.full((1, count), category, np.int64),
-            target_half=np.tile(placeable.half, (1, count, 1)).astype(np.float32),
+            target_category=np.full((1, count), query.category, np.int64),
+            target_half=np.tile(query.placeable.half, (1, count, 1)).astype(np.float32),
             place=places[None].astype(np.float32),
         )
         return position[0].astype(np.float64), heading[0].astype(np.float64)

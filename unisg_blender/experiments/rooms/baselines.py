@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...generate.observe.observed_scene import ObservedScene
-from ...generate.observe.placeable import Placeable
 from ...generate.observe.scene_tokens import ground_of, room_middle
-from ...generate.propose.proposer import Proposals
+from ...generate.propose.proposer import Proposals, Proposer, Query
 from ...scene import SceneGraph
 from ...spatial.floor_plan import FLOOR, room_outline
 
@@ -19,7 +18,7 @@ SPREAD_FLOOR = 0.005
 _NOWHERE = (np.zeros(4), np.ones(4))
 
 
-class GaussianProposer:
+class GaussianProposer(Proposer):
     """One Gaussian per category and kind of support over the offset in the support's frame and the heading.
 
     The support is drawn by how often the category stands on objects of its kind;
@@ -44,11 +43,9 @@ class GaussianProposer:
         self.counts = {key: len(values) for key, values in found.items()}
         self.spread = spread
 
-    def propose(
-        self, scene: ObservedScene, category: int, placeable: Placeable, count: int, rng: np.random.Generator,
-        allowed: NDArray[np.bool_], coming: Mapping[int, int],
-    ) -> Proposals:  # fmt: skip
+    def propose(self, query: Query, count: int, rng: np.random.Generator) -> Proposals:
         """See :class:`~unisg_blender.generate.propose.proposer.Proposer`."""
+        scene, category, allowed = query.scene, query.category, query.allowed
         if not allowed.any():
             return Proposals(np.full(count, -1, np.int64), rng.normal(0, 1, (count, 4)))
         objects = np.flatnonzero(allowed)
@@ -66,12 +63,11 @@ class GaussianProposer:
             places[row] += (*scene.center[obj, :2], scene.center[obj, 2] - scene.half[obj, 2], scene.yaw[obj])
         return Proposals(supports.astype(np.int64), places)
 
-    def log_density(
-        self, scene: ObservedScene, category: int, placeable: Placeable, support: int, place: NDArray[np.float64]
-    ) -> float:
+    def log_density(self, query: Query, support: int, place: NDArray[np.float64]) -> float:
         """Of a position and heading on a known support, nats (metres, radians)."""
+        scene = query.scene
         kind = int(scene.category[support]) if support >= 0 else -2
-        mean, deviation = self.fits.get((category, kind), _NOWHERE)
+        mean, deviation = self.fits.get((query.category, kind), _NOWHERE)
         origin = np.zeros(4)
         if support >= 0:
             origin[:] = *scene.center[support], scene.yaw[support]
@@ -81,7 +77,7 @@ class GaussianProposer:
         return _log_normal(offset, place[3] - origin[3], mean, deviation)
 
 
-class WorldGaussianProposer:
+class WorldGaussianProposer(Proposer):
     """One Gaussian per category over position and heading in the room, whose middle is the origin.
 
     What carries the object is found afterwards, see :func:`carrier_of`.
@@ -96,22 +92,18 @@ class WorldGaussianProposer:
                 found[int(scene.category[obj])].append(np.append(bottom[obj] - origin, scene.yaw[obj]))
         self.fits = {key: _fit(np.array(values)) for key, values in found.items()}
 
-    def propose(
-        self, scene: ObservedScene, category: int, placeable: Placeable, count: int, rng: np.random.Generator,
-        allowed: NDArray[np.bool_], coming: Mapping[int, int],
-    ) -> Proposals:  # fmt: skip
+    def propose(self, query: Query, count: int, rng: np.random.Generator) -> Proposals:
         """See :class:`~unisg_blender.generate.propose.proposer.Proposer`."""
-        mean, deviation = self.fits.get(category, _NOWHERE)
+        scene, allowed = query.scene, query.allowed
+        mean, deviation = self.fits.get(query.category, _NOWHERE)
         places = mean + deviation * rng.standard_normal((count, 4))
         places[:, :3] += (*room_middle(scene), ground_of(scene))
         return Proposals(np.array([carrier_of(scene, place, allowed) for place in places], np.int64), places)
 
-    def log_density(
-        self, scene: ObservedScene, category: int, placeable: Placeable, support: int, place: NDArray[np.float64]
-    ) -> float:
+    def log_density(self, query: Query, support: int, place: NDArray[np.float64]) -> float:
         """Of a position and heading, whatever the support, nats (metres, radians)."""
-        mean, deviation = self.fits.get(category, _NOWHERE)
-        return _log_normal(place[:2] - room_middle(scene), place[3], mean, deviation)
+        mean, deviation = self.fits.get(query.category, _NOWHERE)
+        return _log_normal(place[:2] - room_middle(query.scene), place[3], mean, deviation)
 
 
 def carrier_of(scene: ObservedScene, place: NDArray[np.float64], allowed: NDArray[np.bool_]) -> int:

@@ -14,9 +14,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ...generate import Generator
 from ...generate.observe.observed_scene import ObservedScene
 from ...generate.observe.placeable import Placeable
-from ...generate.propose.proposer import Proposer
+from ...generate.propose.proposer import Query
 from ...metrics.layout_features import wrapped
 from ...metrics.requested_relations import is_beside, is_on
 from ...scene import SceneGraph, world_matrices
@@ -87,7 +88,7 @@ def complete(way: ByModel | ByCopying, hole: Hole, seed: int) -> Completed:
     kinds = {hole.real.category_name(hole.real.row_of_uid[uid]) for uid in hole.supports}
     kind = hole.real.category_name(hole.real.row_of_uid[named]) if named else ""
     on_top, beside = _requests(way, hole, seed)
-    nll = -log_density(way.generator._proposer, way.generator.categories, hole, *seen)
+    nll = -log_density(way.generator, hole, *seen)
     return Completed(centimetres, degrees, float(named in hole.supports), float(kind in kinds), on_top, beside, nll)
 
 
@@ -102,7 +103,7 @@ def pose_error(drawn: Sequence[NDArray[np.float64]], true: NDArray[np.float64]) 
 
 def _ranked_first(way: ByModel, hole: Hole, scene: ObservedScene, uids: Sequence[str]) -> str:
     """uid of the support with the highest chance; "" for models that give none. See :func:`_seen` for the last two."""
-    of = getattr(way.generator._proposer, "support_chances", None)
+    of = getattr(way.generator.proposer, "support_chances", None)
     if of is None:
         return ""
     generator = way.generator
@@ -147,20 +148,18 @@ def _seen(hole: Hole, vocabulary: tuple[str, ...]) -> tuple[ObservedScene, list[
     ]
 
 
-def log_density(
-    proposer: Proposer, vocabulary: tuple[str, ...], hole: Hole, scene: ObservedScene, uids: Sequence[str]
-) -> float:
+def log_density(generator: Generator, hole: Hole, scene: ObservedScene, uids: Sequence[str]) -> float:
     """Log-density of where the object was, given what it stood on, nats; NaN for proposers without a density.
 
     ``scene`` and ``uids`` are the half-emptied room as the proposer sees it.
     """
-    of = getattr(proposer, "log_density", None)
-    if of is None:
+    of = getattr(generator.proposer, "log_density", None)
+    if of is None or hole.support not in uids:
         return np.nan
-    if hole.support not in uids:
-        return np.nan
-    category = vocabulary.index(hole.category)
-    return float(of(scene, category, Placeable(hole.asset), uids.index(hole.support), hole.places[0]))
+    support = uids.index(hole.support)
+    allowed = np.arange(len(uids)) == support
+    query = Query(scene, generator.categories.index(hole.category), Placeable(hole.asset), allowed, {})
+    return float(of(query, support, hole.places[0]))
 
 
 def paired_test(model: NDArray[np.float64], other: NDArray[np.float64]) -> float:

@@ -6,10 +6,12 @@ import json
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
 from difflib import get_close_matches
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 from ...errors import UniSGError
+from .prior_tables import PriorTables
 from .support_priors import CategoryPriors
 
 VERSION = 5
@@ -53,6 +55,11 @@ class Contract:
     kept: tuple[int, ...] = ()
     latent: int = 0
     provenance: dict[str, Any] = field(default_factory=dict)
+
+    @cached_property
+    def tables(self) -> PriorTables:
+        """The priors by category number."""
+        return PriorTables.of(self.priors, self.vocabulary)
 
     def to_json(self) -> str:
         """The metadata entry."""

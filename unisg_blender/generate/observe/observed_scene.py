@@ -6,11 +6,11 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...scene import Boxes
 from ...spatial.objects import SceneObjects
 from ...spatial.support_surfaces import support_surfaces, surface_at
+from .arrays import Floats, Ints
 from .placeable import Placeable
 
 
@@ -34,20 +34,20 @@ class ObservedScene:
         What :func:`~.scene_tokens.room_of` found out about the scene, None when that is to be done again.
     """
 
-    category: NDArray[np.int64]
-    support: NDArray[np.int64]
-    world: NDArray[np.float64]
-    center: NDArray[np.float64]
-    half: NDArray[np.float64]
-    yaw: NDArray[np.float64]
-    surface: NDArray[np.int64]
+    category: Ints
+    support: Ints
+    world: Floats
+    center: Floats
+    half: Floats
+    yaw: Floats
+    surface: Ints
     parts: Callable[[int], Boxes]
     room: object = None
-    _surfaces: dict[int, NDArray[np.float64]] = field(default_factory=dict)
+    _surfaces: dict[int, Floats] = field(default_factory=dict)
     _placeables: dict[int, Placeable] = field(default_factory=dict)
 
     @staticmethod
-    def of(objects: SceneObjects, world: NDArray[np.float64]) -> ObservedScene:
+    def of(objects: SceneObjects, world: Floats) -> ObservedScene:
         """The scene of some objects whose entities have ``world`` (K, 4, 4) matrices."""
         none = np.full(len(objects), -1, np.int64)
         scene = ObservedScene(
@@ -58,11 +58,11 @@ class ObservedScene:
         return scene
 
     @property
-    def local(self) -> NDArray[np.float64]:
+    def local(self) -> Floats:
         """Matrices (K, 4, 4) relative to the objects' supports."""
         return relative(self.world, self.support)
 
-    def surfaces(self, obj: int) -> NDArray[np.float64]:
+    def surfaces(self, obj: int) -> Floats:
         """The surfaces of an object, see :func:`~...spatial.support_surfaces.support_surfaces`."""
         if obj in self._placeables:
             return self._placeables[obj].surfaces
@@ -75,9 +75,7 @@ class ObservedScene:
         """Which surface of a support carries something whose bottom is at a height, metres; -1 for none."""
         return surface_at(self.surfaces(support), bottom - (self.center[support, 2] - self.half[support, 2]))
 
-    def add(
-        self, category: int, support: int, world: NDArray[np.float64], placeable: Placeable, place: NDArray[np.float64]
-    ) -> int:
+    def add(self, category: int, support: int, world: Floats, placeable: Placeable, place: Floats) -> int:
         """A further object at a place (4,); returns its number."""
         number, self.room = len(self.category), None
         center = place[:3] + np.array([0, 0, placeable.half[2]])
@@ -93,14 +91,14 @@ class ObservedScene:
         return number
 
 
-def relative(world: NDArray[np.float64], support: NDArray[np.int64]) -> NDArray[np.float64]:
+def relative(world: Floats, support: Ints) -> Floats:
     """Matrices (K, 4, 4) relative to those of the supports (int (K,), -1 for the world)."""
     local, held = world.copy(), np.flatnonzero(support >= 0)
     local[held] = within(world[support[held]], world[held])
     return local
 
 
-def within(above: NDArray[np.float64], world: NDArray[np.float64]) -> NDArray[np.float64]:
+def within(above: Floats, world: Floats) -> Floats:
     """Affine matrices (..., 4, 4) relative to those above them (..., 4, 4).
 
     By cofactors: a linear algebra library wakes all its threads for every 4 x 4 matrix.

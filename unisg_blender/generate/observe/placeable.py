@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...dataset.assets.asset import Asset
 from ...geometry.boxes import upright_box
@@ -14,6 +13,7 @@ from ...geometry.planar import turn
 from ...scene import Boxes, Mesh, SceneGraph, mesh_from_faces
 from ...spatial.part_boxes import part_boxes
 from ...spatial.support_surfaces import support_surfaces
+from .arrays import Floats
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,33 +37,33 @@ class Placeable:
         return Boxes(boxes.center - self.foot, boxes.axes, boxes.half, boxes.solid)
 
     @cached_property
-    def _box(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def _box(self) -> tuple[Floats, Floats]:
         return upright_box(self._own, 0.0) if len(self._own.center) else (np.zeros(3), np.zeros(3))
 
     @cached_property
-    def half(self) -> NDArray[np.float64]:
+    def half(self) -> Floats:
         """Half extents (3,) in metres."""
         low, high = self._box
         return (high - low) / 2
 
     @cached_property
-    def foot(self) -> NDArray[np.float64]:
+    def foot(self) -> Floats:
         """Middle of the bottom (3,) as seen from the asset's origin."""
         low, high = self._box
         return np.array([*((low + high) / 2)[:2], low[2]])
 
     @cached_property
-    def surfaces(self) -> NDArray[np.float64]:
+    def surfaces(self) -> Floats:
         """What it can carry others on, see :func:`~...spatial.support_surfaces.support_surfaces`."""
         return support_surfaces(self.parts, 0.0)
 
-    def world(self, place: NDArray[np.float64]) -> NDArray[np.float64]:
+    def world(self, place: Floats) -> Floats:
         """World matrix of the asset's entity at a place (4,)."""
         matrix = turn(float(place[3]))
         matrix[:3, 3] = place[:3] - matrix[:3, :3] @ self.foot
         return matrix @ self.asset.graph.local[0]
 
-    def boxes_at(self, places: NDArray[np.float64]) -> Boxes:
+    def boxes_at(self, places: Floats) -> Boxes:
         """World boxes of the parts at places (T, 4): T times P boxes, place by place."""
         cos, sin = np.cos(places[:, 3]), np.sin(places[:, 3])
         turns = np.zeros((len(places), 1, 3, 3))
@@ -76,7 +76,7 @@ class Placeable:
         return Boxes(center.reshape(-1, 3), axes.reshape(-1, 3, 3), half.reshape(-1, 3), np.ones(count, bool))
 
 
-def box_placeable(category: str, size: NDArray[np.float64]) -> Placeable:
+def box_placeable(category: str, size: Floats) -> Placeable:
     """A plain box of a category's usual size, for where there is no mesh to show."""
     half = np.asarray(size, np.float64) / 2
     corners = np.stack(np.meshgrid(*[[-1, 1]] * 3, indexing="ij"), axis=-1).reshape(-1, 3)

@@ -12,9 +12,9 @@ from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...spatial.structure import STRUCTURE
+from .arrays import Floats, Ints
 from .observed_scene import ObservedScene
 from .support_priors import CategoryPriors
 
@@ -56,19 +56,19 @@ def holders(priors: CategoryPriors) -> set[str]:
     return {found[0].support for found in priors.supports.values() if found} | {*STRUCTURE}
 
 
-def groups(vocabulary: Sequence[str], priors: CategoryPriors) -> NDArray[np.int64]:
+def groups(vocabulary: Sequence[str], priors: CategoryPriors) -> Ints:
     """By category number: the level at which objects are placed (C + 1,); -1 for unknown ones, which are there."""
     level = levels(priors)
     return np.array([level.get(name, 0) for name in vocabulary] + [-1], np.int64)
 
 
-def ranks(vocabulary: Sequence[str], priors: CategoryPriors) -> NDArray[np.int64]:
+def ranks(vocabulary: Sequence[str], priors: CategoryPriors) -> Ints:
     """By category number: the order in which supports are chosen, and in which a floor is filled (C + 1,)."""
     order = in_order({name: 1 for name in vocabulary}, priors)
     return np.array([1 + order.index(name) for name in vocabulary] + [0], np.int64)
 
 
-def along(scene: ObservedScene) -> NDArray[np.float64]:
+def along(scene: ObservedScene) -> Floats:
     """How far along its support each object stands, surface after surface, in 0..1 (K,); 0 without a support."""
     found = np.zeros(len(scene.category))
     for obj in np.flatnonzero(scene.support >= 0):
@@ -82,7 +82,7 @@ def along(scene: ObservedScene) -> NDArray[np.float64]:
     return found
 
 
-def middles(scene: ObservedScene, share: NDArray[np.float64]) -> dict[tuple[int, int], float]:
+def middles(scene: ObservedScene, share: Floats) -> dict[tuple[int, int], float]:
     """The mean of :func:`along` of the objects of one category on one support, by (support, category)."""
     found: dict[tuple[int, int], list[float]] = defaultdict(list)
     for obj in np.flatnonzero(scene.support >= 0):
@@ -98,18 +98,3 @@ def learn_orders(scenes: Iterable[ObservedScene], vocabulary: Sequence[str]) -> 
             if category >= 0 and scene.support[support] >= 0:
                 found[f"{names[scene.category[support]]}>{names[category]}"].append(round(share, 3))
     return {key: values[:: max(1, len(values) // ORDERS)][:ORDERS] for key, values in sorted(found.items())}
-
-
-def row_order(
-    names: Sequence[str], kind: str, floor: bool, priors: CategoryPriors, rng: np.random.Generator
-) -> list[int]:
-    """In which order objects of some categories are put on a support of a kind: positions in ``names``."""
-    if floor:
-        place = {name: number for number, name in enumerate(in_order(dict.fromkeys(names, 1), priors))}
-        return sorted(range(len(names)), key=lambda number: place[names[number]])
-    first = holders(priors)
-    share = {}
-    for name in sorted(set(names)):
-        seen = priors.orders.get(f"{kind}>{name}", ())
-        share[name] = (name not in first, seen[rng.integers(len(seen))] if seen else rng.random())
-    return sorted(range(len(names)), key=lambda number: (*share[names[number]], names[number]))

@@ -11,9 +11,9 @@ from collections import defaultdict
 from collections.abc import Iterable, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...spatial.objects import SceneObjects
+from .arrays import Floats
 
 FEWEST = 12
 """Pairs that a spread is measured from, at least."""
@@ -21,7 +21,7 @@ FEWEST = 12
 GAIN = 1.0
 """Nats a scene that a further reference object adds at least."""
 
-Offsets = dict[tuple[int, int], list[NDArray[np.float64]]]
+Offsets = dict[tuple[int, int], list[Floats]]
 
 
 def find_reference_objects(scenes: Iterable[SceneObjects], vocabulary: Sequence[str]) -> list[str]:
@@ -60,7 +60,7 @@ def _collect(objects: SceneObjects, offsets: Offsets) -> None:
             offsets[reference, int(kind[other])].append(seen[other])
 
 
-def _spread(values: list[NDArray[np.float64]]) -> float:
+def _spread(values: list[Floats]) -> float:
     """Geometric mean of the standard deviations along the two principal axes, metres, a centimetre at least."""
     covariance = np.cov(np.array(values).T) + 1e-4 * np.eye(2)
     return float(np.linalg.det(covariance) ** 0.25)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from .arrays import Arrays, Bools, Floats, Ints
 from .observed_scene import ObservedScene
 
 TOKENS = 32
@@ -31,10 +32,8 @@ FLAT = 0.3
 FLAGS, PLAN_WIDTH = 7, 8
 TINY = 1e-4
 
-Arrays = dict[str, NDArray[np.float32] | NDArray[np.int64]]
 
-
-def levels_of(support: NDArray[np.int64]) -> NDArray[np.int64]:
+def levels_of(support: Ints) -> Ints:
     """Number of supports under each object, (K,)."""
     level = np.zeros(len(support), np.int64)
     above = support.copy()
@@ -47,7 +46,7 @@ def levels_of(support: NDArray[np.int64]) -> NDArray[np.int64]:
     return level
 
 
-def chain(support: NDArray[np.int64], obj: int) -> list[int]:
+def chain(support: Ints, obj: int) -> list[int]:
     """What holds an object, and what holds that, and so on."""
     found: list[int] = []
     while obj >= 0 and (obj := int(support[obj])) >= 0 and obj not in found:
@@ -55,9 +54,7 @@ def chain(support: NDArray[np.int64], obj: int) -> list[int]:
     return found
 
 
-def tokens_for(
-    scene: ObservedScene, seen: NDArray[np.bool_], parent: int, surface: int, bottom: float, target: NDArray[np.float64]
-) -> NDArray[np.int64]:
+def tokens_for(scene: ObservedScene, seen: Bools, parent: int, surface: int, bottom: float, target: Floats) -> Ints:
     """The objects that matter for a target on a surface of ``parent``: at most :data:`TOKENS`, the parent first.
 
     ``seen`` bool (K,) says what is there; ``target`` (3,) are half extents, its bottom is at ``bottom``, metres.
@@ -86,7 +83,7 @@ def tokens_for(
     return order[np.isfinite(rank[order])]
 
 
-def _apart(scene: ObservedScene, parent: int) -> NDArray[np.float64]:
+def _apart(scene: ObservedScene, parent: int) -> Floats:
     """How far each object's middle is from the parent's footprint, or the parent's from the object's, metres (K,)."""
     x, y = (scene.center[:, :2] - scene.center[parent, :2]).T
     found = []
@@ -98,7 +95,7 @@ def _apart(scene: ObservedScene, parent: int) -> NDArray[np.float64]:
 
 
 def context_arrays(
-    scene: ObservedScene, tokens: NDArray[np.int64], category: int, parent: int, surface: int, unknown: int
+    scene: ObservedScene, tokens: Ints, category: int, parent: int, surface: int, unknown: int
 ) -> Arrays:
     """Inputs of the model for one target and its tokens (M,).
 
@@ -135,9 +132,9 @@ class Room:
     """
 
     ground: float
-    level: NDArray[np.int64]
-    swap: NDArray[np.bool_]
-    inner: NDArray[np.float64]
+    level: Ints
+    swap: Bools
+    inner: Floats
 
 
 def room_of(scene: ObservedScene) -> Room:
@@ -160,7 +157,7 @@ def room_root(scene: ObservedScene) -> int:
     return int(roots[np.argmax(scene.half[roots, 0] * scene.half[roots, 1])]) if len(roots) else -1
 
 
-def room_middle(scene: ObservedScene) -> NDArray[np.float64]:
+def room_middle(scene: ObservedScene) -> Floats:
     """Where the room's middle is, (2,) metres."""
     root = room_root(scene)
     return scene.center[root, :2] if root >= 0 else np.zeros(2)
@@ -173,7 +170,7 @@ def ground_of(scene: ObservedScene) -> float:
 
 
 def plan_vector(
-    scene: ObservedScene, seen: NDArray[np.bool_], category: int, parent: int, surface: int, half: NDArray[np.float64],
+    scene: ObservedScene, seen: Bools, category: int, parent: int, surface: int, half: Floats,
     coming: Mapping[int, int], coming_area: float, whole: bool,
 ) -> NDArray[np.float32]:  # fmt: skip
     """What is there and what is still to come to this surface besides the target, (PLAN_WIDTH,).

@@ -8,8 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from .arrays import Arrays, Bools, Floats, Ints
 from .observed_scene import ObservedScene
-from .scene_tokens import TINY, Arrays, room_of
+from .scene_tokens import TINY, room_of
 
 OCCUPANCY_WIDTH = 14
 
@@ -31,13 +32,13 @@ class SupportCandidates:
         int64 (K,): the first candidate of each object, -1 for objects that have none.
     """
 
-    obj: NDArray[np.int64]
-    surface: NDArray[np.int64]
-    measures: NDArray[np.float64]
-    first: NDArray[np.int64]
+    obj: Ints
+    surface: Ints
+    measures: Floats
+    first: Ints
 
     @staticmethod
-    def of(scene: ObservedScene, objects: Sequence[int] | NDArray[np.int64]) -> SupportCandidates:
+    def of(scene: ObservedScene, objects: Sequence[int] | Ints) -> SupportCandidates:
         """The candidates of some objects of a scene."""
         objects = np.asarray(objects, np.int64)
         surfaces = [scene.surfaces(number) for number in objects.tolist()]
@@ -56,7 +57,7 @@ class SupportCandidates:
         surface[elsewhere] = -1
         return SupportCandidates(obj, surface, measures, first)
 
-    def at(self, obj: NDArray[np.int64], surface: NDArray[np.int64]) -> NDArray[np.int64]:
+    def at(self, obj: Ints, surface: Ints) -> Ints:
         """Numbers of the candidates for objects int64 (T,) (-1: none) and surfaces (T,), -1 for none."""
         count = np.bincount(self.obj, minlength=len(self.first))
         place = self.first[obj] + np.where(surface >= 0, surface, count[obj] - 1)
@@ -67,14 +68,14 @@ class SupportCandidates:
 class SupportOccupancy:
     """What lies where, T objects: support and surface int64 (T,), category (T,), footprint (T,) in m2."""
 
-    support: NDArray[np.int64]
-    surface: NDArray[np.int64]
-    category: NDArray[np.int64]
-    area: NDArray[np.float64]
+    support: Ints
+    surface: Ints
+    category: Ints
+    area: Floats
 
     @staticmethod
-    def of(scene: ObservedScene, seen: NDArray[np.bool_]) -> SupportOccupancy:
-        """Of the objects of a scene that are there, bool (K,)."""
+    def of(scene: ObservedScene, seen: Bools | bool = True) -> SupportOccupancy:
+        """Of the objects of a scene that are there, bool (K,): all if omitted."""
         held = np.flatnonzero(seen & (scene.support >= 0))
         area = 4 * scene.half[held, 0] * scene.half[held, 1]
         return SupportOccupancy(scene.support[held], scene.surface[held], scene.category[held], area)
@@ -94,7 +95,7 @@ class Proximity:
     ``obj`` int64 (J,) are their numbers, by category.
     """
 
-    obj: NDArray[np.int64]
+    obj: Ints
     share: NDArray[np.float32]
 
     @staticmethod
@@ -117,7 +118,7 @@ class Proximity:
         share[np.arange(len(obj)), obj] = 0
         return Proximity(obj, share.T.astype(np.float32))
 
-    def by_kind(self, scene: ObservedScene, seen: NDArray[np.bool_], unknown: int) -> NDArray[np.float32]:
+    def by_kind(self, scene: ObservedScene, seen: Bools, unknown: int) -> NDArray[np.float32]:
         """The nearest of each category that is there, bool (K,), to each object: (K, C + 1)."""
         result = np.zeros((len(self.share), unknown + 1), np.float32)
         there = seen[self.obj]
@@ -131,7 +132,7 @@ class Proximity:
 
 def support_arrays(
     scene: ObservedScene, candidates: SupportCandidates, load: SupportOccupancy, near: NDArray[np.float32],
-    category: int, half: NDArray[np.float64], unknown: int,
+    category: int, half: Floats, unknown: int,
 ) -> Arrays:  # fmt: skip
     """Inputs for choosing among candidates (N,) for a target of half extents (3,): what they are, lies there, is near.
 

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
-from numpy.typing import NDArray
 
 from ...geometry.box_overlap import penetration
 from ...geometry.boxes import world_bounds
 from ...geometry.planar import footprints
 from ...geometry.polygon import outside_distance
-from ...scene import Boxes
+from ...scene import Boxes, SceneGraph
+from ...spatial.floor_plan import FLOOR, room_outline
+from ..observe.arrays import Bools, Floats, Ints
 from ..observe.placeable import Placeable
-from ..observe.support_priors import CategoryPriors
+from ..observe.prior_tables import PriorTables
 
 TOUCH = 0.001
 """Metres that boxes may reach into each other anyway."""
@@ -27,20 +26,17 @@ class FreeSpace:
     parts, owner
         World boxes of the parts and int64 (P,) the object that each belongs to.
     category
-        int64 (K,): the objects' categories as positions in ``vocabulary``, -1 for others.
+        int64 (K,): the objects' categories as the tables number them, -1 for others.
     outline
         Outline of the room (M, 2) in world metres, None if there is none.
     """
 
-    def __init__(
-        self, parts: Boxes, owner: NDArray[np.int64], category: NDArray[np.int64], outline: NDArray[np.float64] | None,
-        priors: CategoryPriors, vocabulary: Sequence[str],
-    ) -> None:  # fmt: skip
+    def __init__(self, parts: Boxes, owner: Ints, category: Ints, outline: Floats | None, tables: PriorTables) -> None:
         self.boxes = parts
         self.owner = owner
         self.category = category
         self.outline = outline
-        self.limits, self.held_limits = _limits(priors, vocabulary)
+        self.tables = tables
         self.low, self.high = world_bounds(parts)
 
     def add(self, parts: Boxes, category: int) -> int:
@@ -66,9 +62,7 @@ class FreeSpace:
         """The parts of an object."""
         return self.boxes.take(np.flatnonzero(self.owner == obj))
 
-    def depth(
-        self, placeable: Placeable, places: NDArray[np.float64], category: int, support: int = -1
-    ) -> NDArray[np.float64]:
+    def depth(self, placeable: Placeable, places: Floats, category: int, support: int = -1) -> Floats:
         """Metres (T,) by which a placeable at places (T, 4) reaches too deep into anything; 0 where it fits.
 
         ``support`` is the object that holds it: some reach into what they lie in.
@@ -84,22 +78,20 @@ class FreeSpace:
         if len(mine):
             other = near[other]
             owner = self.owner[other]
-            kind = self.category[owner]
-            limit = np.where(owner == support, self.held_limits[category, kind], self.limits[category, kind])
+            pair = category, self.category[owner]
+            limit = np.where(owner == support, self.tables.held_overlaps[pair], self.tables.overlaps[pair])
             excess = penetration(boxes.take(mine), self.boxes.take(other)) - limit - TOUCH
             np.maximum.at(found, mine // count, np.maximum(excess, 0))
         return found
 
-    def outside(self, placeable: Placeable, places: NDArray[np.float64]) -> NDArray[np.float64]:
+    def outside(self, placeable: Placeable, places: Floats) -> Floats:
         """Metres (T,) by which the footprint at places (T, 4) leaves the room; 0 without an outline."""
         if self.outline is None:
             return np.zeros(len(places))
         return outside_distance(self.outline, footprints(placeable.half, places)).max(axis=1)
 
 
-def _meeting(
-    low: NDArray[np.float64], high: NDArray[np.float64], other_low: NDArray[np.float64], other_high: NDArray[np.float64]
-) -> NDArray[np.bool_]:
+def _meeting(low: Floats, high: Floats, other_low: Floats, other_high: Floats) -> Bools:
     """Which of N upright boxes overlap which of M others, bool (N, M); axis by axis: numpy is slow at rows of three."""
     hit = np.ones((len(low), len(other_low)), bool)
     for axis in range(3):
@@ -107,17 +99,7 @@ def _meeting(
     return hit
 
 
-def _limits(priors: CategoryPriors, vocabulary: Sequence[str]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Allowed overlaps by two categories (C + 1, C + 1), of objects apart, and of an object with what holds it.
-
-    The last row and column are for other categories.
-    """
-    place = {name: number for number, name in enumerate((*vocabulary, ""))}
-    apart, held = np.zeros((len(place), len(place))), np.zeros((len(place), len(place)))
-    for pair, depth in priors.overlaps.items():
-        first, second = (place.get(name, -1) for name in pair.replace(">", "|").split("|"))
-        if ">" in pair:
-            held[first, second] = depth
-        else:
-            apart[first, second] = apart[second, first] = depth
-    return apart, held
+def find_outline(graph: SceneGraph) -> Floats | None:
+    """Outline (M, 2) of the room of a scene, world metres; None without a floor that has a mesh."""
+    floors = [row for row in np.flatnonzero(graph.mesh >= 0) if graph.category_name(int(row)) == FLOOR]
+    return room_outline(graph) if floors else None

@@ -5,8 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
+from ..observe.arrays import Floats
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,7 +38,7 @@ class Placement:
     name: str = ""
     uid: str = ""
     support: str = ""
-    world: NDArray[np.float64] | None = None
+    world: Floats | None = None
     collision: float = 0.0
     draws: int = 0
     searched: bool = False

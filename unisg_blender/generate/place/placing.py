@@ -1,36 +1,29 @@
-"""Placing: one object after another gets proposals, is settled and takes up space."""
+"""Placing: one object after another is planned, gets proposals, is settled, checked and added."""
 
 from __future__ import annotations
 
 import time
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from itertools import chain
+from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...dataset.assets.asset import Asset
 from ...errors import UniSGError
-from ...scene import SceneGraph, world_matrices
-from ...spatial.floor_plan import FLOOR, room_outline
-from ...spatial.objects import find_object, scene_objects
-from ...spatial.structure import STRUCTURE
-from ..observe.contract import Contract
-from ..observe.observed_scene import ObservedScene
+from ...scene import SceneGraph
+from ..observe.arrays import Bools
 from ..observe.placeable import Placeable
-from ..observe.support_priors import RESTS, SupportPrior
-from ..propose.anchor_proposer import AnchorProposer
-from ..propose.proposer import Proposals, Proposer
-from ..propose.requests import BESIDE, Beside, On, aside, covers
-from .free_space import FreeSpace
+from ..observe.support_priors import RESTS
+from ..propose.proposer import Proposals, Proposer, Query
+from ..propose.requests import Beside, On
+from .growing_scene import GrowingScene, Target
 from .placement import Placement
-from .planning import Planned, Planner, usual_kinds
-from .scene_extension import Addition, Names, UidMaker
-from .settling import Support, fitting, nearest_support, rest, search
+from .planning import Planned, Planner
+from .scene_extension import Names, UidMaker
+from .settle_proposals import FoundPlace, first_fitting
 from .shape_library import Library
-from .spanning_objects import fit_for, reaches
+from .spanning_objects import reaches
 
 BATCHES = (8, 24, 28)
 """Proposals asked for at a time, until one fits: first on the candidate that was planned, then on any."""
@@ -38,250 +31,115 @@ BATCHES = (8, 24, 28)
 OTHER_SHAPES = 2
 """Further shapes to try when the first one finds no place."""
 
-SEARCHED = 4
-"""Supports whose whole surface is searched when no proposal fits."""
-
-
-@dataclass(frozen=True, eq=False)
-class _Candidate:
-    """A place (4,) on an object (-1: the ground), whether it ``fits``, and how it was found."""
-
-    obj: int
-    place: NDArray[np.float64]
-    fits: bool
-    draws: int
-    searched: bool = False
-
 
 class Placing:
-    """One call of :meth:`Generator.add`: the scene while it grows."""
+    """One call of :meth:`Generator.add`: the scene while it grows, and what is to be placed there."""
 
     def __init__(
-        self,
-        proposer: Proposer,
-        library: Library,
-        contract: Contract,
-        graph: SceneGraph,
-        rng: np.random.Generator,
-        settle: bool,
-        wanted: Sequence[str],
-        assets: Mapping[str, Sequence[Asset]] | None = None,
-    ) -> None:
-        self.proposer, self.library, self.contract = proposer, library, contract
-        self.priors, self.vocabulary = self.contract.priors, self.contract.vocabulary
-        self.graph, self.rng, self.settle = graph, rng, settle
-        objects = scene_objects(graph, self.vocabulary)
-        self.scene = ObservedScene.of(objects, world_matrices(graph)[objects.row])
-        self.uids = [graph.uid[row] for row in objects.row]
-        self.names = [graph.name[row] for row in objects.row]
-        self.kinds = [graph.category_name(row) for row in objects.row]
-        has_floor = FLOOR in self.kinds and (graph.mesh[objects.row] >= 0)[self.kinds.index(FLOOR)]
-        outline = room_outline(graph) if has_floor else None
-        self.space = FreeSpace(objects.parts, objects.owner, objects.category, outline, self.priors, self.vocabulary)
-        self.additions: list[Addition] = []
+        self, proposer: Proposer, library: Library, graph: SceneGraph, rng: np.random.Generator, settle: bool,
+        wanted: Sequence[int], assets: Mapping[int, Sequence[Asset]],
+    ) -> None:  # fmt: skip
+        self.proposer, self.library, self.graph, self.rng, self.settle = proposer, library, graph, rng, settle
+        self.scene = GrowingScene(graph, library.model.contract)
         self.coming = Counter(wanted)
-        self.given: set[int] = set()
-        self.usual = usual_kinds(self.vocabulary, self.priors)
-        self.floor = self.vocabulary.index(FLOOR) if FLOOR in self.vocabulary else -2
-        self.on = -1
-        self.placeables = self._placeables(wanted, assets or {})
-        self._resting: dict[tuple[str, int], Support] = {}
+        left = {category: [Placeable(asset) for asset in shapes] for category, shapes in assets.items()}
+        self.targets = [
+            Target(category, left[category].pop(0), True) if left.get(category) else self._target(category)
+            for category in wanted
+        ]
+        self.on: On | None = None
+        self.beside: Beside | None = None
 
     def request(self, on: str, beside: str) -> None:
         """Put all objects on, or beside, the object with that uid or name; "" for anywhere."""
         if on:
-            self.on = find_object(self.graph, self.uids, on)
-            self.proposer = On(self.proposer, self.on, self.usual)
+            self.proposer = self.on = On(self.proposer, self.scene.find(self.graph, on), self.scene.tables.usual)
         if beside:
-            obj = find_object(self.graph, self.uids, beside)
-            if self.kinds[obj] == FLOOR:
+            obj = self.scene.find(self.graph, beside)
+            if self.scene.labels[obj].floor:
                 raise UniSGError(f"everything is beside {beside!r}: name an object that stands on it")
-            self.proposer = Beside(self.proposer, obj)
+            self.proposer = self.beside = Beside(self.proposer, obj)
 
-    def order(self, wanted: Sequence[str]) -> Iterator[Planned]:
-        """The objects in the order of placing, with the candidates planned for them, level by level."""
-        if self.on >= 0 or not isinstance(self.proposer, AnchorProposer):
-            yield from (Planned(number) for number in range(len(wanted)))
-            return
-        planner = Planner(self.proposer, self.scene, self.contract, self.placeables, self.usual, self.rng)
-        yield from planner.order(wanted, self.coming)
+    def order(self, bulk: bool) -> Iterator[Planned]:
+        """The objects in the order of placing; in ``bulk`` with proposals for all of them, none seeing another."""
+        if bulk:
+            queries = [self._query(target, self._holders(target.category)[0]) for target in self.targets]
+            early = [self.proposer.propose(query, BATCHES[0], self.rng) for query in queries]
+            return (Planned(number, early=proposals) for number, proposals in enumerate(early))
+        rooms = self.library.model.contract.priors.rooms
+        return Planner(self.proposer, self.scene, rooms, self.targets, self.rng).order()
 
-    def _placeables(self, wanted: Sequence[str], assets: Mapping[str, Sequence[Asset]]) -> list[Placeable]:
-        """A shape for each object, in order."""
-        left = {name: [Placeable(asset) for asset in shapes] for name, shapes in assets.items()}
-        placeables = []
-        for number, name in enumerate(wanted):
-            if left.get(name):
-                self.given.add(number)
-                placeables.append(left[name].pop(0))
-            else:
-                placeables.append(self._shape(name))
-        return placeables
-
-    def _shape(self, name: str) -> Placeable:
-        """A shape at random; of what spans, one that reaches across in this room, if there is any."""
-        if name not in self.priors.spans:
-            return self.library.placeable(name, self.graph, self.rng)
-        holders = self._allowed(name)[0]
-        return self.library.placeable(
-            name, self.graph, self.rng, lambda placeable: reaches(self.scene, holders, placeable.half)
-        )
-
-    def propose_all(self, wanted: Sequence[str]) -> list[Proposals]:
-        """First proposals for all objects, none of them seeing another."""
-        return [
-            self._propose(name, placeable, BATCHES[0], self._allowed(name)[0])
-            for name, placeable in zip(wanted, self.placeables, strict=True)
-        ]
-
-    def _propose(self, name: str, placeable: Placeable, count: int, allowed: NDArray[np.bool_]) -> Proposals:
-        coming = {self.vocabulary.index(kind): number for kind, number in self.coming.items() if number}
-        allowed = fit_for(name, placeable.half, self.scene, allowed, self.priors)
-        return self.proposer.propose(
-            self.scene, self.vocabulary.index(name), placeable, count, self.rng, allowed, coming
-        )
-
-    def _allowed(self, name: str) -> tuple[NDArray[np.bool_], str]:
-        """Which objects may hold a category, and what to say where none of the usual ones is there."""
-        if self.on >= 0:
-            return covers(self.scene, self.on) | (np.arange(len(self.scene.category)) == self.on), ""
-        usual = self.usual[self.vocabulary.index(name)]
-        allowed = usual[self.scene.category]
-        if allowed.any() or usual[-1]:
-            return allowed & (self.scene.category >= 0), ""
-        kinds = [prior.support for prior in self.priors.supports[name]]
-        return self.scene.category == self.floor, f"no {' or '.join(kinds[:3])} in the scene"
-
-    def _support(self, name: str, obj: int) -> Support:
-        if (name, obj) not in self._resting:
-            kind = self.kinds[obj] if obj >= 0 else ""
-            prior = self.priors.prior(name, kind) or SupportPrior(kind, 0, RESTS)
-            self._resting[name, obj] = Support(obj, prior, self.space.parts_of(obj), kind == FLOOR, name in STRUCTURE)
-        return self._resting[name, obj]
-
-    def place(
-        self, planned: Planned, name: str, names: Names, make_uid: UidMaker, early: Proposals | None
-    ) -> Placement:
+    def place(self, planned: Planned, names: Names, make_uid: UidMaker) -> Placement:
         """Find a place for an object and add it, or say why there is none."""
-        start, number = time.perf_counter(), planned.number
-        self.coming[name] -= 1
-        placeable = self.placeables[number]
-        allowed, missing = self._allowed(name)
-        candidate, note = None, missing
-        if missing and self.priors.supports[name][0].contact != RESTS:
-            note = f"{missing} to hold it"
-        elif not self.settle:
-            candidate = self._first(name, placeable, allowed, early, planned)
+        start, category = time.perf_counter(), self.targets[planned.number].category
+        self.coming[category] -= 1
+        allowed, note = self._holders(category)
+        found = None
+        if note and next(iter(self.scene.tables.supports[category].values())).contact != RESTS:
+            note = f"{note} to hold it"
         else:
-            candidate = self._drawn(name, placeable, allowed, early, planned)
-            for _ in range(0 if number in self.given or candidate.fits else OTHER_SHAPES):
-                placeable = self._shape(name)
-                if (other := self._drawn(name, placeable, allowed, None, planned)).fits:
-                    candidate = other
-                    break
-            note = self._remark(placeable, candidate.place) or missing if candidate.fits else "no room was found"
+            found = self._find(planned, allowed)
+            note = (self._remark(found) or note) if found.fits else "no room was found"
         spent = planned.milliseconds + 1e3 * (time.perf_counter() - start)
-        if candidate is None or (self.settle and not candidate.fits):
-            return Placement(name, draws=0 if candidate is None else candidate.draws, milliseconds=spent, note=note)
-        return self._add(placeable, name, candidate, names, make_uid, note, spent)
+        if found is None or not found.fits:
+            draws = 0 if found is None else found.draws
+            return Placement(self.scene.vocabulary[category], draws=draws, milliseconds=spent, note=note)
+        return self._add(found, names, make_uid, note, spent)
 
-    def _remark(self, placeable: Placeable, place: NDArray[np.float64]) -> str:
-        """What is to be said of a place for what was wanted beside something."""
-        if not isinstance(self.proposer, Beside):
-            return ""
-        gap = float(aside(self.scene, self.proposer.obj, placeable.half, place[None])[0])
-        return f"no room beside {self.names[self.proposer.obj]}" if gap > BESIDE + 1e-6 else ""
+    def _target(self, category: int) -> Target:
+        """An object of a shape at random; of what spans, one that reaches across in this room, if there is any."""
+        fits = None
+        if self.scene.tables.spans[category]:
+            holders = self.scene.holders(category)[0]
+            fits = lambda placeable: reaches(self.scene.observed, holders, placeable.half)  # noqa: E731
+        return Target(category, self.library.placeable(category, self.graph, self.rng, fits))
 
-    def _first(
-        self, name: str, placeable: Placeable, allowed: NDArray[np.bool_], early: Proposals | None, planned: Planned
-    ) -> _Candidate:
-        """The first proposal as it is."""
-        proposals = early or next(self._batches(name, placeable, allowed, planned, (1,)))
-        return _Candidate(int(proposals.support[0]), proposals.places[0], True, 1)
+    def _holders(self, category: int) -> tuple[Bools, str]:
+        """Which objects may hold a category, and what to say where none of the usual ones is there."""
+        return (self.on.holders(self.scene.observed), "") if self.on else self.scene.holders(category)
 
-    def _batches(
-        self, name: str, placeable: Placeable, allowed: NDArray[np.bool_], planned: Planned, counts: Sequence[int]
-    ) -> Iterator[Proposals]:
+    def _query(self, target: Target, allowed: Bools) -> Query:
+        return self.scene.query(target, allowed, +self.coming)
+
+    def _find(self, planned: Planned, allowed: Bools) -> FoundPlace:
+        """A place for an object: of its first proposal as it is, or settled, then of other shapes."""
+        target = self.targets[planned.number]
+        query = self._query(target, allowed)
+        if not self.settle:
+            first = next(self._batches(query, planned, (1,)))
+            return FoundPlace(target, int(first.support[0]), first.places[0])
+        found = first_fitting(self.scene, target, self._batches(query, planned, BATCHES), self.on is not None)
+        for _ in range(0 if target.chosen or found.fits else OTHER_SHAPES):
+            other = self._target(target.category)
+            batches = self._batches(self._query(other, allowed), replace(planned, early=None), BATCHES)
+            if (tried := first_fitting(self.scene, other, batches, self.on is not None)).fits:
+                return tried
+        return found
+
+    def _batches(self, query: Query, planned: Planned, counts: Sequence[int]) -> Iterator[Proposals]:
         """Proposals, so many at a time: all but the last on the candidate that was planned, if one was."""
-        category = self.vocabulary.index(name)
+        if planned.early is not None:
+            yield planned.early
         for step, count in enumerate(counts):
             if planned.candidate is None or (step and step == len(counts) - 1):
-                yield self._propose(name, placeable, count, allowed)
+                yield self.proposer.propose(query, count, self.rng)
             else:
-                yield self.proposer.propose_on(  # type: ignore[attr-defined]
-                    self.scene, category, placeable, count, self.rng, planned.candidate, planned.row, planned.choice
-                )
+                yield self.proposer.propose_on(query, count, self.rng, planned.candidate, planned.row, planned.choice)
 
-    def _drawn(
-        self, name: str, placeable: Placeable, allowed: NDArray[np.bool_], early: Proposals | None, planned: Planned
-    ) -> _Candidate:
-        """The first proposal that fits after settling, else the free place nearest to the first of all."""
-        category, draws, seen = self.vocabulary.index(name), 0, []
-        batches = self._batches(name, placeable, allowed, planned, BATCHES)
-        for drawn in batches if early is None else chain([early], batches):
-            proposals = self._held(name, placeable, drawn)
-            seen.append(proposals)
-            places, good = self._settle(name, placeable, proposals)
-            if good.any():
-                best = int(good.argmax())
-                return _Candidate(int(proposals.support[best]), places[best], True, draws + best + 1)
-            draws += len(places)
-        order = np.concatenate([proposals.support for proposals in seen])
-        places = np.concatenate([proposals.places for proposals in seen])
-        _, first = np.unique(order, return_index=True)
-        for row in np.sort(first)[:SEARCHED]:
-            obj = int(order[row])
-            found = search(placeable, places[row], category, self._support(name, obj), self.space)
-            if found is not None:
-                return _Candidate(obj, found, True, draws, searched=True)
-        return _Candidate(int(order[0]), places[0], False, draws)
+    def _remark(self, found: FoundPlace) -> str:
+        """What is to be said of a place for what was wanted beside something."""
+        if self.beside is None or not self.settle:
+            return ""
+        near = self.beside.has(self.scene.observed, found.target.placeable.half, found.place)
+        return "" if near else f"no room beside {self.scene.labels[self.beside.obj].name}"
 
-    def _settle(
-        self, name: str, placeable: Placeable, proposals: Proposals
-    ) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
-        """The proposals' places after settling, and which of them fit."""
-        places = proposals.places.copy()
-        good = np.zeros(len(places), bool)
-        for obj in np.unique(proposals.support):
-            mine, support = proposals.support == obj, self._support(name, int(obj))
-            places[mine] = rest(placeable, places[mine], support, self.space)
-            good[mine] = fitting(placeable, places[mine], self.vocabulary.index(name), support, self.space)
-        return places, good
-
-    def _held(self, name: str, placeable: Placeable, proposals: Proposals) -> Proposals:
-        """The proposals with the nearest holder where something holds them by its side: which of two walls may be open.
-
-        The model chooses the holder before the place.
-        """
-        holder, places = proposals.support.copy(), proposals.places
-        for obj in np.unique(holder[holder >= 0]) if self.on < 0 else ():
-            alike = np.flatnonzero(self.scene.category == self.scene.category[obj])
-            if self._support(name, int(obj)).contact != RESTS and len(alike) > 1:
-                mine = np.flatnonzero(proposals.support == obj)
-                supports = [self._support(name, int(other)) for other in alike]
-                holder[mine] = alike[nearest_support(placeable, places[mine], supports, self.space)]
-        return Proposals(holder, places)
-
-    def _add(
-        self,
-        placeable: Placeable,
-        name: str,
-        candidate: _Candidate,
-        names: Names,
-        make_uid: UidMaker,
-        note: str,
-        spent: float,
-    ) -> Placement:
-        category, world = self.vocabulary.index(name), placeable.world(candidate.place)
-        place = candidate.place[None]
-        depth = 0.0 if self.settle else float(self.space.depth(placeable, place, category, candidate.obj)[0])
-        self.scene.add(category, candidate.obj, world, placeable, candidate.place)
-        self.space.add(placeable.boxes_at(place), category)
-        own, uid = names.new(name), make_uid(name)
-        above, held_by = (self.uids[candidate.obj], self.names[candidate.obj]) if candidate.obj >= 0 else ("", "")
-        relation = self._support(name, candidate.obj).prior.relation
-        self.additions.append(Addition(placeable.asset, uid, own, above, world, name, relation))
-        self.uids.append(uid)
-        self.names.append(own)
-        self.kinds.append(name)
-        return Placement(name, own, uid, held_by, world, depth, candidate.draws, candidate.searched, spent, note)
+    def _add(self, found: FoundPlace, names: Names, make_uid: UidMaker, note: str, spent: float) -> Placement:
+        target, support, place = found.target, found.support, found.place
+        depth = 0.0
+        if not self.settle:
+            depth = float(self.scene.space.depth(target.placeable, place[None], target.category, support)[0])
+        held_by = self.scene.labels[support].name if support >= 0 else ""
+        made = self.scene.add(target, support, place, names, make_uid)
+        return Placement(
+            made.category, made.name, made.uid, held_by, made.world, depth, found.draws, found.searched, spent, note
+        )

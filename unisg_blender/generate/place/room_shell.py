@@ -11,11 +11,9 @@ import numpy as np
 from ...dataset.assets.asset import Asset
 from ...errors import UniSGError
 from ...scene import SceneGraph, subtree, take, world_matrices
-from ...spatial.objects import scene_objects
 from ...spatial.structure import STRUCTURE
-from ..observe.observed_scene import ObservedScene
+from .growing_scene import GrowingScene
 from .placement import Placement
-from .planning import usual_kinds
 from .scene_extension import Addition, Names, UidMaker, extend
 from .shape_library import Library
 from .spanning_objects import reaches
@@ -40,52 +38,45 @@ def add_shell(
     missing = np.array([_difference(shell.graph, wanted) for shell in shells])
     best = np.flatnonzero(missing == missing.min())
     drawn = rng.permutation(best)
-    spanning = [name for name in library.model.contract.priors.spans if name in counts]
+    contract = library.model.contract
+    spanning = [contract.vocabulary.index(name) for name in contract.priors.spans if name in counts]
     rooms = [shells[int(number)].graph for number in drawn]
     graph = next((room for room in rooms if _is_reached_across(room, spanning, library)), rooms[0])
     rows = _chosen(graph, wanted)
     world = world_matrices(graph)
-    additions, made = [], {}
+    additions: dict[int, Addition] = {}
     for row in rows:
-        kind = graph.category_name(row)
-        made[row] = make_uid(kind)
-        above = made.get(int(graph.parent[row]), "")
-        part = take(graph, np.array([row]))
+        kind, above = graph.category_name(row), additions.get(int(graph.parent[row]))
+        part, uid = Asset(kind, take(graph, np.array([row]))), make_uid(kind)
         relation = _relation(library, graph, row) if above else ""
-        additions.append(Addition(Asset(kind, part), made[row], names.new(kind), above, world[row], kind, relation))
+        additions[row] = Addition(part, uid, names.new(kind), above.uid if above else "", world[row], kind, relation)
     spent = 1e3 * (time.perf_counter() - start) / max(len(rows), 1)
+    name_of = {"": ""} | {item.uid: item.name for item in additions.values()}
     placements = [
-        Placement(item.category, item.name, item.uid, _name_of(additions, item.parent), item.world, milliseconds=spent)
-        for item in additions
+        Placement(item.category, item.name, item.uid, name_of[item.parent], item.world, milliseconds=spent)
+        for item in additions.values()
     ]
-    left = Counter(wanted) - Counter(item.category for item in additions)
+    left = Counter(wanted) - Counter(item.category for item in additions.values())
     placements += [Placement(kind, note="the rooms beside the model have no more") for kind in left.elements()]
-    return extend(scene, additions, names, make_uid), placements
+    return extend(scene, [*additions.values()], names, make_uid), placements
 
 
-def _is_reached_across(graph: SceneGraph, spanning: Sequence[str], library: Library) -> bool:
+def _is_reached_across(graph: SceneGraph, spanning: Sequence[int], library: Library) -> bool:
     """Is there for each category that is to span a room a shape that reaches across this one?"""
     if not spanning:
         return True
-    contract = library.model.contract
-    objects = scene_objects(graph, contract.vocabulary)
-    scene = ObservedScene.of(objects, world_matrices(graph)[objects.row])
-    usual = usual_kinds(contract.vocabulary, contract.priors)
-
-    def spanned_by(name: str) -> bool:
-        """Does any shape of a category?"""
-        holders = usual[contract.vocabulary.index(name)][scene.category] & (scene.category >= 0)
-        return any(reaches(scene, holders, placeable.half) for placeable in library.placeables(name, graph))
-
-    return all(map(spanned_by, spanning))
-
-
-def _counts(graph: SceneGraph) -> Counter[str]:
-    return Counter(graph.category_name(row) for row in range(len(graph)))
+    scene = GrowingScene(graph, library.model.contract)
+    return all(
+        any(
+            reaches(scene.observed, scene.usual_holders(category), placeable.half)
+            for placeable in library.placeables(category, graph)
+        )
+        for category in spanning
+    )
 
 
 def _difference(graph: SceneGraph, wanted: Mapping[str, int]) -> int:
-    have = _counts(graph)
+    have = Counter(graph.category_name(row) for row in range(len(graph)))
     return sum(abs(have[name] - count) for name, count in wanted.items())
 
 
@@ -100,10 +91,6 @@ def _chosen(graph: SceneGraph, wanted: Mapping[str, int]) -> list[int]:
         left[kind] -= 1
         rows.append(row)
     return rows
-
-
-def _name_of(additions: list[Addition], uid: str) -> str:
-    return next((item.name for item in additions if item.uid == uid), "")
 
 
 def _relation(library: Library, graph: SceneGraph, row: int) -> str:

@@ -7,12 +7,12 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...dataset.assets.asset import Asset
 from ...scene import Material, Mesh, SceneGraph, Table, canonical, table, world_matrices
 from ...scene.assembly import index_categories
 from ...scene.identity import derived_uid, new_uid
+from ..observe.arrays import Floats
 from ..observe.observed_scene import within
 
 UidMaker = Callable[[str], str]
@@ -29,7 +29,7 @@ class Addition:
     uid: str
     name: str
     parent: str
-    world: NDArray[np.float64]
+    world: Floats
     category: str
     relation: str = ""
 
@@ -102,7 +102,7 @@ class _Growing:
         self.materials: dict[str, Material] = dict(graph.materials)
         self.tables: dict[str, list[tuple[int, Table]]] = {}
 
-    def add(self, addition: Addition, local: NDArray[np.float64], names: Names, make_uid: UidMaker) -> None:
+    def add(self, addition: Addition, local: Floats, names: Names, make_uid: UidMaker) -> None:
         """Append the entities of an asset with its root at ``local`` (4, 4), metres, in its parent's frame."""
         part, start = addition.asset.graph, len(self.name)
         renamed = self._take_materials(part.materials)

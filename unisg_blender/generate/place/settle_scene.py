@@ -6,19 +6,20 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...dataset.assets.asset import object_graph
 from ...geometry.boxes import covers, part_tops
 from ...geometry.planar import turned
 from ...scene import SceneGraph
-from ...spatial.floor_plan import FLOOR, room_outline
+from ...spatial.floor_plan import FLOOR
 from ...spatial.objects import SceneObjects, scene_objects
 from ...spatial.structure import STRUCTURE
+from ..observe.arrays import Bools, Floats
 from ..observe.placeable import Placeable
+from ..observe.prior_tables import PriorTables
 from ..observe.scene_tokens import levels_of
 from ..observe.support_priors import AT_SIDE, HANGS, RESTS, CategoryPriors, SupportPrior, contact
-from .free_space import FreeSpace
+from .free_space import FreeSpace, find_outline
 from .settling import Support, fitting, rest, search
 
 SUNK = 0.5
@@ -30,7 +31,7 @@ class Settled:
     """What became of one object: its row, its ``world`` matrix (4, 4) now, and a ``note`` if no place was free."""
 
     row: int
-    world: NDArray[np.float64]
+    world: Floats
     note: str = ""
 
 
@@ -46,11 +47,11 @@ def settle_rows(graph: SceneGraph, rows: Iterable[int]) -> list[Settled]:
     wanted, filled = set(rows), np.unique(objects.owner)
     mine = [int(t) for t in filled if int(objects.row[t]) in wanted and names[t] not in STRUCTURE]
     fixed = np.isin(objects.owner, [t for own in mine for t in (own, *_held_by(objects, own))], invert=True)
-    outline = room_outline(graph) if FLOOR in names else None
+    outline = find_outline(graph)
     unknown = np.full(len(objects), -1, np.int64)
     space = FreeSpace(
         objects.parts.take(np.flatnonzero(fixed)), objects.owner[fixed], unknown, outline,
-        CategoryPriors({}, {}, {}, []), ()
+        PriorTables.of(CategoryPriors({}, {}, {}, []), ())
     )  # fmt: skip
     found, level = [], levels_of(objects.support)
     for obj in sorted(mine, key=lambda t: (level[t], t)):
@@ -79,14 +80,12 @@ def _held_by(objects: SceneObjects, obj: int) -> list[int]:
     return sorted(found - {obj})
 
 
-def _moved(
-    objects: SceneObjects, moving: Iterable[int], before: NDArray[np.float64], after: NDArray[np.float64]
-) -> SceneObjects:
+def _moved(objects: SceneObjects, moving: Iterable[int], before: Floats, after: Floats) -> SceneObjects:
     """The objects with some of them moved as one from a place (4,) to another."""
     chosen = np.isin(np.arange(len(objects)), list(moving))
     spin = after[3] - before[3]
 
-    def carried(points: NDArray[np.float64], which: NDArray[np.bool_]) -> NDArray[np.float64]:
+    def carried(points: Floats, which: Bools) -> Floats:
         """Points (K, 3), those of ``which`` (K,) moved and turned with the object, metres."""
         return np.where(which[:, None], turned(points - before[:3], spin) + after[:3], points)
 
@@ -115,9 +114,7 @@ def _support_of(objects: SceneObjects, obj: int, names: list[str], space: FreeSp
     return Support(below, SupportPrior(names[below], 1, RESTS), space.parts_of(below), names[below] == FLOOR)
 
 
-def _settled(
-    placeable: Placeable, now: NDArray[np.float64], support: Support, space: FreeSpace
-) -> NDArray[np.float64] | None:
+def _settled(placeable: Placeable, now: Floats, support: Support, space: FreeSpace) -> Floats | None:
     """The nearest free place (4,), None if there is none; as it is if it is settled already."""
     place = rest(placeable, now[None], support, space)
     if fitting(placeable, place, -1, support, space)[0]:

@@ -7,13 +7,13 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...geometry.boxes import turned_reach
 from ...geometry.planar import footprints
 from ...geometry.polygon import inside, next_corners, outside_distance
 from ...scene import Boxes
 from ...spatial.level_surfaces import LEVEL, LevelSurfaces, rectangles, with_joined
+from ..observe.arrays import Bools, Floats, Ints
 from ..observe.placeable import Placeable
 from ..observe.support_priors import AT_SIDE, HANGS, RESTS, SupportPrior
 from .free_space import FreeSpace
@@ -64,7 +64,7 @@ class Support:
         return bool(outside_distance(space.outline, self.parts.center[:, :2]).min() < NEAR_ROOM)
 
 
-def rest(placeable: Placeable, places: NDArray[np.float64], support: Support, space: FreeSpace) -> NDArray[np.float64]:
+def rest(placeable: Placeable, places: Floats, support: Support, space: FreeSpace) -> Floats:
     """The places (T, 4), each moved as little as need be so that the placeable is held the way its prior says."""
     places = places.copy()
     if support.contact == RESTS:
@@ -85,15 +85,13 @@ def rest(placeable: Placeable, places: NDArray[np.float64], support: Support, sp
     return places
 
 
-def nearest_support(
-    placeable: Placeable, places: NDArray[np.float64], supports: Sequence[Support], space: FreeSpace
-) -> NDArray[np.int64]:
+def nearest_support(placeable: Placeable, places: Floats, supports: Sequence[Support], space: FreeSpace) -> Ints:
     """Which of the supports reaches each place (T, 4) by the shortest move, int64 (T,)."""
     moves = [np.linalg.norm((rest(placeable, places, support, space) - places)[:, :3], axis=1) for support in supports]
     return np.argmin(moves, axis=0)
 
 
-def _touching(placeable: Placeable, places: NDArray[np.float64], parts: Boxes) -> NDArray[np.float64]:
+def _touching(placeable: Placeable, places: Floats, parts: Boxes) -> Floats:
     """The places moved the shortest way until some part of the placeable touches some of the support's parts."""
     boxes = placeable.boxes_at(places)
     count = len(placeable.parts.center)
@@ -111,9 +109,7 @@ def _touching(placeable: Placeable, places: NDArray[np.float64], parts: Boxes) -
     return result
 
 
-def _onto_surface(
-    placeable: Placeable, places: NDArray[np.float64], tops: LevelSurfaces, clamp: bool
-) -> NDArray[np.float64]:
+def _onto_surface(placeable: Placeable, places: Floats, tops: LevelSurfaces, clamp: bool) -> Floats:
     """Each place on the surface nearest to it, its footprint on it as far as it is large enough."""
     across = np.stack([-tops.along[:, 1], tops.along[:, 0]], axis=1)
     offset = places[:, None, :2] - tops.center
@@ -137,11 +133,11 @@ def _onto_surface(
 
 def _highest_under(
     placeable: Placeable,
-    places: NDArray[np.float64],
-    local: NDArray[np.float64],
+    places: Floats,
+    local: Floats,
     tops: LevelSurfaces,
-    nearest: NDArray[np.int64],
-) -> NDArray[np.float64]:
+    nearest: Ints,
+) -> Floats:
     """Height (T,) of the highest surface of the nearest one's level under each footprint: a rug is thicker inside.
 
     ``local`` (T, S, 2) are the places as the surfaces see them.
@@ -154,7 +150,7 @@ def _highest_under(
     return np.where(level, tops.top, own).max(axis=1)
 
 
-def into_room(placeable: Placeable, places: NDArray[np.float64], space: FreeSpace) -> NDArray[np.float64]:
+def into_room(placeable: Placeable, places: Floats, space: FreeSpace) -> Floats:
     """The places pulled into the room's outline where their footprints leave it."""
     if space.outline is None:
         return places
@@ -179,9 +175,7 @@ def into_room(placeable: Placeable, places: NDArray[np.float64], space: FreeSpac
     return result
 
 
-def _to_side(
-    placeable: Placeable, places: NDArray[np.float64], support: Support, space: FreeSpace
-) -> NDArray[np.float64]:
+def _to_side(placeable: Placeable, places: Floats, support: Support, space: FreeSpace) -> Floats:
     """The places moved along the normal of the support's nearest side until the usual gap is left."""
     parts = support.parts
     largest = int(parts.half.prod(axis=1).argmax())
@@ -206,16 +200,14 @@ def _to_side(
     return result
 
 
-def _extent(parts: Boxes, origin: NDArray[np.float64], along: NDArray[np.float64]) -> tuple[float, float]:
+def _extent(parts: Boxes, origin: Floats, along: Floats) -> tuple[float, float]:
     """From where to where all parts together reach along a horizontal direction (2,), metres from an origin (2,)."""
     at = (parts.center[:, :2] - origin) @ along
     reach = (np.abs(np.einsum("pij,i->pj", parts.axes[:, :2], along)) * parts.half).sum(axis=1)
     return float((at - reach).min()), float((at + reach).max())
 
 
-def fitting(
-    placeable: Placeable, places: NDArray[np.float64], category: int, support: Support, space: FreeSpace
-) -> NDArray[np.bool_]:
+def fitting(placeable: Placeable, places: Floats, category: int, support: Support, space: FreeSpace) -> Bools:
     """At which places (T,) the placeable meets nothing and is in the room, if its support is."""
     good = space.depth(placeable, places, category, support.obj) <= 0
     if good.any() and support.indoors(space):
@@ -223,9 +215,7 @@ def fitting(
     return good
 
 
-def search(
-    placeable: Placeable, near: NDArray[np.float64], category: int, support: Support, space: FreeSpace
-) -> NDArray[np.float64] | None:
+def search(placeable: Placeable, near: Floats, category: int, support: Support, space: FreeSpace) -> Floats | None:
     """The free place nearest to ``near`` (4,) among a grid over the support's surface; None if there is none."""
     if support.contact != RESTS:
         return None

@@ -13,39 +13,42 @@ from ..propose.trained_model import TrainedModel
 
 
 class Library:
-    """Assets of a model, opened as they are needed and kept."""
+    """Assets of a model by category number, opened as they are needed and kept."""
 
     def __init__(self, model: TrainedModel) -> None:
         self.model = model
         self._known: dict[int, Placeable] = {}
-        self._own: dict[tuple[int, str], list[Placeable]] = {}
+        self._own: dict[int, list[Placeable]] = {}
         self._scene: SceneGraph | None = None
 
     def placeable(
-        self,
-        category: str,
-        scene: SceneGraph,
-        rng: np.random.Generator,
+        self, category: int, scene: SceneGraph, rng: np.random.Generator,
         fits: Callable[[Placeable], bool] | None = None,
-    ) -> Placeable:
+    ) -> Placeable:  # fmt: skip
         """Something of a category, drawn at random among what there is; among what ``fits``, if anything does."""
-        if fits is not None and (
-            fitting := [placeable for placeable in self.placeables(category, scene) if fits(placeable)]
-        ):
+        if fits is not None and (fitting := [shape for shape in self.placeables(category, scene) if fits(shape)]):
             return fitting[int(rng.integers(len(fitting)))]
-        own, numbers = self.of_scene(category, scene), self._numbers(category)
+        own, numbers = self._of_scene(category, scene), self._numbers(category)
         if own:
             return own[int(rng.integers(len(own)))]
-        if not numbers:
-            return box_placeable(category, np.array(self.model.contract.priors.sizes[category]))
-        return self._kept(numbers[int(rng.integers(len(numbers)))])
+        if numbers:
+            return self._kept(numbers[int(rng.integers(len(numbers)))])
+        contract = self.model.contract
+        name = contract.vocabulary[category]
+        return box_placeable(name, np.array(contract.priors.sizes[name]))
 
-    def placeables(self, category: str, scene: SceneGraph) -> list[Placeable]:
+    def placeables(self, category: int, scene: SceneGraph) -> list[Placeable]:
         """All that there is of a category, apart from plain boxes."""
-        return self.of_scene(category, scene) or [self._kept(number) for number in self._numbers(category)]
+        return self._of_scene(category, scene) or [self._kept(number) for number in self._numbers(category)]
 
-    def _numbers(self, category: str) -> list[int]:
-        return [] if self.model.assets is None else self.model.assets.numbers(category)
+    def shells(self) -> list[Asset]:
+        """The room shells beside the model."""
+        file = self.model.assets
+        return [] if file is None else [file.asset(number) for number in file.numbers("")]
+
+    def _numbers(self, category: int) -> list[int]:
+        file = self.model.assets
+        return [] if file is None else file.numbers(self.model.contract.vocabulary[category])
 
     def _kept(self, number: int) -> Placeable:
         if number not in self._known:
@@ -53,23 +56,17 @@ class Library:
             self._known[number] = Placeable(self.model.assets.asset(number))
         return self._known[number]
 
-    def of_scene(self, category: str, scene: SceneGraph) -> list[Placeable]:
+    def _of_scene(self, category: int, scene: SceneGraph) -> list[Placeable]:
         """The different objects of a category that a scene has already."""
         if scene is not self._scene:
             self._scene, self._own = scene, {}
-        key = (id(scene), category)
-        if key not in self._own:
+        if category not in self._own:
             found: dict[tuple[int, ...], Placeable] = {}
-            if category in scene.vocabulary:
-                for row in np.flatnonzero(scene.category == scene.vocabulary.index(category)):
-                    placeable = Placeable(object_graph(scene, int(row)))
-                    meshes = tuple(id(mesh) for mesh in placeable.asset.graph.meshes)
-                    if meshes:
-                        found.setdefault(meshes, placeable)
-            self._own[key] = list(found.values())
-        return self._own[key]
-
-    def shells(self) -> list[Asset]:
-        """The room shells beside the model."""
-        file = self.model.assets
-        return [] if file is None else [file.asset(number) for number in file.numbers("")]
+            name = self.model.contract.vocabulary[category]
+            number = scene.vocabulary.index(name) if name in scene.vocabulary else len(scene.vocabulary)
+            for row in np.flatnonzero(scene.category == number):
+                placeable = Placeable(object_graph(scene, int(row)))
+                if meshes := tuple(id(mesh) for mesh in placeable.asset.graph.meshes):
+                    found.setdefault(meshes, placeable)
+            self._own[category] = list(found.values())
+        return self._own[category]

@@ -3,33 +3,32 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...geometry.planar import footprint_gap
+from ..observe.arrays import Bools, Floats
 from ..observe.observed_scene import ObservedScene
-from ..observe.support_priors import FAR_END, CategoryPriors
+from ..observe.prior_tables import PriorTables
+from ..observe.support_priors import FAR_END
 
 ALONG = np.linspace(-0.6, 0.6, 13)
 """Where along a holder it is tried, in half lengths: not at the ends, where the next wall touches its long side."""
 
 
-def fit_for(
-    name: str, half: NDArray[np.float64], scene: ObservedScene, allowed: NDArray[np.bool_], priors: CategoryPriors
-) -> NDArray[np.bool_]:
+def fit_for(category: int, half: Floats, scene: ObservedScene, allowed: Bools, tables: PriorTables) -> Bools:
     """Those of the ``allowed`` holders (K,) that may hold an object of a category: all, unless it spans.
 
     Where what spans reaches across from none of them, all may.
     """
-    found = reached(scene, allowed, half) if name in priors.spans else allowed
+    found = reached(scene, allowed, half) if tables.spans[category] else allowed
     return found if found.any() else allowed
 
 
-def reaches(scene: ObservedScene, holders: NDArray[np.bool_], half: NDArray[np.float64]) -> bool:
+def reaches(scene: ObservedScene, holders: Bools, half: Floats) -> bool:
     """Does an object of half extents (3,) reach across from any of the ``holders`` (K,)?"""
     return bool(reached(scene, holders, half).any())
 
 
-def reached(scene: ObservedScene, allowed: NDArray[np.bool_], half: NDArray[np.float64]) -> NDArray[np.bool_]:
+def reached(scene: ObservedScene, allowed: Bools, half: Floats) -> Bools:
     """Those of the ``allowed`` holders (K,) from which one of half extents (3,) reaches another one of its kind."""
     found = np.zeros(len(allowed), bool)
     for holder in np.flatnonzero(allowed):
@@ -43,11 +42,11 @@ def reached(scene: ObservedScene, allowed: NDArray[np.bool_], half: NDArray[np.f
     return found
 
 
-def _between(gap: NDArray[np.float64]) -> NDArray[np.bool_]:
+def _between(gap: Floats) -> Bools:
     return (gap >= FAR_END[0]) & (gap <= FAR_END[1])
 
 
-def _across(scene: ObservedScene, holder: int, half: NDArray[np.float64]) -> NDArray[np.float64]:
+def _across(scene: ObservedScene, holder: int, half: Floats) -> Floats:
     """Places (T, 4) of an object that stands out from either long side of a holder, longer side along the normal."""
     thin = int(scene.half[holder, :2].argmin())
     yaw = float(scene.yaw[holder])

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import i0e, ndtr, ndtri
 
-from ..observe.scene_tokens import Arrays
+from ..observe.arrays import Arrays, Bools, Floats
 
 COMPONENTS = 48
 ALIGNED, SNAP = np.exp(8.0), np.radians(4)
@@ -25,8 +25,8 @@ BEHIND, OUT = 1.5, -50.0
 
 
 def draw_places(
-    box: NDArray[np.float32], mixture: list[NDArray[np.float64]], count: int, rng: np.random.Generator
-) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    box: NDArray[np.float32], mixture: list[Floats], count: int, rng: np.random.Generator
+) -> tuple[Floats, Floats, Floats]:
     """Places (T, 3) (x, y, yaw) from a mixture, the headings of their tokens and their concentrations (T,)."""
     weight, mean, sigma, heading, kappa, _ = mixture
     total = np.cumsum(np.exp(weight))
@@ -39,7 +39,7 @@ def draw_places(
     return np.column_stack([x, y, turn]), axis, kappa[part]
 
 
-def log_density(inputs: Arrays, mixture: list[NDArray[np.float64]], place: NDArray[np.float64]) -> float:
+def log_density(inputs: Arrays, mixture: list[Floats], place: Floats) -> float:
     """Log-density of a place (4,) in a mixture."""
     weight, mean, sigma, heading, kappa, _ = mixture
     cos, sin = np.repeat(inputs["box"][0, :, 6:], COMPONENTS, axis=0).T.astype(np.float64)
@@ -51,9 +51,7 @@ def log_density(inputs: Arrays, mixture: list[NDArray[np.float64]], place: NDArr
     return float(np.logaddexp.reduce(weight + at + turned))
 
 
-def behind_walls(
-    box: NDArray[np.float32], flags: NDArray[np.float32], mean: NDArray[np.float64], half: float
-) -> NDArray[np.bool_]:
+def behind_walls(box: NDArray[np.float32], flags: NDArray[np.float32], mean: Floats, half: float) -> Bools:
     """Which places (N, 2) of an object lie behind one of the walls in view or deep in it, unless a wall holds it.
 
     ``half`` is its smaller half extent, metres, half of which may be in the wall.
@@ -68,13 +66,11 @@ def behind_walls(
     return ((along < long) & (into < thick + half / 2) & (into > -BEHIND)).any(axis=1)
 
 
-def _wrapped(angle: NDArray[np.float64]) -> NDArray[np.float64]:
+def _wrapped(angle: Floats) -> Floats:
     return (angle + np.pi) % (2 * np.pi) - np.pi
 
 
-def snapped(
-    yaw: NDArray[np.float64], axis: NDArray[np.float64], kappa: NDArray[np.float64], slack: float
-) -> NDArray[np.float64]:
+def snapped(yaw: Floats, axis: Floats, kappa: Floats, slack: float) -> Floats:
     """Headings (T,), turned towards the nearest quarter from ``axis`` where the model is sure and they are near it.
 
     A share ``slack`` of what they are off is left.

@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...geometry.boxes import turned_reach
-from ...geometry.planar import footprint_gap
+from ...geometry.planar import footprint_gap, turned
 from ...spatial.relations import RelationTolerances
+from ..observe.arrays import Bools, Floats
 from ..observe.observed_scene import ObservedScene
-from ..observe.placeable import Placeable
-from .anchor_proposer import AnchorProposer, Upcoming
-from .proposer import Proposals, Proposer
+from .proposer import Proposals, Proposer, Query, Upcoming
 
 DRAWS = 24
 """How many times as many proposals are drawn; those that are beside the object come first."""
@@ -29,8 +27,11 @@ THIN, COVERING = 0.06, 0.5
 APART = 100.0
 """Metres that are added to the gap of objects at different heights: those come last, the nearest of them first."""
 
+ROUNDING = 1e-6
+"""Metres by which what is shifted to beside an object may be off."""
 
-class On:
+
+class On(Proposer):
     """Proposals of another proposer on an object (its number in the scene), or on what covers it.
 
     Where objects of that category are usual there, as the model likes; else on the highest surface.
@@ -38,83 +39,78 @@ class On:
     Parameters
     ----------
     usual
-        bool (C, C + 1), see :func:`~..place.planning.usual_kinds`.
+        bool (C, C + 1), see :class:`~..observe.prior_tables.PriorTables`.
     """
 
-    def __init__(self, proposer: Proposer, obj: int, usual: NDArray[np.bool_]) -> None:
+    def __init__(self, proposer: Proposer, obj: int, usual: Bools) -> None:
         self.proposer, self.obj, self.usual = proposer, obj, usual
 
-    def propose(
-        self, scene: ObservedScene, category: int, placeable: Placeable, count: int, rng: np.random.Generator,
-        allowed: NDArray[np.bool_], coming: Mapping[int, int],
-    ) -> Proposals:  # fmt: skip
+    def holders(self, scene: ObservedScene) -> Bools:
+        """The object and what covers it (K,)."""
+        return covers(scene, self.obj) | (np.arange(len(scene.category)) == self.obj)
+
+    def propose(self, query: Query, count: int, rng: np.random.Generator) -> Proposals:
         """See :class:`~.proposer.Proposer`; ``allowed`` does not count."""
-        lying = covers(scene, self.obj)
-        on = lying | (np.arange(len(lying)) == self.obj)
-        usual = on & self.usual[category][scene.category]
+        scene, lying = query.scene, covers(query.scene, self.obj)
+        usual = self.holders(scene) & self.usual[query.category][scene.category]
         if usual[lying].any() or (usual.any() and not lying.any()):
-            return self.proposer.propose(scene, category, placeable, count, rng, usual, coming)
+            return self.proposer.propose(replace(query, allowed=usual), count, rng)
         top = int(np.flatnonzero(lying)[0]) if lying.any() else self.obj
-        if isinstance(self.proposer, AnchorProposer) and len(scene.surfaces(top)):
-            candidate = top, len(scene.surfaces(top)) - 1
-            return self.proposer.propose_on(scene, category, placeable, count, rng, candidate, Upcoming(coming, 0.0))
-        return self.proposer.propose(scene, category, placeable, count, rng, np.arange(len(on)) == top, coming)
+        query, surfaces = replace(query, allowed=np.arange(len(lying)) == top), len(scene.surfaces(top))
+        if not surfaces:
+            return self.proposer.propose(query, count, rng)
+        return self.proposer.propose_on(query, count, rng, (top, surfaces - 1), Upcoming(query.coming))
 
 
-def covers(scene: ObservedScene, obj: int) -> NDArray[np.bool_]:
+def covers(scene: ObservedScene, obj: int) -> Bools:
     """Which objects (K,) lie on an object and cover it."""
     area, own = scene.half[:, :2].prod(axis=1), scene.half[obj, :2].prod()
     return (scene.support == obj) & (2 * scene.half[:, 2] <= THIN) & (area >= COVERING * own)
 
 
-class Beside:
+class Beside(Proposer):
     """Proposals of another proposer that are beside an object, given by its number in the scene."""
 
     def __init__(self, proposer: Proposer, obj: int) -> None:
         self.proposer, self.obj = proposer, obj
 
-    def propose(
-        self, scene: ObservedScene, category: int, placeable: Placeable, count: int, rng: np.random.Generator,
-        allowed: NDArray[np.bool_], coming: Mapping[int, int],
-    ) -> Proposals:  # fmt: skip
+    def has(self, scene: ObservedScene, half: Floats, place: Floats) -> bool:
+        """Is an object of half extents (3,) at a place (4,) beside it?"""
+        return bool(aside(scene, self.obj, half, place[None])[0] <= BESIDE + ROUNDING)
+
+    def propose(self, query: Query, count: int, rng: np.random.Generator) -> Proposals:
         """See :class:`~.proposer.Proposer`; on the object's own surface, if that may hold the new one."""
-        support = int(scene.support[self.obj])
-        candidate = support, int(scene.surface[self.obj])
-        if isinstance(self.proposer, AnchorProposer) and support >= 0 and allowed[support] and candidate[1] >= 0:
-            found = self.proposer.propose_on(
-                scene, category, placeable, DRAWS * count, rng, candidate, Upcoming(coming, 0.0)
-            )
+        scene, support, surface = query.scene, int(query.scene.support[self.obj]), int(query.scene.surface[self.obj])
+        if support >= 0 and query.allowed[support] and surface >= 0:
+            row = Upcoming(query.coming)
+            found = self.proposer.propose_on(query, DRAWS * count, rng, (support, surface), row)
         else:
-            found = self.proposer.propose(scene, category, placeable, DRAWS * count, rng, allowed, coming)
-        likely = _nearest(scene, self.obj, placeable, found, count - count // SHIFTED)
-        places = np.concatenate([likely.places, _shifted(scene, self.obj, placeable.half, found.places[:count], rng)])
+            found = self.proposer.propose(query, DRAWS * count, rng)
+        half = query.placeable.half
+        likely = _nearest(scene, self.obj, half, found, count - count // SHIFTED)
+        places = np.concatenate([likely.places, _shifted(scene, self.obj, half, found.places[:count], rng)])
         both = Proposals(np.concatenate([likely.support, found.support[:count]]), places)
-        return _nearest(scene, self.obj, placeable, both, count)
+        return _nearest(scene, self.obj, half, both, count)
 
 
-def _nearest(scene: ObservedScene, obj: int, placeable: Placeable, found: Proposals, count: int) -> Proposals:
+def _nearest(scene: ObservedScene, obj: int, half: Floats, found: Proposals, count: int) -> Proposals:
     """So many proposals: those beside an object first, then the nearest; else in their order."""
-    gaps = np.maximum(aside(scene, obj, placeable.half, found.places), BESIDE)
+    gaps = np.maximum(aside(scene, obj, half, found.places), BESIDE)
     order = np.argsort(gaps, kind="stable")[:count]
     return Proposals(found.support[order], found.places[order])
 
 
-def _shifted(
-    scene: ObservedScene, obj: int, half: NDArray[np.float64], places: NDArray[np.float64], rng: np.random.Generator
-) -> NDArray[np.float64]:
+def _shifted(scene: ObservedScene, obj: int, half: Floats, places: Floats, rng: np.random.Generator) -> Floats:
     """Places (T, 4) shifted, as high and turned as they are, to anywhere along the sides of an object."""
     count, yaw, own = len(places), float(scene.yaw[obj]), scene.half[obj, :2]
     reach = own + turned_reach(half, places[:, 3] - yaw)
     axis, side = rng.integers(2, size=count), rng.choice([-1.0, 1.0], size=count)
     local, each = rng.uniform(-1, 1, (count, 2)) * own, np.arange(count)
     local[each, axis] = side * (reach[each, axis] + rng.uniform(0, BESIDE, count))
-    axes = np.array([[np.cos(yaw), np.sin(yaw)], [-np.sin(yaw), np.cos(yaw)]])
-    return np.column_stack([scene.center[obj, :2] + local @ axes, places[:, 2:]])
+    return np.column_stack([scene.center[obj, :2] + turned(local, yaw), places[:, 2:]])
 
 
-def aside(
-    scene: ObservedScene, obj: int, half: NDArray[np.float64], places: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def aside(scene: ObservedScene, obj: int, half: Floats, places: Floats) -> Floats:
     """Gaps (T,) between the footprints of an object and of another at places (T, 4), metres; at other heights more.
 
     The other's half extents are ``half`` (3,); they share a height if a quarter of the lower one's is common to both,

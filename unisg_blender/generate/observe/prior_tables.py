@@ -1,0 +1,82 @@
+"""The priors of a model by category number, looked up while objects are placed."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...spatial.floor_plan import FLOOR
+from ...spatial.structure import STRUCTURE
+from .arrays import Bools, Floats, Ints
+from .placement_order import groups, holders, ranks
+from .support_priors import CategoryPriors, SupportPrior
+
+
+@dataclass(frozen=True, eq=False)
+class PriorTables:
+    """Priors of C categories. The last of C + 1 entries stands for categories that the model does not know.
+
+    Attributes
+    ----------
+    usual
+        bool (C, C + 1): which categories (columns) hold a category (row); the last column: it may stand on the ground.
+    overlaps, held_overlaps
+        (C + 1, C + 1): metres that two categories may reach into each other, apart and where the second holds the
+        first.
+    spans, structural
+        bool (C + 1,): what reaches from holder to holder, and what is part of the building.
+    level, rank
+        int64 (C + 1,), see :func:`~.placement_order.groups` and :func:`~.placement_order.ranks`.
+    carriers
+        bool (C + 1,): the categories that are there first, see :func:`~.placement_order.holders`.
+    floor
+        Number of the floor, -2 where there is none.
+    supports
+        By number: priors, the commonest first, each with the number of its support (-1: the ground).
+    orders
+        By numbers of support and category: where along such a support the category was found.
+    """
+
+    usual: Bools
+    overlaps: Floats
+    held_overlaps: Floats
+    spans: Bools
+    structural: Bools
+    level: Ints
+    rank: Ints
+    carriers: Bools
+    floor: int
+    supports: Mapping[int, Mapping[int, SupportPrior]]
+    orders: Mapping[tuple[int, ...], Sequence[float]]
+
+    @staticmethod
+    def of(priors: CategoryPriors, vocabulary: Sequence[str]) -> PriorTables:
+        """The tables for the categories of a vocabulary."""
+        number = {name: place for place, name in enumerate(vocabulary)} | {"": -1}
+        supports = {
+            number[name]: {number[prior.support]: prior for prior in found if prior.support in number}
+            for name, found in priors.supports.items()
+            if name in number
+        }
+        usual = np.zeros((len(vocabulary), len(vocabulary) + 1), bool)
+        for category, found in supports.items():
+            usual[category, list(found)] = True
+        overlaps, held = np.zeros((2, len(number), len(number)))
+        for pair, depth in priors.overlaps.items():
+            first, second = (number.get(name, -1) for name in pair.replace(">", "|").split("|"))
+            if ">" in pair:
+                held[first, second] = depth
+            else:
+                overlaps[first, second] = overlaps[second, first] = depth
+        spans, structural, carriers = (
+            np.array([name in kinds for name in number]) for kinds in (priors.spans, STRUCTURE, holders(priors) - {""})
+        )
+        orders = {
+            tuple(number.get(name, -2) for name in key.split(">", 1)): seen for key, seen in priors.orders.items()
+        }
+        return PriorTables(
+            usual, overlaps, held, spans, structural, groups(vocabulary, priors), ranks(vocabulary, priors), carriers,
+            number.get(FLOOR, -2), supports, orders,
+        )  # fmt: skip
