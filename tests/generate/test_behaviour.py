@@ -18,7 +18,7 @@ from unisg_blender.experiments.behaviour.behaviour_benchmark import (
     plays_to_the_end,
 )
 from unisg_blender.experiments.behaviour.behaviour_removal import without_behaviour
-from unisg_blender.generate.behaviour.action_kinds import Kind, Kinds
+from unisg_blender.generate.behaviour.action_kinds import TASK, VERSION, Kind, Kinds
 from unisg_blender.generate.behaviour.action_policy import Casting, Scores
 from unisg_blender.generate.behaviour.action_statistics import learn_kinds
 from unisg_blender.generate.behaviour.answer_rules import Asked, learn_answer_rule
@@ -29,6 +29,7 @@ from unisg_blender.generate.behaviour.observation import observe_behaviour
 from unisg_blender.generate.behaviour.reference_poses import PoseSample, learn_reference, reference_pose
 from unisg_blender.generate.behaviour.roled_actions import read_roled_actions
 from unisg_blender.generate.place.scene_extension import uid_maker
+from unisg_blender.runtime.onnx_session import read_metadata
 from unisg_blender.scene import ActionData, LessonNode, SceneGraph, Thresholds
 from unisg_blender.worlds import operating_room
 
@@ -65,7 +66,8 @@ def test_kinds_tell_who_plays_what_where() -> None:
     assert found["Insert the implant"].thresholds == {"distance": 0.01, "angle": 0.174533, "hold": 1.0}
     assert found["How many swab packs are laid out?"].right is not None
     assert next(stage for stage in kinds().stages if stage.name == "Expose").requires == ("Incise",)
-    assert Kinds.from_json(kinds().to_json(), Path("x")) == kinds()
+    record, _ = read_metadata(kinds().to_json(), Path("x"), TASK, (VERSION,), "cgvae")
+    assert Kinds.from_record(record, Path("x")) == kinds()
 
 
 @pytest.mark.parametrize("name", ["Scalpel", "Knee", "Swab", "Bag Mask", "Mayo Stand"])
@@ -266,7 +268,9 @@ def test_damaged_and_newer_metadata_are_told(tmp_path: Path) -> None:
     text = kinds().to_json()
     for bad in ("{", "[]", text.replace('"task": "behaviour"', '"task": "generate"'), '{"contract": 99, "task": "x"}'):
         with pytest.raises(UniSGError):
-            Kinds.from_json(bad, tmp_path / "x.onnx")
+            read_metadata(bad, tmp_path / "x.onnx", TASK, (VERSION,), "cgvae")
+    with pytest.raises(UniSGError, match="damaged"):
+        Kinds.from_record({"kinds": [{"type": "Insert"}]}, tmp_path / "x.onnx")
 
 
 def test_a_kind_has_its_key() -> None:

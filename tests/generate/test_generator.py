@@ -18,7 +18,7 @@ from unisg_blender.generate import Generator
 from unisg_blender.generate.observe.observed_scene import ObservedScene
 from unisg_blender.generate.observe.placeable import Placeable
 from unisg_blender.generate.propose.anchor_proposer import DRAWN, AnchorProposer
-from unisg_blender.generate.propose.proposer import NOTHING_ELSE, Proposals, Query, SupportChoice
+from unisg_blender.generate.propose.proposer import NOTHING_ELSE, Proposals, Proposer, Query, SupportChoice
 from unisg_blender.metrics.scene_validity import measure_scene
 from unisg_blender.scene import SceneBuilder, SceneGraph, world_matrices
 from unisg_blender.spatial.objects import scene_objects
@@ -206,6 +206,8 @@ def test_without_its_usual_support_a_thing_stands_on_the_floor_or_is_refused(gen
         ({"Cup": 0}, "from 1 on"),
         ({"Cup": -2}, "from 1 on"),
         ({"Cup": True}, "from 1 on"),
+        ({"Cup": 100_000_000}, "100000000 objects are too many"),
+        ({"Cup": 60_000, "Table": 60_000}, "120000 objects are too many for one call: add at most 100000"),
         ({}, "nothing to add"),
     ],
 )
@@ -250,6 +252,55 @@ def test_bad_model_files_are_told_in_one_line(tmp_path: Path) -> None:
         with pytest.raises(UniSGError, match=text) as error:
             Generator.load(path)
         assert "\n" not in str(error.value)
+
+
+def test_a_model_of_weights_that_are_no_numbers_is_told(model_file: Path, tmp_path: Path) -> None:
+    import onnx
+    from onnx import numpy_helper
+
+    model = onnx.load(model_file)
+    for tensor in model.graph.initializer:
+        values = numpy_helper.to_array(tensor)
+        if values.dtype.kind == "f":
+            tensor.CopyFrom(numpy_helper.from_array(np.full_like(values, np.nan), tensor.name))
+    onnx.save(model, tmp_path / "nan.onnx")
+    for options in ({}, {"settle": False}, {"bulk": True}):
+        with pytest.raises(UniSGError, match=r"nan\.onnx gives no finite numbers"):
+            Generator.load(tmp_path / "nan.onnx").add(room(1), {"Cup": 1}, seed=0, **options)
+
+
+def test_places_that_are_no_numbers_are_refused_whoever_proposes_them(model_file: Path) -> None:
+    class Lost(Proposer):
+        def propose(self, query: Query, count: int, rng: np.random.Generator) -> Proposals:
+            return Proposals(np.zeros(count, np.int64), np.full((count, 4), np.nan))
+
+    generator = Generator(Generator.load(model_file).model, Lost())
+    with pytest.raises(UniSGError, match="places that are no finite numbers"):
+        generator.add(room(1), {"Cup": 1}, seed=0, settle=False)
+
+
+def test_models_open_no_other_files_and_run_no_foreign_operators(tmp_path: Path) -> None:
+    import onnx
+    from onnx import TensorProto, helper, numpy_helper
+
+    shape = [helper.make_tensor_value_info("x", TensorProto.FLOAT, [4])]
+    answer = [helper.make_tensor_value_info("y", TensorProto.FLOAT, [4])]
+    weights = numpy_helper.from_array(np.ones(4, np.float32), "w")
+    outside = helper.make_model(
+        helper.make_graph([helper.make_node("Add", ["x", "w"], ["y"])], "g", shape, answer, [weights]), ir_version=9
+    )
+    kept = {"save_as_external_data": True, "location": "weights.bin", "size_threshold": 0, "convert_attribute": True}
+    onnx.save(outside, tmp_path / "outside.onnx", **kept)
+    assert (tmp_path / "weights.bin").is_file()
+    foreign = helper.make_model(
+        helper.make_graph([helper.make_node("Launch", ["x"], ["y"], domain="custom")], "g", shape, answer),
+        opset_imports=[helper.make_opsetid("", 18), helper.make_opsetid("custom", 1)], ir_version=9,
+    )  # fmt: skip
+    onnx.save(foreign, tmp_path / "foreign.onnx")
+    with pytest.raises(UniSGError, match="weights in other files"):
+        Generator.load(tmp_path / "outside.onnx")
+    with pytest.raises(UniSGError, match="no ONNX model that can be run"):
+        Generator.load(tmp_path / "foreign.onnx")
 
 
 def test_generating_loads_neither_torch_nor_blender(model_file: Path) -> None:

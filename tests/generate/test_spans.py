@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -96,8 +95,7 @@ def library_of(folder: Path, lengths: Sequence[float], shells: Sequence[SceneGra
     girders = [box_placeable("Girder", np.array([length, 0.1, 0.08])).asset for length in lengths]
     save_assets(assets_path(folder / "girders.onnx"), girders + [shell for shell in map(shell_of, shells) if shell])
     priors = learn_priors([scene_objects(hall(), VOCABULARY)], VOCABULARY)
-    no_network = SimpleNamespace(get_inputs=list)
-    return Library(TrainedModel(folder / "girders.onnx", no_network, Contract("anchors", VOCABULARY, priors)))
+    return Library(TrainedModel(folder / "girders.onnx", Contract("anchors", VOCABULARY, priors)))
 
 
 def test_of_several_shapes_one_that_fits_is_drawn(tmp_path: Path) -> None:

@@ -17,8 +17,7 @@ from unisg_blender.dataset import open_dataset, write_dataset  # noqa: E402
 from unisg_blender.generate.behaviour.action_kinds import Kinds, behaviour_path  # noqa: E402
 from unisg_blender.generate.behaviour.action_policy import Casting  # noqa: E402
 from unisg_blender.generate.behaviour.action_statistics import learn_kinds  # noqa: E402
-from unisg_blender.generate.behaviour.behaviour_file import load_behaviour  # noqa: E402
-from unisg_blender.generate.behaviour.network_policy import INPUTS, observation_arrays  # noqa: E402
+from unisg_blender.generate.behaviour.network_policy import INPUTS, load_behaviour, observation_arrays  # noqa: E402
 from unisg_blender.generate.behaviour.observation import BehaviourObservation, observe_behaviour  # noqa: E402
 from unisg_blender.learn.behaviour.examples import BehaviourExamples, collate  # noqa: E402
 from unisg_blender.learn.behaviour.network import BehaviourNet  # noqa: E402

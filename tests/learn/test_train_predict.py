@@ -22,7 +22,8 @@ from unisg_blender.learn.classifier import training as train_classifier  # noqa:
 from unisg_blender.learn.settings import Settings  # noqa: E402
 from unisg_blender.learn.topology import training as train_topology  # noqa: E402
 from unisg_blender.predict.object_pairs import PAIR_CHANNELS  # noqa: E402
-from unisg_blender.predict.prediction_session import load_network, write_metadata  # noqa: E402
+from unisg_blender.predict.prediction_session import VERSION, load_network  # noqa: E402
+from unisg_blender.runtime.onnx_session import metadata_text  # noqa: E402
 from unisg_blender.worlds import cubes, living_room  # noqa: E402
 
 
@@ -58,7 +59,7 @@ def test_the_classifier_in_the_file_is_that_of_torch(folders: dict[str, Path], t
     assert kinds == ["cubes", "living-room"]
     torch.manual_seed(0)
     network = train_classifier.StandaloneClassifier(*train_classifier.normalisation(scenes), len(kinds)).eval()
-    metadata = write_metadata("classifier", kinds=kinds, form="sixd", mesh="descriptor")
+    metadata = metadata_text("classifier", VERSION, kinds=kinds, form="sixd", mesh="descriptor")
     train_classifier.write_classifier(network, metadata, tmp_path / "m.onnx")
     loaded = load_network("classifier", tmp_path / "m.onnx")
     batch = train_classifier.collate(scenes)

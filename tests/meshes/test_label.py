@@ -9,7 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from unisg_blender.errors import UniSGError
-from unisg_blender.predict.category_model import LabelModel, size_channels
+from unisg_blender.meshes.normalise import size_channels
+from unisg_blender.predict.category_model import LabelModel
 from unisg_blender.predict.category_proposals import accept, beside, propose_categories
 from unisg_blender.predict.name_evidence import name_scores, words
 from unisg_blender.scene import Mesh, SceneBuilder, SceneGraph

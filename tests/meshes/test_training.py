@@ -94,18 +94,18 @@ def test_training_learns_and_repeats() -> None:
 def test_exported_networks_are_the_trained_ones(tmp_path: Path) -> None:
     pytest.importorskip("onnxscript")
     from unisg_blender.learn.atlasnet.export import export
-    from unisg_blender.meshes.atlasnet_sessions import load_network, patch_count
+    from unisg_blender.meshes.atlasnet_sessions import load_network
 
     torch.manual_seed(2)
     network = AtlasNet(5, 32, 3).eval()
     encoder, decoder = (load_network(path) for path in export(network, tmp_path, {"command": "test"}))
-    assert patch_count(decoder) == 5
+    assert decoder.metadata["patches"] == 5
     points, sphere_points = torch.randn(3, 40, 3), torch.nn.functional.normalize(torch.randn(3, 25, 3), dim=2)
-    feature = encoder.run(None, {"points": points.numpy()})[0]
+    feature = encoder.run(points=points.numpy())[0]
     expected = network.encoder(points).detach().numpy()
     assert np.abs(feature - expected).max() < 2e-3 * np.abs(expected).max()
     patch = torch.arange(75).reshape(3, 25) % 5
-    decoded = decoder.run(None, {"feature": feature, "sphere": sphere_points.numpy(), "patch": patch.numpy()})[0]
+    decoded = decoder.run(feature=feature, sphere=sphere_points.numpy(), patch=patch.numpy())[0]
     expected = network.decoder(torch.from_numpy(feature), sphere_points, patch).detach().numpy()
     assert np.abs(decoded - expected).max() < 2e-3
 

@@ -30,6 +30,9 @@ from .propose.cgvae_proposer import CgvaeProposer
 from .propose.proposer import Proposer
 from .propose.trained_model import TrainedModel, load_model
 
+MOST_OBJECTS = 100_000
+"""Objects that are added in one call, at most: at milliseconds each, more would take hours, and are a slip."""
+
 
 @dataclass(frozen=True, eq=False)
 class Generated:
@@ -122,7 +125,8 @@ class Generator:
         Raises
         ------
         UniSGError
-            For a category that the model does not know, a number below 1, nothing to add, or an object that is missing.
+            For a category that the model does not know, a number below 1, nothing to add or more than
+            :data:`MOST_OBJECTS`, an object that is missing, or a model that gives no finite numbers.
         """
         steps = self.steps(
             scene, counts, seed, bulk=bulk, settle=settle, assets=assets, behaviour=behaviour, on=on, beside=beside
@@ -182,3 +186,5 @@ def _check_counts(counts: Mapping[str, int], contract: Contract) -> None:
     for name, count in counts.items():
         if isinstance(count, bool) or not isinstance(count, int | np.integer) or count < 1:
             raise UniSGError(f"the number of {name!r} must be a whole number from 1 on, not {count!r}")
+    if (total := sum(map(int, counts.values()))) > MOST_OBJECTS:
+        raise UniSGError(f"{total} objects are too many for one call: add at most {MOST_OBJECTS} at a time")

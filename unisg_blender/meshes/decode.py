@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import UniSGError
+from ..pretrained import FOLDER
+from ..runtime.onnx_session import OnnxModel
 from ..scene.mesh import Mesh, mesh_from_faces
-from .atlasnet_sessions import DECODER_FILE, PRETRAINED, load_network, patch_count
+from .atlasnet_sessions import DECODER_FILE, load_network
 from .shape_feature import MeshFeature
 from .sphere import box_template, fibonacci_sphere
 
@@ -72,7 +73,7 @@ def decode_unit(
 
 def patch_areas(vector: NDArray[np.floating], path: str | Path | None = None) -> NDArray[np.float64]:
     """Surface (P,) of each patch that a feature (1024,) decodes to, in units of the unit sphere."""
-    patches = np.arange(patch_count(_decoder(path)))
+    patches = np.arange(int(_decoder(path).metadata["patches"]))
     points, triangles = _patches(vector, patches, [COARSE] * len(patches), path)
     a, b, c = points[triangles].astype(np.float64).swapaxes(0, 1)
     return np.linalg.norm(np.cross(b - a, c - a), axis=1).reshape(len(patches), COARSE).sum(axis=1) / 2
@@ -115,10 +116,9 @@ def _decoded(
     vector: NDArray[np.floating], sphere: NDArray[np.floating], patch: NDArray[np.integer], path: str | Path | None
 ) -> NDArray[np.float32]:
     """Where points of the sphere (m, 3), each of a patch (m,), go for a feature (1024,): (m, 3)."""
-    inputs = {"feature": vector, "sphere": sphere}
-    given = {name: array.astype(np.float32)[None] for name, array in inputs.items()}
-    return _decoder(path).run(None, given | {"patch": patch.astype(np.int64)[None]})[0][0]
+    feature, points = vector.astype(np.float32)[None], sphere.astype(np.float32)[None]
+    return _decoder(path).run(feature=feature, sphere=points, patch=patch.astype(np.int64)[None])[0][0]
 
 
-def _decoder(path: str | Path | None) -> Any:
-    return load_network(Path(path) if path is not None else PRETRAINED / DECODER_FILE)
+def _decoder(path: str | Path | None) -> OnnxModel:
+    return load_network(FOLDER / DECODER_FILE if path is None else Path(path))

@@ -1,4 +1,4 @@
-"""Points moved and scaled into the unit sphere, and back."""
+"""Shapes apart from their sizes: points moved and scaled into the unit sphere and back, and sizes to compare."""
 
 from __future__ import annotations
 
@@ -32,3 +32,14 @@ def normalise(points: NDArray[np.floating]) -> tuple[NDArray[np.float32], UnitPl
     scale = float(np.sqrt(np.einsum("nk,nk->n", moved, moved).max(initial=0.0)))
     scale = scale if scale > 1e-12 * (1 + np.abs(center).max()) else 1.0
     return (moved / scale).astype(np.float32), UnitPlacement(center, scale)
+
+
+def size_channels(sizes: NDArray[np.floating]) -> NDArray[np.float64]:
+    """Sizes (N, 3) along x, y, z in metres as (N, 3): logarithms of longer side, shorter side and height.
+
+    The longer of the two level sides comes first, so that a quarter turn changes
+    nothing; sides count as a tenth of a millimetre at least.
+    """
+    sizes = np.maximum(np.asarray(sizes, np.float64), 1e-4)
+    level = np.sort(sizes[:, :2], axis=1)[:, ::-1]
+    return np.log(np.column_stack([level, sizes[:, 2]]))

@@ -12,8 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import UniSGError
+from ..pretrained import FOLDER
 from ..scene.mesh import Mesh
-from .atlasnet_sessions import ENCODER_FILE, FEATURE_WIDTH, PRETRAINED, load_network
+from .atlasnet_sessions import ENCODER_FILE, FEATURE_WIDTH, load_network
 from .normalise import UnitPlacement, normalise
 from .sampling import NoSurfaceError, sample_surface
 
@@ -47,7 +48,7 @@ class AtlasNetEncoder:
     width = FEATURE_WIDTH
 
     def __init__(self, path: str | Path | None = None, seed: int = 0) -> None:
-        self.path = Path(path) if path is not None else PRETRAINED / ENCODER_FILE
+        self.path = FOLDER / ENCODER_FILE if path is None else Path(path)
         self.seed = seed
         self._known: dict[str, MeshFeature] = {}
 
@@ -76,9 +77,9 @@ class AtlasNetEncoder:
         """Features float32 (B, 1024) of clouds (n, 3) in the unit sphere, all with the same number of points."""
         if not len(clouds):
             return np.zeros((0, FEATURE_WIDTH), np.float32)
-        session = load_network(self.path)
+        network = load_network(self.path)
         batches = [np.stack(clouds[start : start + BATCH]) for start in range(0, len(clouds), BATCH)]
-        return np.concatenate([session.run(None, {"points": batch.astype(np.float32)})[0] for batch in batches])
+        return np.concatenate([network.run(points=batch.astype(np.float32))[0] for batch in batches])
 
 
 def cloud(mesh: Mesh, count: int, seed: int = 0) -> NDArray[np.float32]:

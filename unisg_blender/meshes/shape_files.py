@@ -12,10 +12,11 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import UniSGError
+from ..pretrained import FOLDER
 from ..scene.mesh import Mesh
 from .mesh_files import MESH_SUFFIXES, Y_UP_TO_Z_UP, read_mesh_file
 
-TABLE = Path(__file__).parent.parent / "pretrained" / "atlasnet_models.csv"
+TABLE = FOLDER / "atlasnet_models.csv"
 """Name, category, split, real size, author and licence of the models that the shipped networks come from."""
 
 SPLITS = ("train", "test", "unseen")

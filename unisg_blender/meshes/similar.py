@@ -10,11 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import UniSGError
-from ..predict.category_model import size_channels
 from ..scene.mesh import Mesh
 from .atlasnet_sessions import FEATURE_WIDTH
 from .mesh_files import MESH_SUFFIXES, read_mesh_file
-from .normalise import normalise
+from .normalise import normalise, size_channels
 from .shape_feature import POINTS, AtlasNetEncoder, cloud, default_encoder
 
 SIZE_WEIGHT = 0.25

@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import UniSGError
-from ..meshes.atlasnet_sessions import PRETRAINED
+from ..meshes.normalise import size_channels
+from ..pretrained import FOLDER
 from ..runtime.atomic_files import write_file
 from .name_evidence import name_scores
 
@@ -30,7 +31,7 @@ class LabelModel:
     vocabulary
         Their names.
     vectors, sizes
-        float16 (M, 1024) and float32 (M, 3): mesh features and :func:`size_channels`
+        float16 (M, 1024) and float32 (M, 3): mesh features and :func:`~...meshes.normalise.size_channels`
         of the known meshes, sorted by class.
     classes
         int32 (M,): their categories' places in the vocabulary, each of which occurs.
@@ -98,7 +99,7 @@ class LabelModel:
         """
         from safetensors import SafetensorError, safe_open
 
-        path = Path(path) if path is not None else PRETRAINED / LABELS_FILE
+        path = FOLDER / LABELS_FILE if path is None else Path(path)
         if not path.is_file():
             raise UniSGError(f"{path}: no such model of categories; 'unisg train meshes' makes one")
         try:
@@ -131,14 +132,3 @@ def distances(
 def nearest_of_class(apart: NDArray[np.float64], classes: NDArray[np.integer]) -> NDArray[np.float64]:
     """(N, K): the least of the distances (N, M) to each class; ``classes`` (M,) sorted, without gaps."""
     return np.minimum.reduceat(apart, np.searchsorted(classes, np.arange(classes[-1] + 1)), axis=1)
-
-
-def size_channels(sizes: NDArray[np.floating]) -> NDArray[np.float64]:
-    """Sizes (N, 3) along x, y, z in metres as (N, 3): logarithms of longer side, shorter side and height.
-
-    The longer of the two level sides comes first, so that a quarter turn changes
-    nothing; sides count as a tenth of a millimetre at least.
-    """
-    sizes = np.maximum(np.asarray(sizes, np.float64), 1e-4)
-    level = np.sort(sizes[:, :2], axis=1)[:, ::-1]
-    return np.log(np.column_stack([level, sizes[:, 2]]))

@@ -14,7 +14,7 @@ from ..dataset.format.encoding import Sample, encode_scenes
 from ..dataset.graphs.graph_arrays import GraphArrays, graph_arrays
 from ..errors import UniSGError
 from ..scene.graph import SceneGraph
-from .prediction_session import Network, load_network
+from .prediction_session import load_network
 
 COMPONENTS = ("info", "trs", "mesh", "action")
 
@@ -45,7 +45,7 @@ class SceneModel:
     """The classifier, from an ONNX file; the shipped one when ``path`` is omitted."""
 
     def __init__(self, path: str | os.PathLike[str] | None = None) -> None:
-        self.network: Network = load_network("classifier", path)
+        self.network = load_network("classifier", path)
 
     @property
     def kinds(self) -> tuple[str, ...]:

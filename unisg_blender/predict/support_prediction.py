@@ -13,7 +13,7 @@ from ..geometry.boxes import Boxes
 from ..scene import components
 from ..scene.graph import SceneGraph, table
 from .object_pairs import PAIR_CHANNELS, candidate_pairs, in_chunks, object_boxes, pair_features
-from .prediction_session import Network, load_network
+from .prediction_session import load_network
 
 KIND = "on_top_of"
 Found = tuple[int, str, int, float]
@@ -24,7 +24,7 @@ class TopologyModel:
     """The network over pairs, from an ONNX file; the shipped one when ``path`` is omitted."""
 
     def __init__(self, path: str | os.PathLike[str] | None = None) -> None:
-        self.network: Network = load_network("topology", path)
+        self.network = load_network("topology", path)
         if tuple(self.network.metadata["channels"]) != PAIR_CHANNELS:
             raise UniSGError(f"{self.network.path} was trained on other features: train it again")
 

@@ -13,13 +13,13 @@ from numpy.typing import NDArray
 from ...learn.categories.training import build_lexicon
 from ...meshes import reconstruct, sample_surface
 from ...meshes.decode import decode_unit
-from ...meshes.normalise import normalise
+from ...meshes.normalise import normalise, size_channels
 from ...meshes.shape_feature import POINTS, default_encoder
 from ...meshes.shape_files import ShapeFile, of_split
 from ...meshes.similar import MeshLibrary, mesh_library, quarter_turn_features
 from ...meshes.sphere import sphere_template
 from ...metrics.point_clouds import chamfer_l2, diagonal, f_score
-from ...predict.category_model import LabelModel, size_channels
+from ...predict.category_model import LabelModel
 from ...scene.mesh import Mesh, mesh_from_faces
 from ..reports import Table
 

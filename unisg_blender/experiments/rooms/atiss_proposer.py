@@ -2,21 +2,16 @@
 
 from __future__ import annotations
 
-import json
 import os
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...errors import UniSGError
 from ...generate import Generator
-from ...generate.observe.contract import Contract
+from ...generate.observe.contract import KINDS
 from ...generate.observe.scene_tokens import ground_of, room_middle
-from ...generate.observe.support_priors import CategoryPriors
 from ...generate.propose.proposer import Proposals, Proposer, Query
-from ...generate.propose.trained_model import TrainedModel
-from ...runtime.onnx_session import open_session
+from ...generate.propose.trained_model import TrainedModel, load_model
 from .baselines import carrier_of
 
 KIND = "atiss"
@@ -32,25 +27,8 @@ def load_generator(path: str | os.PathLike[str]) -> Generator:
     UniSGError
         If the file is missing or no model of either kind.
     """
-    model = _open(path)
-    return Generator.load(path) if model is None else Generator(model, AtissProposer(model))
-
-
-def _open(path: str | os.PathLike[str]) -> TrainedModel | None:
-    """The model, None if it is none of this kind."""
-    try:
-        session, text = open_session(path, "")
-        record = json.loads(text or "{}")
-    except (UniSGError, ValueError):  # the usual loader says what is wrong
-        return None
-    if record.get("kind") != KIND:
-        return None
-    try:
-        priors = CategoryPriors.from_record(record["habits"])
-        contract = Contract(KIND, tuple(record["vocabulary"]), priors, provenance=record["provenance"])
-    except (KeyError, TypeError):
-        raise UniSGError(f"{path}: the model's metadata is damaged: train it again") from None
-    return TrainedModel(Path(path), session, contract)
+    model = load_model(path, kinds=(*KINDS, KIND))
+    return Generator(model, AtissProposer(model) if model.contract.kind == KIND else None)
 
 
 class AtissProposer(Proposer):

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from functools import cache
 from itertools import islice
 from pathlib import Path
-from typing import Any
 
 from ...dataset.assets.shaped_scenes import scenes_with_shapes
 from ...dataset.format.reader import open_dataset
@@ -113,17 +112,7 @@ def _baseline(kind: str, data: Data) -> Generator:
         for found, graph in zip(objects, training_rooms(data), strict=True)
     ]
     proposer = GaussianProposer(scenes, 0.0 if kind == "mean" else 1.0) if kind != "world" else None
-    return Generator(
-        TrainedModel(Path("baseline.onnx"), _NoNetwork(), contract), proposer or WorldGaussianProposer(scenes)
-    )
-
-
-class _NoNetwork:
-    """A network of nothing, for what needs none."""
-
-    def get_inputs(self) -> list[Any]:
-        """None."""
-        return []
+    return Generator(TrainedModel(Path("baseline.onnx"), contract), proposer or WorldGaussianProposer(scenes))
 
 
 @cache

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import json
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from ...errors import UniSGError
+from ...runtime.onnx_session import damaged, metadata_text
 from .roled_actions import Key
 
 VERSION = 1
@@ -134,33 +134,18 @@ class Kinds:
 
     def to_json(self) -> str:
         """The metadata entry."""
-        return json.dumps({"contract": VERSION, "task": TASK, **asdict(self)}, ensure_ascii=False, sort_keys=True)
+        return metadata_text(TASK, VERSION, **asdict(self))
 
     @staticmethod
-    def from_json(text: str, path: Path) -> Kinds:
-        """The kinds of a metadata entry.
-
-        Raises
-        ------
-        UniSGError
-            If it is of another task, a newer version, or damaged.
-        """
-        damaged = UniSGError(f"{path}: the model's metadata is damaged: train it again")
+    def from_record(record: Mapping[str, Any], path: Path) -> Kinds:
+        """The kinds of a file's metadata; UniSGError if they are damaged."""
         try:
-            record = json.loads(text)
-            version, task = record.pop("contract"), record.pop("task")
-        except (ValueError, KeyError, AttributeError, TypeError):
-            raise damaged from None
-        if version != VERSION:
-            raise UniSGError(f"{path} has contract {version}, this software knows {VERSION}: update it or train again")
-        if task != TASK:
-            raise UniSGError(f"{path} is a model for {task!r}, not of behaviour")
-        try:
-            kinds = tuple(_kind(item) for item in record.pop("kinds"))
-            stages = tuple(StageKind(**_tuples(item, "lessons", "requires")) for item in record.pop("stages"))
-            return Kinds(tuple(record.pop("categories")), kinds, stages, **record)
+            kinds = tuple(_kind(item) for item in record["kinds"])
+            stages = tuple(StageKind(**_tuples(item, "lessons", "requires")) for item in record["stages"])
+            others = {name: record[name] for name in ("groups", "operation", "provenance")}
+            return Kinds(tuple(record["categories"]), kinds, stages, **others)
         except (KeyError, TypeError, AttributeError, ValueError):
-            raise damaged from None
+            raise damaged(path) from None
 
 
 def _kind(item: dict[str, Any]) -> Kind:

@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .action_kinds import Kinds
+from ...runtime.onnx_session import OnnxModel, open_model
+from .action_kinds import TASK, VERSION, Kinds
 from .action_policy import ActionChoice, Scores
 from .observation import BehaviourObservation
 
 INPUTS = ("category", "new", "relation", "holds", "place", "mask", "kind", "stage", "order", "plays", "act_mask")
 OUTPUTS = ("wanted", "target", "tool", "frame", "after")
-Run = Callable[[dict[str, NDArray[Any]]], list[NDArray[np.float32]]]
 
 
 def observation_arrays(play: BehaviourObservation, kinds: Kinds) -> dict[str, NDArray[Any]]:
@@ -41,12 +41,23 @@ def observation_arrays(play: BehaviourObservation, kinds: Kinds) -> dict[str, ND
     }
 
 
-class NetworkPolicy:
-    """Asks a network; ``run`` computes its outputs for a batch of one."""
+def load_behaviour(path: Path, threads: int = 1) -> NetworkPolicy:
+    """The behaviour of a file that ``unisg train cgvae`` wrote beside a generator.
 
-    def __init__(self, kinds: Kinds, run: Run) -> None:
-        self.kinds = kinds
-        self._run = run
+    Raises
+    ------
+    UniSGError
+        If the file is missing, no ONNX file, or no model of behaviour that this software knows.
+    """
+    network = open_model(path, TASK, (VERSION,), "cgvae", threads)
+    return NetworkPolicy(Kinds.from_record(network.metadata, path), network)
+
+
+class NetworkPolicy:
+    """Asks a network, with a batch of one."""
+
+    def __init__(self, kinds: Kinds, network: OnnxModel) -> None:
+        self.kinds, self.network = kinds, network
         self._asked: tuple[BehaviourObservation | None, NDArray[np.float32]] = (None, np.zeros(0, np.float32))
 
     def scores(self, play: BehaviourObservation) -> Scores:
@@ -55,7 +66,9 @@ class NetworkPolicy:
         if not len(play.kind):  # one blank action: the network is not asked about none
             blank = observation_arrays(play.with_act(-1, (-1, -1, -1), -1, None), self.kinds)
             arrays = blank | {"act_mask": np.zeros(1, np.float32)}
-        wanted, target, tool, frame, after = self._run({name: value[None] for name, value in arrays.items()})
+        wanted, target, tool, frame, after = self.network.run(
+            OUTPUTS, **{name: value[None] for name, value in arrays.items()}
+        )
         self._asked = play, after[0]
         return Scores(1 / (1 + np.exp(-wanted[0].astype(np.float64))), target[0], tool[0], frame[0])
 

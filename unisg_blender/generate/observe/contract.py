@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from difflib import get_close_matches
 from functools import cached_property
@@ -11,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from ...errors import UniSGError
+from ...runtime.onnx_session import damaged, metadata_text
 from .prior_tables import PriorTables
 from .support_priors import CategoryPriors
 
@@ -65,35 +65,17 @@ class Contract:
         """The metadata entry."""
         record = asdict(self)
         del record["priors"]
-        record |= {"contract": VERSION, "task": TASK, "habits": self.priors.to_record()}
-        return json.dumps(record, ensure_ascii=False, sort_keys=True)
+        return metadata_text(TASK, VERSION, habits=self.priors.to_record(), **record)
 
     @staticmethod
-    def from_json(text: str, path: Path) -> Contract:
-        """The contract of a metadata entry.
-
-        Raises
-        ------
-        UniSGError
-            If it is of another task, a newer version, or damaged.
-        """
+    def from_record(record: Mapping[str, Any], path: Path) -> Contract:
+        """The contract of a file's metadata; UniSGError if it is damaged."""
         try:
-            record = json.loads(text)
-            version, task = record.pop("contract"), record.pop("task")
-        except (ValueError, KeyError, AttributeError, TypeError):
-            raise UniSGError(f"{path}: the model's metadata is damaged: train it again") from None
-        if not isinstance(version, int) or version > VERSION:
-            raise UniSGError(f"{path} has contract {version}, this software knows {VERSION}: update it or train again")
-        if task != TASK or record.get("kind") not in KINDS:
-            raise UniSGError(f"{path} is a model for {task!r}: to generate, give one from 'unisg train cgvae'")
-        if version < SINCE.get(record["kind"], 1):
-            raise UniSGError(f"{path} was trained for an older version of this software: train it again")
-        try:
-            priors = CategoryPriors.from_record(record.pop("habits"))
-            lists: dict[str, Any] = {name: tuple(record.pop(name)) for name in ("vocabulary", "mean", "scale", "kept")}
-            return Contract(priors=priors, **lists, **record)
+            lists: dict[str, Any] = {name: tuple(record[name]) for name in ("vocabulary", "mean", "scale", "kept")}
+            others = {name: record[name] for name in ("kind", "form", "latent", "provenance")}
+            return Contract(priors=CategoryPriors.from_record(record["habits"]), **lists, **others)
         except (KeyError, TypeError, AttributeError):
-            raise UniSGError(f"{path}: the model's metadata is damaged: train it again") from None
+            raise damaged(path) from None
 
     def check_categories(self, names: Sequence[str]) -> None:
         """UniSGError naming the known categories if one of ``names`` is unknown."""

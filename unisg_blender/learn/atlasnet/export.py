@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +10,7 @@ import torch
 
 from ...meshes.atlasnet_sessions import CONTRACT, DECODER_FILE, ENCODER_FILE, FEATURE_WIDTH, TASK
 from ...runtime.atomic_files import write_file
+from ...runtime.onnx_session import metadata_text
 from ..onnx_export import export_onnx
 from .network import AtlasNet
 
@@ -28,17 +28,16 @@ def export(network: AtlasNet, folder: str | Path, provenance: dict[str, Any]) ->
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
     paths = [folder / ENCODER_FILE, folder / DECODER_FILE]
-    metadata = {"contract": CONTRACT, "task": TASK, "provenance": provenance}
     points, feature = torch.zeros(2, 64, 3), torch.zeros(2, FEATURE_WIDTH)
     sphere, patch = torch.ones(2, 48, 3), torch.zeros(2, 48, dtype=torch.long)
     export_onnx(
         network.encoder.eval().folded(), {"points": points}, ["feature"], {"points": {0: "batch", 1: "points"}},
-        json.dumps(metadata | {"kind": "encoder"}), paths[0],
+        metadata_text(TASK, CONTRACT, kind="encoder", provenance=provenance), paths[0],
     )  # fmt: skip
     export_onnx(
         network.decoder, {"feature": feature, "sphere": sphere, "patch": patch}, ["points"],
         {"feature": {0: "batch"}, "sphere": {0: "batch", 1: "points"}, "patch": {0: "batch", 1: "points"}},
-        json.dumps(metadata | {"kind": "decoder", "patches": network.decoder.patches}), paths[1],
+        metadata_text(TASK, CONTRACT, kind="decoder", provenance=provenance, patches=network.decoder.patches), paths[1],
     )  # fmt: skip
     for path in paths:
         _halve_weights(path)

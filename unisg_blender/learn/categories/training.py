@@ -10,19 +10,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import UniSGError
-from ...meshes.atlasnet_sessions import PRETRAINED
+from ...meshes.normalise import size_channels
 from ...meshes.shape_feature import AtlasNetEncoder
 from ...meshes.shape_files import ShapeFile
 from ...meshes.similar import quarter_turn_features
-from ...predict.category_model import LabelModel, distances, nearest_of_class, size_channels
+from ...predict.category_model import LabelModel, distances, nearest_of_class
 from ...predict.category_proposals import beside
 from ...predict.name_evidence import words
+from ...pretrained import FOLDER
 from ...scene.graph import SceneGraph
 
 NAME_WEIGHT = 8.0
 BESIDE_WEIGHT = 0.5
 QUARTER_TURNS = 4
-WORDS_FILE = PRETRAINED / "labels_words.json"
+WORDS_FILE = FOLDER / "labels_words.json"
 
 
 def fit_labels(

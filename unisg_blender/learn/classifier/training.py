@@ -19,8 +19,9 @@ from ...dataset.format.reader import Dataset
 from ...dataset.graphs.graph_arrays import GraphArrays, graph_arrays
 from ...errors import UniSGError
 from ...poses import FORMS
-from ...predict.prediction_session import write_metadata
+from ...predict.prediction_session import VERSION
 from ...predict.scene_kind import COMPONENTS, graph_inputs
+from ...runtime.onnx_session import metadata_text
 from ..onnx_export import export_onnx
 from ..provenance import provenance
 from ..settings import Settings
@@ -135,7 +136,7 @@ def train(datasets: Sequence[Dataset], out: Path, settings: Settings) -> dict[st
     source = provenance(datasets[0], settings, len(train_scenes), len(val_scenes), losses, network)
     source["notes"] = []
     source["datasets"] = [{"name": dataset.path.name, "scenes": len(dataset)} for dataset in datasets]
-    metadata = write_metadata("classifier", kinds=list(kinds), form=settings.form, mesh=mesh, provenance=source)
+    metadata = metadata_text("classifier", VERSION, kinds=list(kinds), form=settings.form, mesh=mesh, provenance=source)
     write_classifier(network, metadata, out)
     return source
 

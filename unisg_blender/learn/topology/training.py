@@ -18,8 +18,9 @@ from ...dataset.assets.shaped_scenes import scenes_with_shapes
 from ...dataset.format.reader import Dataset
 from ...errors import UniSGError
 from ...predict.object_pairs import PAIR_CHANNELS, candidate_pairs, object_boxes, pair_features
-from ...predict.prediction_session import write_metadata
+from ...predict.prediction_session import VERSION
 from ...predict.support_prediction import KIND
+from ...runtime.onnx_session import metadata_text
 from ...scene import SceneGraph
 from ..onnx_export import export_onnx
 from ..provenance import provenance
@@ -144,6 +145,6 @@ def _measured(network: PairNetwork, validation: LabelledPairs, test: LabelledPai
 
 def write_topology(network: PairNetwork, threshold: float, source: dict[str, Any], out: Path) -> None:
     """Write the network as an ONNX file with its contract."""
-    metadata = write_metadata("topology", channels=list(PAIR_CHANNELS), threshold=threshold, provenance=source)
+    metadata = metadata_text("topology", VERSION, channels=list(PAIR_CHANNELS), threshold=threshold, provenance=source)
     inputs = {"features": torch.zeros(3, len(PAIR_CHANNELS))}
     export_onnx(network, inputs, ["logits"], {"features": {0: "pairs"}}, metadata, out)
