@@ -13,11 +13,11 @@ import numpy as np
 from ..behaviour import all_actions
 from ..dataset.assets.asset import Asset
 from ..errors import UniSGError
+from ..geometry.arrays import Ints
 from ..scene import SceneGraph
 from ..spatial.floor_plan import FLOOR
 from ..spatial.structure import STRUCTURE
 from .behaviour import ActionPolicy, Behaviour, add_behaviour, behaviour_path, load_behaviour
-from .observe.arrays import Ints
 from .observe.contract import Contract
 from .observe.placement_order import in_order
 from .place.placement import Placement

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import UniSGError
+from ..geometry.arrays import Floats, Ints
 from ..pretrained import FOLDER
 from ..runtime.onnx_session import OnnxModel
 from ..scene.mesh import Mesh, mesh_from_faces
@@ -23,9 +24,7 @@ FEWEST = 12
 """Faces of a patch at least: patches for which there are too few faces are left out, the smallest first."""
 
 
-def decode_cloud(
-    features: Sequence[MeshFeature], count: int = 2500, path: str | Path | None = None
-) -> NDArray[np.float64]:
+def decode_cloud(features: Sequence[MeshFeature], count: int = 2500, path: str | Path | None = None) -> Floats:
     """Points (B, count, 3) of the shapes' surfaces, each in the frame and unit of its own mesh.
 
     ``path`` is a decoder made by ``unisg train meshes``; the shipped one when omitted.
@@ -61,7 +60,7 @@ def decode_mesh(
 
 def decode_unit(
     vector: NDArray[np.floating], faces: int = FACES, path: str | Path | None = None
-) -> tuple[NDArray[np.float32], NDArray[np.int64]]:
+) -> tuple[NDArray[np.float32], Ints]:
     """Points (V, 3), of normalised size, and triangles (faces, 3) of the mesh for one feature (1024,)."""
     if faces < 4:
         raise UniSGError(f"a closed mesh needs 4 faces or more, not {faces}")
@@ -71,7 +70,7 @@ def decode_unit(
     return _patches(vector, used, [int(2 * count) for count in half], path)
 
 
-def patch_areas(vector: NDArray[np.floating], path: str | Path | None = None) -> NDArray[np.float64]:
+def patch_areas(vector: NDArray[np.floating], path: str | Path | None = None) -> Floats:
     """Surface (P,) of each patch that a feature (1024,) decodes to, in units of the unit sphere."""
     patches = np.arange(int(_decoder(path).metadata["patches"]))
     points, triangles = _patches(vector, patches, [COARSE] * len(patches), path)
@@ -79,7 +78,7 @@ def patch_areas(vector: NDArray[np.floating], path: str | Path | None = None) ->
     return np.linalg.norm(np.cross(b - a, c - a), axis=1).reshape(len(patches), COARSE).sum(axis=1) / 2
 
 
-def allot(total: int, weights: NDArray[np.floating], least: int) -> NDArray[np.int64]:
+def allot(total: int, weights: NDArray[np.floating], least: int) -> Ints:
     """Share out ``total`` objects by weight, exactly, ``least`` to each at least; int64, as many as weights."""
     spare = total - least * len(weights)
     bounds = np.round(np.cumsum(weights) / max(weights.sum(), 1e-300) * spare).astype(np.int64)
@@ -101,7 +100,7 @@ def _unit_cloud(vector: NDArray[np.floating], count: int, path: str | Path | Non
 
 def _patches(
     vector: NDArray[np.floating], patches: NDArray[np.integer], faces: Sequence[int], path: str | Path | None
-) -> tuple[NDArray[np.float32], NDArray[np.int64]]:
+) -> tuple[NDArray[np.float32], Ints]:
     """Points and triangles of the given patches, in their order, each turned outwards."""
     templates = [box_template(count) for count in faces]
     sizes = [len(sphere) for sphere, _ in templates]

@@ -8,11 +8,13 @@ from itertools import permutations
 import numpy as np
 from numpy.typing import NDArray
 
+from ..geometry.arrays import Bools, Floats, Ints
+
 CORNERS = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0], [0, 0, 1], [1, 0, 1], [0, 1, 1], [1, 1, 1]])
 TINY = 1e-9
 
 
-def isosurface(values: NDArray[np.floating]) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+def isosurface(values: NDArray[np.floating]) -> tuple[Floats, Ints]:
     """Where a function on a grid is zero.
 
     Every cell is cut into the same six tetrahedra (Freudenthal), so that cells
@@ -47,7 +49,7 @@ def isosurface(values: NDArray[np.floating]) -> tuple[NDArray[np.float64], NDArr
     return first + share * (second - first), triangles.reshape(-1, 3)
 
 
-def _closed(values: NDArray[np.floating]) -> NDArray[np.float64]:
+def _closed(values: NDArray[np.floating]) -> Floats:
     """The function, positive on the border and never so near to zero that points of the surface coincide."""
     level = np.array(values, np.float64)
     scale = max(float(np.abs(level).max(initial=0)), 1e-300)
@@ -60,7 +62,7 @@ def _closed(values: NDArray[np.floating]) -> NDArray[np.float64]:
     return level
 
 
-def _crossed_cells(inside: NDArray[np.bool_]) -> NDArray[np.int64]:
+def _crossed_cells(inside: Bools) -> Ints:
     """Flat numbers of the lowest corners of the cells with corners on both sides."""
     shape = tuple(side - 1 for side in inside.shape)
     count = np.zeros(shape, np.int8)
@@ -69,7 +71,7 @@ def _crossed_cells(inside: NDArray[np.bool_]) -> NDArray[np.int64]:
     return np.ravel_multi_index(np.nonzero((count > 0) & (count < 8)), inside.shape)
 
 
-def _tetrahedron(corner: NDArray[np.int64], inside: NDArray[np.bool_], table: list[list]) -> NDArray[np.int64]:
+def _tetrahedron(corner: Ints, inside: Bools, table: list[list]) -> Ints:
     """Triangles (T, 3, 2) of one tetrahedron per row of ``corner`` (K, 4): each point an edge of the grid."""
     case = inside[corner] @ np.array([1, 2, 4, 8])
     found = [corner[case == mask][:, triangle] for mask in range(1, 15) for triangle in table[mask]]
@@ -86,7 +88,7 @@ def _tables() -> list[tuple[tuple[int, ...], list[list]]]:
     return tets
 
 
-def _triangles(tet: NDArray[np.int64], mask: int) -> list[NDArray[np.int64]]:
+def _triangles(tet: Ints, mask: int) -> list[Ints]:
     """Triangles (3, 2) of edges between the inner corners (bits of ``mask``) and the outer ones, facing outwards."""
     inner = [k for k in range(4) if mask >> k & 1]
     outer = [k for k in range(4) if not mask >> k & 1]

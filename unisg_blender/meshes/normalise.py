@@ -7,15 +7,17 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..geometry.arrays import Floats
+
 
 @dataclass(frozen=True, eq=False)
 class UnitPlacement:
     """Where a shape lies: ``center`` float64 (3,) and ``scale``, the radius of its unit sphere, in the shape's unit."""
 
-    center: NDArray[np.float64]
+    center: Floats
     scale: float
 
-    def restore(self, points: NDArray[np.floating]) -> NDArray[np.float64]:
+    def restore(self, points: NDArray[np.floating]) -> Floats:
         """Points (..., 3) of the unit sphere in the shape's own frame and unit."""
         return points * self.scale + self.center
 
@@ -34,7 +36,7 @@ def normalise(points: NDArray[np.floating]) -> tuple[NDArray[np.float32], UnitPl
     return (moved / scale).astype(np.float32), UnitPlacement(center, scale)
 
 
-def size_channels(sizes: NDArray[np.floating]) -> NDArray[np.float64]:
+def size_channels(sizes: NDArray[np.floating]) -> Floats:
     """Sizes (N, 3) along x, y, z in metres as (N, 3): logarithms of longer side, shorter side and height.
 
     The longer of the two level sides comes first, so that a quarter turn changes

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 from scipy import fft
 from scipy.sparse import csr_matrix
 
+from ..geometry.arrays import Floats
 from .isosurface import CORNERS
 
 SMOOTHING = 0.7
@@ -16,9 +17,7 @@ SCREENING = 64.0
 ITERATIONS = 16
 
 
-def solve_screened(
-    place: NDArray[np.float64], normals: NDArray[np.float64], areas: NDArray[np.float64], size: list[int]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def solve_screened(place: Floats, normals: Floats, areas: Floats, size: list[int]) -> tuple[Floats, Floats]:
     """Solve for the function of which the oriented points lie on the zero level.
 
     The function's gradient comes near to the normals, spread over the cells, and
@@ -62,7 +61,7 @@ def solve_screened(
     return values.reshape(size), at @ values
 
 
-def _interpolation(place: NDArray[np.float64], size: list[int]) -> csr_matrix:
+def _interpolation(place: Floats, size: list[int]) -> csr_matrix:
     """(n, X Y Z): the trilinear weights of the eight grid points around each place (n, 3)."""
     base = np.floor(place).astype(np.int64)
     part = (place - base)[:, None]
@@ -72,9 +71,7 @@ def _interpolation(place: NDArray[np.float64], size: list[int]) -> csr_matrix:
     return csr_matrix((weights.ravel(), cells.ravel(), starts), shape=(len(place), int(np.prod(size))))
 
 
-def _right_side(
-    at: csr_matrix, vectors: NDArray[np.float64], size: list[int]
-) -> tuple[NDArray[np.float64], NDArray[np.complex128]]:
+def _right_side(at: csr_matrix, vectors: Floats, size: list[int]) -> tuple[Floats, NDArray[np.complex128]]:
     """Squared frequencies, and the spectrum of minus the divergence of the vectors (n, 3), spread and blurred."""
     frequencies = (fft.fftfreq(size[0]), fft.fftfreq(size[1]), fft.rfftfreq(size[2]))
     waves = np.meshgrid(*(2 * np.pi * f for f in frequencies), indexing="ij", sparse=True)

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from ..errors import UniSGError
+from ..geometry.arrays import Floats, Ints
 from ..scene.mesh import Mesh
 from .triangulate import inner_triangles
 
@@ -78,7 +79,7 @@ def sample_surface(mesh: Mesh, count: int, seed: int = 0) -> SurfaceSamples:
     )
 
 
-def triangle_areas(points: NDArray[np.floating], triangles: NDArray[np.integer]) -> NDArray[np.float64]:
+def triangle_areas(points: NDArray[np.floating], triangles: NDArray[np.integer]) -> Floats:
     """float64 (T,): areas of triangles (T, 3) over points (V, 3), in squared units of the points."""
     areas = np.empty(len(triangles))
     for start in range(0, len(triangles), CHUNK):
@@ -92,7 +93,7 @@ def poisson_radius(area: float, count: int) -> float:
     return float(np.sqrt(2 * area / (np.sqrt(3) * count)))
 
 
-def eliminate(points: NDArray[np.floating], count: int, area: float) -> NDArray[np.int64]:
+def eliminate(points: NDArray[np.floating], count: int, area: float) -> Ints:
     """Row numbers (ascending) of the ``count`` points that remain when the most crowded ones go first.
 
     ``points`` (N, 3), N >= count; ``area`` of the surface that they cover.
@@ -119,9 +120,7 @@ def eliminate(points: NDArray[np.floating], count: int, area: float) -> NDArray[
     return np.flatnonzero(alive)
 
 
-def _local_maxima(
-    crowding: NDArray[np.float64], first: NDArray[np.int64], second: NDArray[np.int64], worst: float
-) -> NDArray[np.int64]:
+def _local_maxima(crowding: Floats, first: Ints, second: Ints, worst: float) -> Ints:
     """Points at least as crowded as ``worst`` and more than each neighbour (of equals, those that come first)."""
     candidate = crowding >= worst
     behind = (crowding[first] < crowding[second]) | ((crowding[first] == crowding[second]) & (second < first))
@@ -130,12 +129,8 @@ def _local_maxima(
 
 
 def _uniform(
-    points: NDArray[np.float32],
-    triangles: NDArray[np.int32],
-    areas: NDArray[np.float64],
-    count: int,
-    generator: np.random.Generator,
-) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    points: NDArray[np.float32], triangles: NDArray[np.int32], areas: Floats, count: int, generator: np.random.Generator
+) -> tuple[Floats, Ints]:
     """Random points of the surface, stratified over its area, and the triangles they lie on."""
     bounds = np.cumsum(areas)
     place = (np.arange(count) + generator.random(count)) / count * bounds[-1]

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import UniSGError
+from ..geometry.arrays import Floats
 from ..scene.mesh import Mesh
 from .atlasnet_sessions import FEATURE_WIDTH
 from .mesh_files import MESH_SUFFIXES, read_mesh_file
@@ -39,7 +40,7 @@ class MeshLibrary:
 
     names: tuple[str, ...]
     vectors: NDArray[np.float32]
-    sizes: NDArray[np.float64]
+    sizes: Floats
 
     def nearest(
         self, mesh: Mesh, count: int = 5, *, use_size: bool = True, encoder: AtlasNetEncoder | None = None

@@ -6,15 +6,15 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import coo_matrix, csr_matrix
 
+from ..geometry.arrays import Bools, Floats, Ints
+
 CHEAPEST = 0.3
 """Share of the edges that are looked at in one round, the cheapest ones first."""
 LEAST_AGREEMENT = 0.2
 """Cosine of the angle by which a collapse may turn a face at most."""
 
 
-def with_faces(
-    points: NDArray[np.floating], triangles: NDArray[np.integer], faces: int
-) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+def with_faces(points: NDArray[np.floating], triangles: NDArray[np.integer], faces: int) -> tuple[Floats, Ints]:
     """A closed mesh with a chosen number of triangles.
 
     Surplus faces go by edge collapses with quadric errors (Garland and Heckbert,
@@ -44,7 +44,7 @@ def with_faces(
     return place[used], found.reshape(-1, 3)
 
 
-def edges_of(triangles: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def edges_of(triangles: Ints) -> tuple[Ints, Ints]:
     """Edges (E, 2) of a closed mesh, lower point first, and the points (E, 2) opposite to each in its two faces."""
     directed = triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
     opposite = triangles[:, [2, 0, 1]].ravel()
@@ -52,9 +52,7 @@ def edges_of(triangles: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[n
     return np.sort(directed[order[::2]], axis=1), opposite[order].reshape(-1, 2)
 
 
-def _collapsed(
-    points: NDArray[np.float64], triangles: NDArray[np.int64], wanted: int
-) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+def _collapsed(points: Floats, triangles: Ints, wanted: int) -> tuple[Floats, Ints]:
     points, quadrics, share = points.copy(), _quadrics(points, triangles), CHEAPEST
     while len(triangles) > wanted:
         edges, opposite = edges_of(triangles)
@@ -79,7 +77,7 @@ def _collapsed(
     return points, triangles
 
 
-def _quadrics(points: NDArray[np.float64], triangles: NDArray[np.int64]) -> NDArray[np.float64]:
+def _quadrics(points: Floats, triangles: Ints) -> Floats:
     """(V, 4, 4): sums of squared distances to the planes of each point's faces, weighted by area."""
     a, b, c = points[triangles].swapaxes(0, 1)
     normal = np.cross(b - a, c - a)
@@ -93,9 +91,7 @@ def _quadrics(points: NDArray[np.float64], triangles: NDArray[np.int64]) -> NDAr
     return (csr_matrix(corner) @ quadric).reshape(-1, 4, 4)
 
 
-def _best_places(
-    points: NDArray[np.float64], quadrics: NDArray[np.float64], edges: NDArray[np.int64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _best_places(points: Floats, quadrics: Floats, edges: Ints) -> tuple[Floats, Floats]:
     """Where each edge (E, 2) collapses to, (E, 3), and the cost (E,); ties in flat regions go to short edges."""
     quadric = quadrics[edges[:, 0]] + quadrics[edges[:, 1]]
     middle = points[edges].mean(axis=1)
@@ -107,9 +103,7 @@ def _best_places(
     return place, np.einsum("ei,eij,ej->e", one, quadric, one) + 1e-3 * pull * length
 
 
-def _keeps_surface(
-    asked: NDArray[np.int64], opposite: NDArray[np.int64], edges: NDArray[np.int64], count: int
-) -> NDArray[np.bool_]:
+def _keeps_surface(asked: Ints, opposite: Ints, edges: Ints, count: int) -> Bools:
     """Whether collapsing the edges leaves a surface: the ends share two neighbours only, which have others left."""
     near = csr_matrix((np.ones(len(edges)), edges.T), shape=(count, count))
     near = csr_matrix(near + near.T)
@@ -118,9 +112,7 @@ def _keeps_surface(
     return (shared == 2) & (degree[opposite] > 3).all(axis=1)
 
 
-def _turns_faces(
-    points: NDArray[np.float64], triangles: NDArray[np.int64], edges: NDArray[np.int64], place: NDArray[np.float64]
-) -> NDArray[np.bool_]:
+def _turns_faces(points: Floats, triangles: Ints, edges: Ints, place: Floats) -> Bools:
     """Whether moving both ends of the edges (E, 2) to their places (E, 3) turns a face that remains too far."""
     order = np.argsort(triangles.ravel(), kind="stable")
     start = np.searchsorted(triangles.ravel()[order], np.arange(len(points) + 1))
@@ -142,7 +134,7 @@ def _turns_faces(
     return bad
 
 
-def _apart(ranked: NDArray[np.int64], edges: NDArray[np.int64], count: int) -> NDArray[np.bool_]:
+def _apart(ranked: Ints, edges: Ints, count: int) -> Bools:
     """Which of the edges (best first) are the best ones around both of their ends, as far as the next points."""
     rank = np.full(count, len(ranked))
     np.minimum.at(rank, ranked.ravel(), np.repeat(np.arange(len(ranked)), 2))
@@ -152,9 +144,7 @@ def _apart(ranked: NDArray[np.int64], edges: NDArray[np.int64], count: int) -> N
     return np.asarray((around[ranked] == np.arange(len(ranked))[:, None]).all(axis=1))
 
 
-def _split(
-    points: NDArray[np.float64], triangles: NDArray[np.int64], count: int
-) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+def _split(points: Floats, triangles: Ints, count: int) -> tuple[Floats, Ints]:
     """Split at most ``count`` edges, the longest of their faces, in the middle."""
     length = np.linalg.norm(points[triangles] - points[np.roll(triangles, -1, axis=1)], axis=2)
     place = length.argmax(axis=1)

@@ -9,10 +9,11 @@ from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 
 from ..errors import UniSGError
+from ..geometry.arrays import Floats, Ints
 from .simplify import with_faces
 
 
-def fibonacci_sphere(count: int) -> NDArray[np.float64]:
+def fibonacci_sphere(count: int) -> Floats:
     """Even points of the unit sphere, float64 (count, 3), on a golden spiral."""
     step = np.arange(count) + 0.5
     z = 1 - 2 * step / count
@@ -22,7 +23,7 @@ def fibonacci_sphere(count: int) -> NDArray[np.float64]:
 
 
 @lru_cache(maxsize=8)
-def sphere_template(faces: int) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
+def sphere_template(faces: int) -> tuple[Floats, NDArray[np.int32]]:
     """A closed sphere: points (faces / 2 + 2, 3) and counter-clockwise triangles (faces, 3).
 
     A closed triangle mesh has an even number of faces: an odd number becomes the
@@ -44,7 +45,7 @@ def sphere_template(faces: int) -> tuple[NDArray[np.float64], NDArray[np.int32]]
 
 
 @lru_cache(maxsize=256)
-def box_template(faces: int) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+def box_template(faces: int) -> tuple[Floats, Ints]:
     """A closed sphere as :func:`sphere_template`, cut like a box: its edges run along those of the cube around it."""
     if faces < 4:
         raise UniSGError(f"a closed mesh needs 4 faces or more, not {faces}")
@@ -52,7 +53,7 @@ def box_template(faces: int) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
     return points / np.linalg.norm(points, axis=1, keepdims=True), triangles
 
 
-def _cube(side: int) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+def _cube(side: int) -> tuple[Floats, Ints]:
     """The cube from -1 to 1 with ``side`` squares along each edge, each of two triangles."""
     low = np.stack(np.meshgrid(np.arange(side), np.arange(side), indexing="ij"), axis=2).reshape(-1, 2)
     flat = (low[:, None] + [(0, 0), (1, 0), (1, 1), (0, 0), (1, 1), (0, 1)]).reshape(-1, 2)

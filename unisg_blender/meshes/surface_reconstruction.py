@@ -10,6 +10,7 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from ..errors import UniSGError
+from ..geometry.arrays import Floats, Ints
 from ..scene.mesh import Mesh, mesh_from_faces
 from .isosurface import isosurface
 from .poisson import solve_screened
@@ -20,12 +21,9 @@ MARGIN = 0.15
 
 
 def reconstruct(
-    points: NDArray[np.floating],
-    normals: NDArray[np.floating],
-    resolution: int = 96,
-    name: str = "Reconstructed",
+    points: NDArray[np.floating], normals: NDArray[np.floating], resolution: int = 96, name: str = "Reconstructed",
     faces: int | None = None,
-) -> Mesh:
+) -> Mesh:  # fmt: skip
     """A closed, outward-oriented triangle mesh through oriented points.
 
     Screened Poisson reconstruction (Kazhdan and Hoppe, ToG 2013) on a regular grid:
@@ -74,9 +72,7 @@ def reconstruct(
     return mesh_from_faces(name, (found - shift) * cell, triangles)
 
 
-def _checked(
-    points: NDArray[np.floating], normals: NDArray[np.floating]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _checked(points: NDArray[np.floating], normals: NDArray[np.floating]) -> tuple[Floats, Floats]:
     points, normals = np.asarray(points, np.float64), np.asarray(normals, np.float64)
     if points.shape != normals.shape or points.ndim != 2 or points.shape[1] != 3 or len(points) < 4:
         raise UniSGError(f"needs 4 or more points with a normal each, got shapes {points.shape} and {normals.shape}")
@@ -88,14 +84,14 @@ def _checked(
     return points, normals / length
 
 
-def _areas(place: NDArray[np.float64]) -> NDArray[np.float64]:
+def _areas(place: Floats) -> Floats:
     """Surface that each point stands for, in squared cells: a fifth of the disk up to the fourth neighbour."""
     neighbours = min(5, len(place))
     distance = np.asarray(cKDTree(place).query(place, neighbours)[0])[:, -1]
     return np.pi / neighbours * np.square(np.maximum(distance, 1e-6))
 
 
-def _near(points: NDArray[np.float64], triangles: NDArray[np.int64], place: NDArray[np.float64]) -> NDArray[np.int64]:
+def _near(points: Floats, triangles: Ints, place: Floats) -> Ints:
     """The triangles of those connected parts that come within two cells of a given point."""
     if not len(triangles):
         return triangles

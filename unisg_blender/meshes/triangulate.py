@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from ..geometry.arrays import Floats, Ints
 from ..scene.mesh import Mesh
 
 CHUNK = 250_000
@@ -43,8 +44,8 @@ def _cut_concave(mesh: Mesh, triangles: NDArray[np.int32], sizes: NDArray[np.int
 
 
 def _concave_faces(
-    points: NDArray[np.float32], triangles: NDArray[np.int32], face: NDArray[np.int64], start: int, stop: int
-) -> NDArray[np.int64]:
+    points: NDArray[np.float32], triangles: NDArray[np.int32], face: Ints, start: int, stop: int
+) -> Ints:
     """Those of the faces ``start`` to ``stop`` with a fan triangle that turns against the face's area vector."""
     first, last = np.searchsorted(face, (start, stop))
     own = face[first:last] - start
@@ -84,7 +85,7 @@ def clip_ears(points: NDArray[np.floating], corners: NDArray[np.integer]) -> NDA
     return corners[np.array(cut)].astype(np.int32)
 
 
-def _project(polygon: NDArray[np.float64]) -> NDArray[np.float64]:
+def _project(polygon: Floats) -> Floats:
     """The polygon (K, 3) in its own plane, (K, 2), counter-clockwise."""
     centred = np.nan_to_num(polygon - polygon[0])
     normal = np.cross(centred, np.roll(centred, -1, axis=0)).sum(axis=0)
@@ -94,7 +95,7 @@ def _project(polygon: NDArray[np.float64]) -> NDArray[np.float64]:
     return flat if normal[axis] >= 0 else flat[:, ::-1]
 
 
-def _is_ear(flat: NDArray[np.float64], ring: list[int], place: int) -> bool:
+def _is_ear(flat: Floats, ring: list[int], place: int) -> bool:
     a, b, c = flat[ring[place - 1]], flat[ring[place]], flat[ring[(place + 1) % len(ring)]]
     if _turn(a, b, c) <= 0:
         return False
@@ -105,7 +106,7 @@ def _is_ear(flat: NDArray[np.float64], ring: list[int], place: int) -> bool:
     return not (inside & ~doubled).any()
 
 
-def _turn(a: NDArray[np.float64], b: NDArray[np.float64], p: NDArray[np.float64]) -> NDArray[np.float64]:
+def _turn(a: Floats, b: Floats, p: Floats) -> Floats:
     """Twice the signed area of the triangles (a, b, p)."""
     ab, ap = b - a, p - a
     return ab[0] * ap[..., 1] - ab[1] * ap[..., 0]

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import UniSGError
+from ..geometry.arrays import Floats
 from ..meshes.normalise import size_channels
 from ..pretrained import FOLDER
 from ..runtime.atomic_files import write_file
@@ -62,12 +63,12 @@ class LabelModel:
     beside_weight: float
     provenance: dict
 
-    def shape_scores(self, vectors: NDArray[np.floating], sizes: NDArray[np.floating]) -> NDArray[np.float64]:
+    def shape_scores(self, vectors: NDArray[np.floating], sizes: NDArray[np.floating]) -> Floats:
         """Log-likelihoods (N, K), up to a constant, of mesh features (N, 1024) and sizes (N, 3) in metres."""
         apart = distances(vectors, size_channels(sizes), self.vectors, self.sizes, self.spread)
         return -nearest_of_class(apart, self.classes) / self.temperature
 
-    def name_scores(self, names: tuple[str, ...]) -> NDArray[np.float64]:
+    def name_scores(self, names: tuple[str, ...]) -> Floats:
         """Evidence (K,) of an object's names, in nats: that of the first name that has a known word."""
         for name in names:
             scores = name_scores(name, self.lexicon)
@@ -116,12 +117,9 @@ class LabelModel:
 
 
 def distances(
-    vectors: NDArray[np.floating],
-    sizes: NDArray[np.floating],
-    known_vectors: NDArray[np.floating],
-    known_sizes: NDArray[np.floating],
-    spread: float,
-) -> NDArray[np.float64]:
+    vectors: NDArray[np.floating], sizes: NDArray[np.floating], known_vectors: NDArray[np.floating],
+    known_sizes: NDArray[np.floating], spread: float,
+) -> Floats:  # fmt: skip
     """(N, M): distances in shape and size; features (N, 1024) and (M, 1024), size channels (N, 3) and (M, 3)."""
     first, second = vectors.astype(np.float64), known_vectors.astype(np.float64)
     square = np.square(first).sum(axis=1)[:, None] + np.square(second).sum(axis=1) - 2 * first @ second.T
@@ -129,6 +127,6 @@ def distances(
     return np.sqrt(np.maximum(square, 0) / spread**2 + np.square(SIZE_WEIGHT * apart))
 
 
-def nearest_of_class(apart: NDArray[np.float64], classes: NDArray[np.integer]) -> NDArray[np.float64]:
+def nearest_of_class(apart: Floats, classes: NDArray[np.integer]) -> Floats:
     """(N, K): the least of the distances (N, M) to each class; ``classes`` (M,) sorted, without gaps."""
     return np.minimum.reduceat(apart, np.searchsorted(classes, np.arange(classes[-1] + 1)), axis=1)

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from ..geometry.arrays import Floats, Ints
 from ..meshes.normalise import normalise
 from ..meshes.shape_feature import POINTS, AtlasNetEncoder, cloud, default_encoder
 from ..scene.assembly import index_categories
@@ -43,14 +44,9 @@ class Proposal:
 
 
 def propose_categories(
-    graph: SceneGraph,
-    model: LabelModel | None = None,
-    encoder: AtlasNetEncoder | None = None,
-    *,
-    rows: Sequence[int] | None = None,
-    best: int = 3,
-    use: Sequence[str] = ("shape", "name", "neighbours"),
-) -> list[Proposal]:
+    graph: SceneGraph, model: LabelModel | None = None, encoder: AtlasNetEncoder | None = None, *,
+    rows: Sequence[int] | None = None, best: int = 3, use: Sequence[str] = ("shape", "name", "neighbours"),
+) -> list[Proposal]:  # fmt: skip
     """Propose categories for entities that have a mesh and no category.
 
     Parameters
@@ -99,7 +95,7 @@ def accept(graph: SceneGraph, proposals: Sequence[Proposal], threshold: float = 
     return graph.replace(category=category, vocabulary=vocabulary)
 
 
-def beside(graph: SceneGraph) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def beside(graph: SceneGraph) -> tuple[Ints, Ints]:
     """Pairs of rows with meshes that stand beside each other, in both directions: at most twelve of a row.
 
     Objects larger than three metres (floors, walls) are nobody's neighbours.
@@ -126,9 +122,7 @@ def _names(graph: SceneGraph, row: int) -> tuple[str, ...]:
     return graph.name[row], graph.meshes[graph.mesh[row]].name
 
 
-def _shapes(
-    graph: SceneGraph, rows: NDArray[np.int64], encoder: AtlasNetEncoder
-) -> tuple[NDArray[np.float32], NDArray[np.float64]]:
+def _shapes(graph: SceneGraph, rows: Ints, encoder: AtlasNetEncoder) -> tuple[NDArray[np.float32], Floats]:
     """Mesh features (M, 1024) as the entities stand, their heading taken back, and sizes (M, 3) in metres."""
     world = world_matrices(graph)[rows, :3, :3]
     heading = np.arctan2(world[:, 1, 0], world[:, 0, 0])
@@ -148,16 +142,14 @@ def _shapes(
     return vectors[[index[key] for key in keys]], sizes
 
 
-def _turn_back(heading: NDArray[np.float64]) -> NDArray[np.float64]:
+def _turn_back(heading: Floats) -> Floats:
     turn = np.zeros((len(heading), 3, 3))
     turn[:, 0, 0] = turn[:, 1, 1] = np.cos(heading)
     turn[:, 0, 1], turn[:, 1, 0], turn[:, 2, 2] = np.sin(heading), -np.sin(heading), 1.0
     return turn
 
 
-def _neighbour_scores(
-    graph: SceneGraph, wanted: NDArray[np.int64], chances: NDArray[np.float64], model: LabelModel
-) -> NDArray[np.float64]:
+def _neighbour_scores(graph: SceneGraph, wanted: Ints, chances: Floats, model: LabelModel) -> Floats:
     """(M, K): the mean habit towards the neighbours, whose categories are given or, if not, likely to be."""
     belief = np.zeros((len(graph), len(model.vocabulary)))
     belief[wanted] = chances
@@ -173,14 +165,12 @@ def _neighbour_scores(
     return (total / np.maximum(count, 1)[:, None])[wanted]
 
 
-def _softmax(scores: NDArray[np.float64]) -> NDArray[np.float64]:
+def _softmax(scores: Floats) -> Floats:
     powers = np.exp(scores - scores.max(axis=1, keepdims=True))
     return powers / powers.sum(axis=1, keepdims=True)
 
 
-def _proposal(
-    graph: SceneGraph, row: int, chances: NDArray[np.float64], vocabulary: Sequence[str], best: int
-) -> Proposal:
+def _proposal(graph: SceneGraph, row: int, chances: Floats, vocabulary: Sequence[str], best: int) -> Proposal:
     order = np.argsort(-chances, kind="stable")[:best]
     categories = tuple((vocabulary[k], float(chances[k])) for k in order)
     return Proposal(row, graph.uid[row], graph.name[row], categories)

@@ -6,7 +6,8 @@ import re
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
+
+from ..geometry.arrays import Floats
 
 _WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[^\W\d_A-Z]+")
 FUZZY = 0.6
@@ -26,7 +27,7 @@ def words(name: str) -> list[str]:
     return [word for word in found if len(word) > 1 and word not in MEANINGLESS]
 
 
-def name_scores(name: str, lexicon: Sequence[Mapping[str, float]]) -> NDArray[np.float64]:
+def name_scores(name: str, lexicon: Sequence[Mapping[str, float]]) -> Floats:
     """How well a name fits each category, float64 (K,) in 0..1; all 0 if no word is known.
 
     Parameters

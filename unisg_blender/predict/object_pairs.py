@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from ..geometry.arrays import Floats, Ints
 from ..geometry.boxes import Boxes
 from ..poses import FORMS
 from ..scene.graph import SceneGraph
@@ -31,7 +32,7 @@ PAIR_CHANNELS = (
 )  # fmt: skip
 
 
-def object_boxes(graph: SceneGraph) -> tuple[NDArray[np.int64], Boxes]:
+def object_boxes(graph: SceneGraph) -> tuple[Ints, Boxes]:
     """Rows of the objects of a scene and their boxes in the world, along the objects' own axes."""
     objects = find_relation_objects(graph)
     world = world_matrices(graph)
@@ -50,7 +51,7 @@ def object_boxes(graph: SceneGraph) -> tuple[NDArray[np.int64], Boxes]:
     return objects.rows, Boxes(center, objects.axes, half, np.ones(count, bool))
 
 
-def candidate_pairs(boxes: Boxes, nearest: int = NEAREST) -> NDArray[np.int64]:
+def candidate_pairs(boxes: Boxes, nearest: int = NEAREST) -> Ints:
     """Ordered pairs (P, 2), subject and target, of objects near each other; sorted, both ways.
 
     The ``nearest`` by the distance of the middles, and all large ones within reach: O(N log N) in time, O(N) in memory.
@@ -74,20 +75,20 @@ def candidate_pairs(boxes: Boxes, nearest: int = NEAREST) -> NDArray[np.int64]:
     return pairs[pairs[:, 0] != pairs[:, 1]]
 
 
-def axis_aligned(boxes: Boxes) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def axis_aligned(boxes: Boxes) -> tuple[Floats, Floats]:
     """Lowest and highest corners (N, 3) of the boxes around the boxes, along the world's axes."""
     reach = np.einsum("nij,nj->ni", np.abs(boxes.axes), boxes.half)
     return boxes.center - reach, boxes.center + reach
 
 
-def box_poses(boxes: Boxes) -> NDArray[np.float64]:
+def box_poses(boxes: Boxes) -> Floats:
     """Rigid poses (N, 4, 4): middle and axes."""
     poses = np.zeros((len(boxes.center), 4, 4))
     poses[:, :3, :3], poses[:, :3, 3], poses[:, 3, 3] = boxes.axes, boxes.center, 1
     return poses
 
 
-def relative_poses(poses: NDArray[np.float64], pairs: NDArray[np.int64]) -> NDArray[np.float64]:
+def relative_poses(poses: Floats, pairs: Ints) -> Floats:
     """The target's pose in the subject's frame, (P, 4, 4): the motor between two nodes of the graph."""
     subject, target = poses[pairs[:, 0]], poses[pairs[:, 1]]
     result = np.zeros_like(subject)
@@ -98,7 +99,7 @@ def relative_poses(poses: NDArray[np.float64], pairs: NDArray[np.int64]) -> NDAr
     return result
 
 
-def pair_features(boxes: Boxes, pairs: NDArray[np.int64]) -> NDArray[np.float32]:
+def pair_features(boxes: Boxes, pairs: Ints) -> NDArray[np.float32]:
     """What the shipped network sees of pairs (P, 2): float32 (P, C), :data:`PAIR_CHANNELS`.
 
     Lengths are in units of the subject's mean half extent, but for the last channel and the
@@ -127,7 +128,7 @@ def pair_features(boxes: Boxes, pairs: NDArray[np.int64]) -> NDArray[np.float32]
     return np.concatenate(channels, axis=1).clip(-50, 50).astype(np.float32)
 
 
-def in_chunks(pairs: NDArray[np.int64], size: int = 200_000) -> Iterator[NDArray[np.int64]]:
+def in_chunks(pairs: Ints, size: int = 200_000) -> Iterator[Ints]:
     """Some pairs at a time, so that memory stays constant."""
     for start in range(0, len(pairs), size):
         yield pairs[start : start + size]

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import UniSGError
+from ..geometry.arrays import Ints
 from ..geometry.boxes import Boxes
 from ..scene import components
 from ..scene.graph import SceneGraph, table
@@ -33,7 +34,7 @@ class TopologyModel:
         """The chance from which on a pair is told, chosen on validation scenes."""
         return float(self.network.metadata["threshold"])
 
-    def chances(self, boxes: Boxes, pairs: NDArray[np.int64]) -> NDArray[np.float32]:
+    def chances(self, boxes: Boxes, pairs: Ints) -> NDArray[np.float32]:
         """For each pair (P, 2) of boxes the chance (P,) that the first stands on the second."""
         parts = [self.network.run(features=pair_features(boxes, some))[0] for some in in_chunks(pairs)]
         logits = np.concatenate([np.zeros(0, np.float32), *parts])

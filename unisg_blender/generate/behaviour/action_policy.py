@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...geometry.arrays import Bools, Floats, Ints
 from .action_kinds import Kinds
 from .observation import BehaviourObservation, Slots
 
@@ -26,10 +26,10 @@ class Scores:
     ``target`` (K, E), ``tool`` and ``frame`` (K, E, E), by target first: log probabilities or the like, to be added up.
     """
 
-    wanted: NDArray[np.float64]
-    target: NDArray[np.float64]
-    tool: NDArray[np.float64]
-    frame: NDArray[np.float64]
+    wanted: Floats
+    target: Floats
+    tool: Floats
+    frame: Floats
 
 
 @dataclass(frozen=True)
@@ -66,7 +66,7 @@ class Casting:
                 self.used[number, slot] = bool(names)
                 self.allowed[number, slot, [place[name] for name in names if name in place]] = True
 
-    def candidates(self, play: BehaviourObservation, kind: int, slot: int) -> NDArray[np.int64]:
+    def candidates(self, play: BehaviourObservation, kind: int, slot: int) -> Ints:
         """The objects that may play a part, [-1] where the kind has no such part."""
         if not self.used[kind, slot]:
             return np.array([-1])
@@ -76,12 +76,12 @@ class Casting:
         """Whether something new may play any part."""
         return bool(play.new.any() and self.allowed[:, :, play.category[play.new]].any())
 
-    def limits(self, rng: np.random.Generator | None) -> NDArray[np.float64]:
+    def limits(self, rng: np.random.Generator | None) -> Floats:
         """The least probability (K,) with which each kind is made: drawn, so that what is done now and then is."""
         count = len(self.kinds.kinds)
         return np.full(count, SURE) if rng is None else rng.random(count).clip(NEVER, SURE)
 
-    def choices(self, play: BehaviourObservation, scores: Scores, least: NDArray[np.float64]) -> list[ActionChoice]:
+    def choices(self, play: BehaviourObservation, scores: Scores, least: Floats) -> list[ActionChoice]:
         """Actions that are wanted with at least these probabilities (K,), best first, each kind with its best casts."""
         found = []
         wanted = np.flatnonzero(scores.wanted >= least)
@@ -105,14 +105,7 @@ class Casting:
         wanted = float(scores.wanted[kind])
         return [ActionChoice(kind, (int(target[i]), int(tool[i]), int(frame[i])), wanted) for i in order]
 
-    def _possible(
-        self,
-        play: BehaviourObservation,
-        kind: int,
-        target: NDArray[np.int64],
-        tool: NDArray[np.int64],
-        frame: NDArray[np.int64],
-    ) -> NDArray[np.bool_]:
+    def _possible(self, play: BehaviourObservation, kind: int, target: Ints, tool: Ints, frame: Ints) -> Bools:
         new = np.append(play.new, False)
         possible = new[target] | new[tool] | new[frame]
         possible &= (target < 0) | (target != tool)
@@ -125,9 +118,7 @@ class Casting:
         return possible
 
 
-def _tie_break(
-    play: BehaviourObservation, target: NDArray[np.int64], tool: NDArray[np.int64], frame: NDArray[np.int64]
-) -> NDArray[np.float64]:
+def _tie_break(play: BehaviourObservation, target: Ints, tool: Ints, frame: Ints) -> Floats:
     """Of equals the nearest: metres between what plays together."""
     there = np.append(play.place, np.full((1, 3), np.nan), axis=0)
     apart = [np.linalg.norm(there[target] - there[other], axis=1) for other in (tool, frame)]

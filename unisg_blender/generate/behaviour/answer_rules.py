@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...geometry.arrays import Floats
 from ...scene import SceneGraph, world_matrices
 from .action_kinds import AnswerRule, Kind
 from .roled_actions import RoledAction, relation_kinds, support_rows
@@ -26,7 +26,7 @@ class Asked:
     answers: tuple[str, ...]
     right: str
     counts: Counter[str]
-    place: NDArray[np.float64]
+    place: Floats
 
 
 def asked_of(graph: SceneGraph, roled_action: RoledAction) -> Asked:
@@ -51,7 +51,7 @@ def object_counts(graph: SceneGraph) -> Counter[str]:
     return counts
 
 
-def _place(graph: SceneGraph, row: int) -> NDArray[np.float64]:
+def _place(graph: SceneGraph, row: int) -> Floats:
     """Where a row is in the frame of what holds it, (3,)."""
     if row < 0:
         return np.zeros(3)

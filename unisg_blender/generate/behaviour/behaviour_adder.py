@@ -7,9 +7,9 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...behaviour import check_scene, operations
+from ...geometry.arrays import Floats
 from ...scene import ActionData, LessonNode, SceneGraph
 from .action_policy import ActionChoice, ActionPolicy, Casting
 from .feasibility import unperformed
@@ -67,7 +67,7 @@ class _Work:
 
     def __init__(
         self, graph: SceneGraph, new: Collection[str], policy: ActionPolicy, make_uid: UidMaker,
-        limits: NDArray[np.float64], banned: Mapping[Cast, str],
+        limits: Floats, banned: Mapping[Cast, str],
     ) -> None:  # fmt: skip
         self.graph, self.policy, self.make_uid = graph, policy, make_uid
         self.limits, self.banned = limits, banned

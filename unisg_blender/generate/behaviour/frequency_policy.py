@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...geometry.arrays import Floats
 from .action_kinds import Kind, Kinds
 from .action_policy import ActionChoice, Scores
 from .observation import BehaviourObservation, distances
@@ -44,7 +44,7 @@ class FrequencyPolicy:
         tool, frame = (usual[:, slot, None, :] + near for slot in (1, 2))
         return Scores(wanted, usual[:, 0], tool, frame)
 
-    def _wanted(self, play: BehaviourObservation, kind: int, plays: NDArray[np.float64]) -> float:
+    def _wanted(self, play: BehaviourObservation, kind: int, plays: Floats) -> float:
         """The largest share that speaks for an action with a new object that has none of the kind yet."""
         busy = play.slots[play.kind == kind]
         for slot in range(3):
@@ -71,7 +71,7 @@ class LackingPolicy(FrequencyPolicy):
         acting[used] = FAR / 10
         return Scores(wanted, scores.target + acting, scores.tool + acting, scores.frame)
 
-    def _wanted(self, play: BehaviourObservation, kind: int, plays: NDArray[np.float64]) -> float:
+    def _wanted(self, play: BehaviourObservation, kind: int, plays: Floats) -> float:
         return 0.0
 
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ...geometry.arrays import Bools, Floats, Ints
 from ...scene import SceneGraph, world_matrices
 from .action_kinds import Kinds
 from .roled_actions import RoledAction, read_roled_actions, relation_kinds, support_rows
@@ -42,19 +43,19 @@ class BehaviourObservation:
         int64 (A,): stage by the kinds' numbers (-1 for others), and place in it (-1 for members of groups).
     """
 
-    rows: NDArray[np.int64]
-    category: NDArray[np.int64]
-    new: NDArray[np.bool_]
-    support: NDArray[np.int64]
-    relation: NDArray[np.int64]
-    place: NDArray[np.float64]
-    below: NDArray[np.bool_]
-    kind: NDArray[np.int64]
-    slots: NDArray[np.int64]
-    leaf_stage: NDArray[np.int64]
-    leaf_order: NDArray[np.int64]
+    rows: Ints
+    category: Ints
+    new: Bools
+    support: Ints
+    relation: Ints
+    place: Floats
+    below: Bools
+    kind: Ints
+    slots: Ints
+    leaf_stage: Ints
+    leaf_order: Ints
 
-    def with_acts(self, keep: NDArray[np.integer] | NDArray[np.bool_]) -> BehaviourObservation:
+    def with_acts(self, keep: NDArray[np.integer] | Bools) -> BehaviourObservation:
         """The same with some of the actions."""
         return replace(
             self, kind=self.kind[keep], slots=self.slots[keep], leaf_stage=self.leaf_stage[keep],
@@ -109,7 +110,7 @@ def observe_behaviour(
     )
 
 
-def _cast(graph: SceneGraph, kinds: Kinds, above: NDArray[np.int64]) -> NDArray[np.int64]:
+def _cast(graph: SceneGraph, kinds: Kinds, above: Ints) -> Ints:
     """Rows of what may play in some kind of action, and of what holds these."""
     names = {name for kind in kinds.kinds for slot in kind.slots for name in slot}
     may = np.array([name in names for name in graph.vocabulary] + [False], bool)[graph.category]
@@ -121,7 +122,7 @@ def _relation(kind: str) -> int:
     return RELATIONS.index(kind) if kind in RELATIONS else 0
 
 
-def _below(graph: SceneGraph) -> NDArray[np.bool_]:
+def _below(graph: SceneGraph) -> Bools:
     """bool (N, N): the second row is the first one or below it."""
     below = np.eye(len(graph), dtype=bool)
     for row, above in enumerate(graph.parent.tolist()):  # parents come first
@@ -130,6 +131,6 @@ def _below(graph: SceneGraph) -> NDArray[np.bool_]:
     return below
 
 
-def distances(play: BehaviourObservation) -> NDArray[np.float64]:
+def distances(play: BehaviourObservation) -> Floats:
     """Distances (E, E) between the objects' origins, metres."""
     return np.linalg.norm(play.place[:, None] - play.place[None], axis=2)

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...behaviour.play.body_contact import body_bounds
+from ...geometry.arrays import Floats
 from ...scene import SceneGraph, world_matrices
 from .action_kinds import Reference
 from .roled_actions import RoledAction
@@ -17,7 +17,7 @@ RULES = ("own", "frame", "high", "low", "share")
 TURNED = 0.01
 """Radians within which a turn counts as the target's own."""
 
-Array = NDArray[np.float64]
+Array = Floats
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,9 +6,9 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...behaviour import all_actions, operations
+from ...geometry.arrays import Ints
 from ...scene import ActionData, LessonNode, SceneGraph
 
 SLOTS = ("target", "tool", "frame")
@@ -113,7 +113,7 @@ def with_names(name: str, graph: SceneGraph, slots: tuple[int, int, int]) -> str
     return name
 
 
-def support_rows(graph: SceneGraph) -> NDArray[np.int64]:
+def support_rows(graph: SceneGraph) -> Ints:
     """int64 (N,): the nearest ancestor with a category, -1 for none."""
     found = np.full(len(graph) + 1, -1, np.int64)
     for row, above in enumerate(graph.parent.tolist()):  # parents come first

@@ -8,12 +8,12 @@ from functools import cached_property
 import numpy as np
 
 from ...dataset.assets.asset import Asset
+from ...geometry.arrays import Floats
 from ...geometry.boxes import upright_box
 from ...geometry.planar import turn
 from ...scene import Boxes, Mesh, SceneGraph, mesh_from_faces
 from ...spatial.part_boxes import part_boxes
 from ...spatial.support_surfaces import support_surfaces
-from .arrays import Floats
 
 
 @dataclass(frozen=True, eq=False)

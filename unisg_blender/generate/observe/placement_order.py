@@ -13,8 +13,8 @@ from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
+from ...geometry.arrays import Floats, Ints
 from ...spatial.structure import STRUCTURE
-from .arrays import Floats, Ints
 from .observed_scene import ObservedScene
 from .support_priors import CategoryPriors
 

@@ -12,8 +12,8 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
+from ...geometry.arrays import Floats
 from ...spatial.objects import SceneObjects
-from .arrays import Floats
 
 FEWEST = 12
 """Pairs that a spread is measured from, at least."""

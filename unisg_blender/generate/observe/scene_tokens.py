@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .arrays import Arrays, Bools, Floats, Ints
+from ...geometry.arrays import Bools, Floats, Ints
 from .observed_scene import ObservedScene
 
 TOKENS = 32
@@ -28,6 +28,8 @@ THIN, LONG, TALL = 0.15, 0.5, 0.6
 
 FLAT = 0.3
 """A root lower than twice this, in metres, is a floor."""
+
+Arrays = dict[str, NDArray[np.float32] | Ints]
 
 FLAGS, PLAN_WIDTH = 7, 8
 TINY = 1e-4

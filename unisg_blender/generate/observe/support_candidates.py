@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .arrays import Arrays, Bools, Floats, Ints
+from ...geometry.arrays import Bools, Floats, Ints
 from .observed_scene import ObservedScene
-from .scene_tokens import TINY, room_of
+from .scene_tokens import TINY, Arrays, room_of
 
 OCCUPANCY_WIDTH = 14
 

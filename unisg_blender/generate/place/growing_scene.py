@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from ...geometry.arrays import Bools, Floats
 from ...scene import SceneGraph, world_matrices
 from ...spatial.floor_plan import FLOOR
 from ...spatial.objects import find_object, scene_objects
-from ..observe.arrays import Bools, Floats
 from ..observe.contract import Contract
 from ..observe.observed_scene import ObservedScene
 from ..observe.placeable import Placeable

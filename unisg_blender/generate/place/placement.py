@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from ..observe.arrays import Floats
+from ...geometry.arrays import Floats
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,8 +11,8 @@ import numpy as np
 
 from ...dataset.assets.asset import Asset
 from ...errors import UniSGError
+from ...geometry.arrays import Bools
 from ...scene import SceneGraph
-from ..observe.arrays import Bools
 from ..observe.placeable import Placeable
 from ..observe.support_priors import RESTS
 from ..propose.proposer import Proposals, Proposer, Query

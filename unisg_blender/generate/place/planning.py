@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..observe.arrays import Ints
+from ...geometry.arrays import Ints
 from ..observe.prior_tables import PriorTables
 from ..observe.support_candidates import SupportOccupancy
 from ..propose.proposer import NOTHING_ELSE, Proposals, Proposer, SupportChoice, Upcoming

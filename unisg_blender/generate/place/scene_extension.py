@@ -9,10 +9,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ...dataset.assets.asset import Asset
+from ...geometry.arrays import Floats
 from ...scene import Material, Mesh, SceneGraph, Table, canonical, table, world_matrices
 from ...scene.assembly import index_categories
 from ...scene.identity import derived_uid, new_uid
-from ..observe.arrays import Floats
 from ..observe.observed_scene import within
 
 UidMaker = Callable[[str], str]

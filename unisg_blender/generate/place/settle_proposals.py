@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..observe.arrays import Bools, Floats
+from ...geometry.arrays import Bools, Floats
 from ..observe.support_priors import RESTS
 from ..propose.proposer import Proposals
 from .growing_scene import GrowingScene, Target

@@ -8,13 +8,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ...dataset.assets.asset import object_graph
+from ...geometry.arrays import Bools, Floats
 from ...geometry.boxes import covers, part_tops
 from ...geometry.planar import turned
 from ...scene import SceneGraph
 from ...spatial.floor_plan import FLOOR
 from ...spatial.objects import SceneObjects, scene_objects
 from ...spatial.structure import STRUCTURE
-from ..observe.arrays import Bools, Floats
 from ..observe.placeable import Placeable
 from ..observe.prior_tables import PriorTables
 from ..observe.scene_tokens import levels_of

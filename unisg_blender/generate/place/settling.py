@@ -8,12 +8,12 @@ from functools import cached_property
 
 import numpy as np
 
+from ...geometry.arrays import Bools, Floats, Ints
 from ...geometry.boxes import turned_reach
 from ...geometry.planar import footprints
 from ...geometry.polygon import inside, next_corners, outside_distance
 from ...scene import Boxes
 from ...spatial.level_surfaces import LEVEL, LevelSurfaces, rectangles, with_joined
-from ..observe.arrays import Bools, Floats, Ints
 from ..observe.placeable import Placeable
 from ..observe.support_priors import AT_SIDE, HANGS, RESTS, SupportPrior
 from .free_space import FreeSpace
@@ -131,13 +131,7 @@ def _onto_surface(placeable: Placeable, places: Floats, tops: LevelSurfaces, cla
     return result
 
 
-def _highest_under(
-    placeable: Placeable,
-    places: Floats,
-    local: Floats,
-    tops: LevelSurfaces,
-    nearest: Ints,
-) -> Floats:
+def _highest_under(placeable: Placeable, places: Floats, local: Floats, tops: LevelSurfaces, nearest: Ints) -> Floats:
     """Height (T,) of the highest surface of the nearest one's level under each footprint: a rug is thicker inside.
 
     ``local`` (T, S, 2) are the places as the surfaces see them.

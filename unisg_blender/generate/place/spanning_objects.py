@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from ...geometry.arrays import Bools, Floats
 from ...geometry.planar import footprint_gap
-from ..observe.arrays import Bools, Floats
 from ..observe.observed_scene import ObservedScene
 from ..observe.prior_tables import PriorTables
 from ..observe.support_priors import FAR_END

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from ..observe.arrays import Arrays, Bools, Floats
+from ...geometry.arrays import Bools, Floats
 from ..observe.observed_scene import ObservedScene
-from ..observe.scene_tokens import coming_vector, context_arrays, plan_vector, room_of, tokens_for
+from ..observe.scene_tokens import Arrays, coming_vector, context_arrays, plan_vector, room_of, tokens_for
 from ..observe.support_candidates import Proximity, SupportCandidates, SupportOccupancy, support_arrays
 from .mixture import OUT, behind_walls, draw_places, log_density, snapped
 from .proposer import NOTHING_ELSE, Proposals, Proposer, Query, SupportChoice, Upcoming

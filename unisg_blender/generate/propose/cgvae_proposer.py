@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from ...geometry.arrays import Bools, Floats, Ints
 from ...geometry.planar import heading
 from ...poses import FORMS
-from ..observe.arrays import Bools, Floats, Ints
 from ..observe.contract import Contract
 from ..observe.placeable import Placeable
 from .proposer import Proposals, Proposer, Query

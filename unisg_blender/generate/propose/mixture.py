@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import i0e, ndtr, ndtri
 
-from ..observe.arrays import Arrays, Bools, Floats
+from ...geometry.arrays import Bools, Floats
+from ..observe.scene_tokens import Arrays
 
 COMPONENTS = 48
 ALIGNED, SNAP = np.exp(8.0), np.radians(4)

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...errors import UniSGError
-from ..observe.arrays import Bools, Floats, Ints
+from ...geometry.arrays import Bools, Floats, Ints
 from ..observe.observed_scene import ObservedScene
 from ..observe.placeable import Placeable
 from ..observe.support_candidates import SupportCandidates, SupportOccupancy

@@ -6,10 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from ...geometry.arrays import Bools, Floats
 from ...geometry.boxes import turned_reach
 from ...geometry.planar import footprint_gap, turned
 from ...spatial.relations import RelationTolerances
-from ..observe.arrays import Bools, Floats
 from ..observe.observed_scene import ObservedScene
 from .proposer import Proposals, Proposer, Query, Upcoming
 

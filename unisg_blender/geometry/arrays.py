@@ -1,4 +1,4 @@
-"""Types of the arrays that models and the generator work on."""
+"""Short names for the types of arrays."""
 
 from __future__ import annotations
 
@@ -8,5 +8,3 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]
-Arrays = dict[str, NDArray[np.float32] | Ints]
-"""Inputs of a network by name."""
