@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from unisg_blender.metrics.edges import area_under_roc, average_precision, best_threshold, f1_score
+from unisg_blender.metrics.edge_metrics import area_under_roc, average_precision, best_threshold, f1_score
 
 
 def test_by_hand() -> None:

@@ -45,10 +45,6 @@ from unisg_blender.spatial.objects import scene_objects  # noqa: E402
 pytestmark = pytest.mark.slow
 
 VOCABULARY = ("Cup", "Floor", "Lamp", "Table", "Wall")
-PLACES = (
-    "target_category", "target_half", "target_bottom", "plan", "row", "latent", "category", "box",
-    "flags", "mask",
-)  # fmt: skip
 
 
 @pytest.fixture
@@ -129,7 +125,7 @@ def test_shaking_does_not_turn_walls() -> None:
 def places_of(network: AnchorModel, batch: dict[str, torch.Tensor]) -> tuple[torch.Tensor, ...]:
     codes = torch.linspace(-1, 1, LATENT).expand(len(batch["mask"]), -1)
     with torch.no_grad():
-        return network.places(*({"latent": codes, **batch}[name] for name in PLACES))
+        return network.places({"latent": codes, **batch})
 
 
 def test_the_mixture_integrates_to_one(network: AnchorModel) -> None:
@@ -213,8 +209,7 @@ def test_base_places_touch_the_sides(network: AnchorModel) -> None:
 
 def judged(network: AnchorModel, batch: dict[str, torch.Tensor], place: torch.Tensor) -> torch.Tensor:
     view = places_of(network, batch)[-1]
-    given = [batch[name] for name in ("target_half", "target_bottom", "box", "flags", "mask")]
-    return network.judge(*given, view, place)
+    return network.judge(batch, view, place)
 
 
 def some_places(batch: dict[str, torch.Tensor], count: int) -> torch.Tensor:
@@ -251,7 +246,7 @@ def test_the_critic_learns_to_tell_true_places(network: AnchorModel) -> None:
     losses = []
     torch.manual_seed(0)
     for _ in range(60):
-        loss = ranking_loss(judged(network, batch, torch.cat([true, drawn(mixture, batch["box"], 48)], dim=1))).mean()
+        loss = ranking_loss(judged(network, batch, torch.cat([true, drawn(mixture, batch["box"])], dim=1))).mean()
         optimizer.zero_grad()
         loss.backward()
         optimizer.step()
@@ -266,7 +261,7 @@ def test_draws_follow_the_mixture(network: AnchorModel) -> None:
     only = torch.full_like(weight, -1e4)
     only[0, 5] = 0.0
     torch.manual_seed(1)
-    place = drawn((only, mean, sigma, heading, kappa + 1e6), batch["box"], 48, 4000)[0]
+    place = drawn((only, mean, sigma, heading, kappa + 1e6), batch["box"], 4000)[0]
     cos, sin = batch["box"][0, 0, 6:]
     offset = place[:, :2] - mean[0, 5]
     along = torch.stack([cos * offset[:, 0] + sin * offset[:, 1], cos * offset[:, 1] - sin * offset[:, 0]], -1)
@@ -307,10 +302,7 @@ def test_the_divergence_of_the_standard_normal_is_zero() -> None:
 def test_heights_are_a_density(network: AnchorModel) -> None:
     batch = batch_of([1])
     with torch.no_grad():
-        _, *heights = network.choose(
-            *(batch[name] for name in ("target_category", "target_half", "coming", "whole")),
-            *(batch[f"support_{name}"] for name in ("category", "holder", "half", "load", "content", "near")),
-        )
+        _, *heights = network.choose(batch)
     z = torch.linspace(-20, 20, 400_001)
     weight, mean, sigma = (part[:, 0].expand(len(z), -1) for part in heights)
     total = float((-height_nll(weight, mean, sigma, z)).exp().double().sum()) * 1e-4
@@ -322,7 +314,7 @@ def test_onnxruntime_agrees_with_torch(network: AnchorModel, tmp_path: Path) -> 
     write_anchors(network, Contract("anchors", VOCABULARY, CategoryPriors({}, {}, {}, []), latent=LATENT), path)
     model = load_model(path)
     for targets, tokens, supports in ((1, 1, 1), (3, 7, 20), (2, 40, 90)):
-        inputs = example_inputs(len(VOCABULARY), targets, tokens, supports)
+        inputs = example_inputs(network, targets=targets, tokens=tokens, supports=supports)
         found = model.run(list(OUTPUTS), **{name: value.numpy() for name, value in inputs.items()})
         with torch.no_grad():
             for ours, theirs in zip(found, network(**inputs), strict=True):

@@ -21,7 +21,7 @@ from unisg_blender.generate.behaviour.network_policy import INPUTS, load_behavio
 from unisg_blender.generate.behaviour.observation import BehaviourObservation, observe_behaviour  # noqa: E402
 from unisg_blender.learn.behaviour.examples import BehaviourExamples, collate  # noqa: E402
 from unisg_blender.learn.behaviour.network import BehaviourNet  # noqa: E402
-from unisg_blender.learn.behaviour.training import make_network, train, write_behaviour  # noqa: E402
+from unisg_blender.learn.behaviour.training import make_network, train_beside, write_behaviour  # noqa: E402
 from unisg_blender.learn.settings import Settings  # noqa: E402
 from unisg_blender.worlds import living_room  # noqa: E402
 
@@ -42,7 +42,7 @@ def ask(network: BehaviourNet, play: BehaviourObservation, kinds: Kinds) -> list
     """What the network says of a scene."""
     arrays = observation_arrays(play, kinds)
     with torch.no_grad():
-        return [part[0].numpy() for part in network(*(torch.from_numpy(arrays[name][None]) for name in INPUTS))]
+        return [part[0].numpy() for part in network(**{name: torch.from_numpy(arrays[name][None]) for name in INPUTS})]
 
 
 def test_the_order_of_things_and_actions_does_not_matter() -> None:
@@ -86,12 +86,10 @@ def test_padding_changes_nothing() -> None:
     items = [examples[number] for number in range(6)]
     batch = collate(items, len(kinds.kinds))
     with torch.no_grad():
-        together = network.encode(*(batch[name] for name in INPUTS)).wanted
+        together = network.encode(batch).wanted
         for number, item in enumerate(items):
             alone = collate([item], len(kinds.kinds))
-            np.testing.assert_allclose(
-                together[number], network.encode(*(alone[name] for name in INPUTS)).wanted[0], atol=1e-4
-            )
+            np.testing.assert_allclose(together[number], network.encode(alone).wanted[0], atol=1e-4)
 
 
 def test_the_exported_file_says_the_same(tmp_path: Path) -> None:
@@ -116,10 +114,10 @@ def test_a_folder_of_scenes_teaches_its_own_behaviour_and_too_few_are_told(tmp_p
     few, enough, model = tmp_path / "few", tmp_path / "enough", tmp_path / "model.onnx"
     write_dataset((room(seed) for seed in range(4)), few)
     write_dataset((room(seed) for seed in range(12)), enough)
-    (note,) = train(open_dataset(few), model, Settings(quiet=True))["notes"]
+    (note,) = train_beside([open_dataset(few)], model, Settings(quiet=True))["notes"]
     assert "4 scenes have actions, 10 are needed" in note
     assert not behaviour_path(model).exists()
-    report = train(open_dataset(enough), model, Settings(epochs=2, quiet=True))
+    report = train_beside([open_dataset(enough)], model, Settings(epochs=2, quiet=True))
     assert (report["scenes_trained"], report["scenes_held_out"]) == (11, 1)
     policy, scene = load_behaviour(behaviour_path(model)), room(500)
     (kind,) = policy.kinds.kinds

@@ -11,14 +11,15 @@ import pytest
 torch = pytest.importorskip("torch")
 pytest.importorskip("torch_geometric")
 
+from torch_geometric.data import Batch  # noqa: E402
+
 from unisg_blender.dataset import open_dataset  # noqa: E402
 from unisg_blender.generate.observe.contract import Contract  # noqa: E402
 from unisg_blender.generate.observe.support_priors import CategoryPriors  # noqa: E402
 from unisg_blender.generate.propose.cgvae_proposer import edges_of, node_features, poses_of  # noqa: E402
 from unisg_blender.generate.propose.trained_model import load_model  # noqa: E402
 from unisg_blender.learn.cgvae.network import Cgvae, CgvaeSizes  # noqa: E402
-from unisg_blender.learn.cgvae.training import normalisation, write_cgvae  # noqa: E402
-from unisg_blender.learn.losses.variational import cgvae_losses  # noqa: E402
+from unisg_blender.learn.cgvae.training import batch_terms, normalisation, support_graph, write_cgvae  # noqa: E402
 from unisg_blender.learn.training_scenes import load_scenes, vocabulary_of  # noqa: E402
 from unisg_blender.poses import FORMS  # noqa: E402
 
@@ -70,22 +71,16 @@ def test_new_nodes_see_noise_and_known_ones_do_not(network: Cgvae) -> None:
 
 def test_the_loss_of_a_batch_does_not_mix_scenes(network: Cgvae) -> None:
     def losses(parts: list[dict[str, torch.Tensor]]) -> tuple[float, ...]:
-        start, batch = 0, {name: [] for name in ("features", "category", "edges", "parent", "scene", "noise")}
-        for number, part in enumerate(parts):
-            count = len(part["category"])
-            support = torch.full((count,), -1)
-            for below, above in part["edges"].T[part["edges"].shape[1] // 2 :].tolist():
-                support[below] = above
-            batch["parent"].append(torch.where(support >= 0, support + start, -1))
-            batch["edges"].append(part["edges"] + start)
-            batch["scene"].append(torch.full((count,), number))
-            for name in ("features", "category", "noise"):
-                batch[name].append(part[name])
-            start += count
-        joined = {name: torch.cat(value, dim=1 if name == "edges" else 0) for name, value in batch.items()}
+        graphs = []
+        for part in parts:
+            support = np.full(len(part["category"]), -1)
+            below, above = part["edges"][:, part["edges"].shape[1] // 2 :].numpy()
+            support[below] = above
+            graphs.append(support_graph(part["features"].numpy(), part["category"].numpy(), support))
         with torch.no_grad():
-            found = cgvae_losses(network, **joined)
-        return float(found.mse), float(found.bce), float(found.kl)
+            noise = torch.cat([part["noise"] for part in parts])
+            found = batch_terms(network, Batch.from_data_list(graphs), noise)
+        return float(found["mse"]), float(found["bce"]), float(found["kl"])
 
     one, two = scene_tensors(4, 7), scene_tensors(5, 3)
     alone, both = np.array(losses([one])), np.array(losses([one, two]))

@@ -18,6 +18,7 @@ from unisg_blender.cli import main  # noqa: E402
 from unisg_blender.dataset import open_dataset, write_dataset  # noqa: E402
 from unisg_blender.errors import UniSGError  # noqa: E402
 from unisg_blender.generate.propose.trained_model import assets_path, load_model  # noqa: E402
+from unisg_blender.learn import jobs  # noqa: E402
 from unisg_blender.learn.anchors import training as train_anchors  # noqa: E402
 from unisg_blender.learn.behaviour import training as train_behaviour  # noqa: E402
 from unisg_blender.learn.cgvae import training as train_cgvae  # noqa: E402
@@ -53,7 +54,7 @@ def networks(monkeypatch: pytest.MonkeyPatch) -> list[torch.nn.Module]:
     for module, name in ((train_cgvae, "write_cgvae"), (train_anchors, "write_anchors")):
         monkeypatch.setattr(module, name, lambda network, contract, out: found.append(network))
     monkeypatch.setattr(train_anchors, "PER_EPOCH", 64)
-    monkeypatch.setattr(train_behaviour, "train", lambda dataset, model, settings: {})
+    monkeypatch.setattr(train_behaviour, "train_beside", lambda datasets, model, settings: {"notes": []})
     return found
 
 
@@ -64,7 +65,7 @@ def test_same_seed_same_network_and_another_seed_another(
     found = networks(monkeypatch)
     for seed in (3, 3, 4):
         settings = Settings(paper=paper, epochs=1, seed=seed, quiet=True)
-        train_cgvae.train(open_dataset(dataset_folder), tmp_path / "model.onnx", settings)
+        jobs.train("cgvae", [open_dataset(dataset_folder)], tmp_path / "model.onnx", settings)
     one, two, other = (torch.cat([weight.flatten() for weight in network.parameters()]) for network in found)
     assert torch.equal(one, two)
     assert not torch.allclose(one, other)
@@ -75,7 +76,7 @@ def test_an_interrupted_training_goes_on_where_it_stopped(
     dataset_folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, module: ModuleType
 ) -> None:
     networks(monkeypatch)
-    logs, real, calls = tmp_path / "logs", module._terms, []
+    logs, real, calls = tmp_path / "logs", module.terms, []
 
     def failing(network: torch.nn.Module, batch: Any) -> dict[str, torch.Tensor]:
         calls.append(1)
@@ -85,12 +86,12 @@ def test_an_interrupted_training_goes_on_where_it_stopped(
 
     def train(epochs: int) -> None:
         settings = Settings(paper=module is train_cgvae, epochs=epochs, quiet=True, logs=logs)
-        train_cgvae.train(open_dataset(dataset_folder), tmp_path / "model.onnx", settings)
+        jobs.train("cgvae", [open_dataset(dataset_folder)], tmp_path / "model.onnx", settings)
 
-    monkeypatch.setattr(module, "_terms", failing)
+    monkeypatch.setattr(module, "terms", failing)
     with pytest.raises(RuntimeError, match="power"):
         train(4)
-    monkeypatch.setattr(module, "_terms", real)
+    monkeypatch.setattr(module, "terms", real)
     with pytest.raises(UniSGError, match="same dataset and --epochs"):
         train(6)
     train(4)

@@ -16,8 +16,11 @@ torch = pytest.importorskip("torch")
 pytest.importorskip("torch_geometric")
 pytest.importorskip("pytorch_lightning")
 
+from torch_geometric.data import Batch  # noqa: E402
+
 from unisg_blender.cli import main  # noqa: E402
 from unisg_blender.dataset import open_dataset, write_dataset  # noqa: E402
+from unisg_blender.learn import jobs  # noqa: E402
 from unisg_blender.learn.classifier import training as train_classifier  # noqa: E402
 from unisg_blender.learn.settings import Settings  # noqa: E402
 from unisg_blender.learn.topology import training as train_topology  # noqa: E402
@@ -62,19 +65,23 @@ def test_the_classifier_in_the_file_is_that_of_torch(folders: dict[str, Path], t
     metadata = metadata_text("classifier", VERSION, kinds=kinds, form="sixd", mesh="descriptor")
     train_classifier.write_classifier(network, metadata, tmp_path / "m.onnx")
     loaded = load_network("classifier", tmp_path / "m.onnx")
-    batch = train_classifier.collate(scenes)
     with torch.no_grad():
-        together = network.of_batch(batch["nodes"], batch["edges"], batch["scene"], len(scenes)).numpy()
+        together = network.of_batch(Batch.from_data_list([scene.graph for scene in scenes])).numpy()
     for number in (0, 5, 13):  # cubes have no actions, rooms do
-        logits = loaded.run(**scenes[number].inputs)[0]
+        graph = scenes[number].graph
+        inputs = {node: graph[node].x.numpy() for node in train_classifier.NODES}
+        inputs |= {name: graph[edge].edge_index.numpy() for name, edge in train_classifier.EDGES.items()}
+        logits = loaded.run(**inputs)[0]
         np.testing.assert_allclose(logits[0], together[number], atol=1e-5, rtol=1e-4)
 
 
 def test_turning_a_scene_changes_only_the_poses_of_its_roots(folders: dict[str, Path]) -> None:
     _, scenes = train_classifier.load_labelled([open_dataset(p) for p in folders.values()], "sixd", "descriptor", True)
-    turned = train_classifier._Scenes(scenes[:1], "sixd", turned=True, seed=0)[0]
-    moved = np.flatnonzero(np.abs(turned.inputs["trs"] - scenes[0].inputs["trs"]).max(axis=1) > 1e-6)
+    before = scenes[0].graph["trs"].x.clone()
+    turned = train_classifier.LabelledScenes(scenes[:1], "sixd", turned=True, seed=0)[0]
+    moved = torch.nonzero((turned["trs"].x - before).abs().amax(1) > 1e-6).flatten()
     assert moved.tolist() == scenes[0].roots.tolist()
+    assert torch.equal(scenes[0].graph["trs"].x, before)  # the scene itself is as it was
 
 
 @pytest.mark.parametrize("job", ["topology", "classifier"])
@@ -86,7 +93,7 @@ def test_same_seed_same_network(
     monkeypatch.setattr(module, f"write_{job}", lambda network, *rest: found.append(network))
     datasets = [open_dataset(path) for path in folders.values()]
     for seed in (1, 1, 2):
-        module.train(datasets, tmp_path / "m.onnx", Settings(epochs=1, seed=seed, quiet=True))
+        jobs.train(job, datasets, tmp_path / "m.onnx", Settings(epochs=1, seed=seed, quiet=True))
     one, two, other = (torch.cat([weight.flatten() for weight in network.parameters()]) for network in found)
     assert torch.equal(one, two)
     assert not torch.allclose(one, other)
@@ -129,10 +136,10 @@ def test_training_ends_early_and_keeps_the_best(
             loss = loss * 0 + values[len(weights) - 1]
         return {"loss": loss}
 
-    monkeypatch.setattr(train_topology, "_terms", terms)
+    monkeypatch.setattr(train_topology, "terms", terms)
     monkeypatch.setattr(train_topology, "BATCH", 100_000)
     datasets = [open_dataset(folders["cubes"])]
-    train_topology.train(datasets, tmp_path / "m.onnx", Settings(epochs=6, patience=2, quiet=True))
+    jobs.train("topology", datasets, tmp_path / "m.onnx", Settings(epochs=6, patience=2, quiet=True))
     assert len(weights) == 4
     assert torch.equal(kept[0].layers[0].weight.detach(), weights[1])
 

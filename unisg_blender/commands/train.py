@@ -3,43 +3,43 @@
 from __future__ import annotations
 
 import argparse
-import importlib
 import json
 import shlex
 import time
 from pathlib import Path
 from typing import Any
 
-from ..errors import DONE, MissingPackageError, UniSGError
+from ..errors import DONE, UniSGError
+from ..learn import jobs
+from ..learn.jobs import JOBS
+from ..learn.settings import ACCELERATORS, Settings
 from . import train_meshes
 
 HELP = "Train a model on a dataset and write it as an ONNX file that runs without torch."
-JOBS = {
-    "cgvae": "a generator of objects for scenes: conditional graph variational autoencoder",
-    "atiss": "an autoregressive set model at small size, a baseline for 'unisg evaluate --also'",
-    "topology": "which thing stands on which, from datasets with relations",
-    "classifier": "what kind of scene it is, from datasets with labels, or one dataset per kind",
-    "meshes": "the mesh feature (AtlasNet) and the model of categories, from folders of mesh files",
-}
-"""Trained by ``learn.NAME.training`` with ``EPOCHS`` and ``train(dataset, out, settings)``, not so "meshes"."""
-
-SEVERAL = ("topology", "classifier")
-"""Jobs whose ``train`` takes a list of datasets."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """What the verb takes."""
     from ..poses import FORMS
 
-    jobs = "; ".join(f"{name}: {text}" for name, text in JOBS.items())
-    parser.add_argument("job", choices=JOBS, help=jobs)
+    texts = "; ".join(f"{name}: {job.text}" for name, job in JOBS.items())
+    parser.add_argument("job", choices=JOBS, help=texts)
     parser.add_argument("--data", metavar="DATASET", type=Path, nargs="+", required=True, help="folder of the dataset")
     parser.add_argument("--out", metavar="MODEL.onnx", type=Path, required=True, help="file (meshes: folder) to write")
     parser.add_argument("--form", choices=FORMS, help="form of the poses that the network sees")
     parser.add_argument("--epochs", metavar="N", type=int, help="passes over the dataset")
     parser.add_argument("--seed", type=int, default=0, help="same seed, same model (default: 0)")
     parser.add_argument("--paper", action="store_true", help="the paper's architecture and losses")
-    parser.add_argument("--devices", metavar="N", type=int, default=1, help="processes on this machine (default: 1)")
+    parser.add_argument(
+        "--accelerator", choices=ACCELERATORS, default="auto", help="what computes: a GPU if there is one (auto)"
+    )
+    parser.add_argument(
+        "--devices",
+        metavar="N",
+        type=int,
+        default=1,
+        help="GPUs, else processes, on this machine (default: 1)",
+    )
     parser.add_argument("--nodes", metavar="N", type=int, default=1, help="machines (default: 1)")
     parser.add_argument("--patience", metavar="N", type=int, help="stop after N epochs without a better loss")
     parser.add_argument("--logs", metavar="DIR", type=Path, help="keep checkpoints and metrics.csv there, and resume")
@@ -54,25 +54,13 @@ def run(args: argparse.Namespace) -> int:
 
     _check(args)
     datasets = [open_dataset(path) for path in args.data]
-    try:
-        job = importlib.import_module(f"...learn.{args.job}.training", __name__)
-        from ..learn.settings import Settings
-    except ModuleNotFoundError as error:
-        if error.name and error.name.split(".")[0] in (
-            "torch",
-            "torch_geometric",
-            "pytorch_lightning",
-            "onnx",
-            "onnxscript",
-        ):
-            raise MissingPackageError(error.name, "learn") from None
-        raise
     start = time.perf_counter()
     settings = Settings(
-        form=args.form, epochs=args.epochs, seed=args.seed, paper=args.paper, devices=args.devices, nodes=args.nodes,
-        logs=args.logs, patience=args.patience, quiet=args.quiet, command=_command(args),
+        form=args.form, epochs=args.epochs, seed=args.seed, paper=args.paper, accelerator=args.accelerator,
+        devices=args.devices, nodes=args.nodes, logs=args.logs, patience=args.patience, quiet=args.quiet,
+        command=_command(args),
     )  # fmt: skip
-    report = {"model": str(args.out), **job.train(datasets if args.job in SEVERAL else datasets[0], args.out, settings)}
+    report = {"model": str(args.out), **jobs.train(args.job, datasets, args.out, settings)}
     report["seconds"] = round(time.perf_counter() - start, 1)
     if args.json:
         print(json.dumps(report, ensure_ascii=False))
@@ -91,7 +79,7 @@ def _command(args: argparse.Namespace) -> str:
 
 
 def _check(args: argparse.Namespace) -> None:
-    if len(args.data) > 1 and args.job not in SEVERAL:
+    if len(args.data) > 1 and not JOBS[args.job].several:
         raise UniSGError(f"'train {args.job}' takes one dataset, not {len(args.data)}")
     if args.out.suffix != ".onnx":
         raise UniSGError(f"--out must end in .onnx, not {args.out.name!r}")

@@ -7,15 +7,16 @@ import json
 import shlex
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from .. import __version__
-from ..errors import DONE, MissingPackageError, UniSGError
+from ..errors import DONE, UniSGError
+from ..learn.jobs import load
 from ..meshes.shape_files import ShapeFile, of_split, read_models, world_models
 
 WORLDS_WITH_OBJECTS = ("operating-room", "living-room")
-PACKAGES = ("torch", "onnx", "onnxscript")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -56,23 +57,16 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _train_networks(args: argparse.Namespace, models: list[ShapeFile], provenance: dict[str, Any]) -> dict[str, Any]:
-    try:
-        from ..learn.atlasnet.export import export
-        from ..learn.atlasnet.training import MeshTraining, train
-    except ModuleNotFoundError as error:
-        if error.name and error.name.split(".")[0] in PACKAGES:
-            raise MissingPackageError(error.name, "learn") from None
-        raise
-    settings = MeshTraining(seed=args.seed, threads=args.threads)
-    if args.steps is not None:
-        settings = MeshTraining(steps=args.steps, seed=args.seed, threads=args.threads)
+    training, export = load("atlasnet.training"), load("atlasnet.export").export
+    settings = training.MeshTraining(seed=args.seed, threads=args.threads, accelerator=args.accelerator)
+    settings = settings if args.steps is None else replace(settings, steps=args.steps)
 
     def show(step: int, loss: float) -> None:
         """Show step and loss on one line."""
         if not args.quiet:
             print(f"\rstep {step + 1}/{settings.steps}  chamfer {loss:.5f} ", end="", file=sys.stderr, flush=True)
 
-    network, report = train(models, settings, show)
+    network, report = training.train(models, settings, show)
     if not args.quiet:
         print(file=sys.stderr)
     paths = export(network, args.out, provenance | {"training": report})

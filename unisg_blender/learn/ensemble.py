@@ -74,16 +74,16 @@ def train_stacked(
         G seeds of the batches; networks of a group see the same ones.
     """
     group = len(rates) // len(x)
-    rate = torch.tensor(rates).reshape(-1, 1, 1)
+    rate = torch.tensor(rates, device=x.device).reshape(-1, 1, 1)
     weights = list(network.parameters())
     first, second = ([torch.zeros_like(weight) for weight in weights] for _ in range(2))
-    orders = torch.stack([_order(x.shape[1], steps * batch, seed) for seed in seeds])
-    groups = torch.arange(len(x))[:, None]
+    orders = torch.stack([_order(x.shape[1], steps * batch, seed) for seed in seeds]).to(x.device)
+    groups = torch.arange(len(x), device=x.device)[:, None]
     for step in range(steps):
         rows = orders[:, step * batch : (step + 1) * batch]
         some, wanted = (part[groups, rows].repeat_interleave(group, dim=0) for part in (x, y))
         gradients = torch.autograd.grad(loss(network(some), wanted).sum(), weights)
-        now = rate * (0.5 + 0.5 * torch.cos(torch.tensor(torch.pi * step / steps)))
+        now = rate * (0.5 + 0.5 * torch.cos(torch.tensor(torch.pi * step / steps, device=x.device)))
         bias = (1 - 0.9 ** (step + 1), 1 - 0.999 ** (step + 1))
         with torch.no_grad():
             for weight, gradient, mean, square in zip(weights, gradients, first, second, strict=True):
@@ -95,5 +95,5 @@ def train_stacked(
 def _order(count: int, length: int, seed: int) -> Tensor:
     """Rows in random order, again and again."""
     generator = torch.Generator().manual_seed(seed)
-    rounds = [torch.randperm(count, generator=generator) for _ in range(-(-length // count))]
+    rounds = [torch.randperm(count, generator=generator, device=generator.device) for _ in range(-(-length // count))]
     return torch.cat(rounds)[:length]

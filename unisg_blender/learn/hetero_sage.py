@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping
 
 from torch import Tensor, nn
-from torch_geometric.nn import SAGEConv
+from torch_geometric.nn import HeteroConv, SAGEConv
 
 EdgeKind = tuple[str, str, str]
 
@@ -38,10 +39,12 @@ class HeteroSage(nn.Module):
         self.kinds = edge_kinds(tuple(kind for kind in COMPONENTS if kind in widths))
         self.inputs = nn.ModuleDict({kind: nn.Linear(width, hidden) for kind, width in widths.items()})
         upward = tuple(kind for kind in self.kinds if kind[2] == "entity")  # of the last layer only entities are read
-        self.layers = nn.ModuleList(
-            nn.ModuleDict({"-".join(kind): SAGEConv((hidden, hidden), hidden) for kind in kinds})
-            for kinds in (self.kinds, upward)
-        )
+        with warnings.catch_warnings():
+            warnings.filterwarnings("ignore", "There exist node types")  # whose values after it nobody reads
+            self.layers = nn.ModuleList(
+                HeteroConv({kind: SAGEConv((hidden, hidden), hidden) for kind in kinds}, aggr="sum")
+                for kinds in (self.kinds, upward)
+            )
 
     def forward(
         self, x: Mapping[str, Tensor], edges: Mapping[EdgeKind, Tensor], rows: Mapping[str, Tensor] | None = None
@@ -61,12 +64,5 @@ class HeteroSage(nn.Module):
         for kind, place in (rows or {}).items():
             hidden[kind] = hidden[kind][place]
         for layer in self.layers:
-            assert isinstance(layer, nn.ModuleDict)
-            hidden = {kind: value.relu() for kind, value in hidden.items()}
-            sums: dict[str, Tensor] = {}
-            for edge in self.kinds:
-                if (name := "-".join(edge)) in layer:
-                    message = layer[name]((hidden[edge[0]], hidden[edge[2]]), edges[edge])
-                    sums[edge[2]] = sums[edge[2]] + message if edge[2] in sums else message
-            hidden = sums
+            hidden = layer({kind: value.relu() for kind, value in hidden.items()}, edges)
         return hidden["entity"]

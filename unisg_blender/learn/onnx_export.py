@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import contextlib
+import inspect
 import io
 import logging
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -43,7 +44,7 @@ def export_onnx(
     Parameters
     ----------
     inputs
-        Example tensors by name, in the order of the network's ``forward``.
+        Example tensors by name, in the order of the network's ``forward``, which takes them by name.
     outputs
         Names of what it returns.
     dynamic
@@ -54,13 +55,13 @@ def export_onnx(
         Where the file goes, whole or not at all.
     """
     network.eval()
-    shapes = {name: {axis: torch.export.Dim.DYNAMIC for axis in dynamic.get(name, {})} or None for name in inputs}
-    with warnings.catch_warnings(), contextlib.redirect_stdout(io.StringIO()):
+    shapes = [dict.fromkeys(dynamic.get(name, ()), torch.export.Dim.DYNAMIC) or None for name in inputs]
+    with warnings.catch_warnings(), contextlib.redirect_stdout(io.StringIO()), _positional(network, list(inputs)):
         warnings.simplefilter("ignore")
         logging.getLogger("torch.onnx").setLevel(logging.ERROR)
         program = torch.onnx.export(
             network, tuple(inputs.values()), dynamo=True, opset_version=OPSET, input_names=list(inputs),
-            output_names=list(outputs), dynamic_shapes=tuple(shapes.values()), verbose=False,
+            output_names=list(outputs), dynamic_shapes=tuple(shapes), verbose=False,
         )  # fmt: skip
     assert program is not None
     model = program.model_proto
@@ -73,6 +74,23 @@ def export_onnx(
     entry.key, entry.value = KEY, metadata
     _check(model)
     write_file(path, model.SerializeToString())
+
+
+@contextlib.contextmanager
+def _positional(network: nn.Module, names: Sequence[str]) -> Iterator[None]:
+    """Gives ``forward(**inputs)`` a parameter for each name, without which torch's exporter mixes up the names."""
+
+    def forward(*tensors: Tensor) -> Any:
+        """What the network computes."""
+        return type(network).forward(network, **dict(zip(names, tensors, strict=True)))
+
+    parameters = [inspect.Parameter(name, inspect.Parameter.POSITIONAL_OR_KEYWORD) for name in names]
+    forward.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
+    network.forward = forward
+    try:
+        yield
+    finally:
+        del network.forward
 
 
 def _check(model: onnx.ModelProto) -> None:

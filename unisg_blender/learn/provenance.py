@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import platform
+from collections.abc import Sequence
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
@@ -19,9 +20,11 @@ from .training_scenes import FEW_SCENES, dataset_checksum
 
 
 def provenance(
-    dataset: Dataset, settings: Settings, train: int, val: int, losses: dict[str, float], network: nn.Module
+    dataset: Dataset, settings: Settings, scenes: tuple[int, int], losses: dict[str, float], network: nn.Module
 ) -> dict[str, Any]:
-    """Dataset, counts, software, settings, losses and date of a training."""
+    """Dataset, counts, software, settings, losses and date of a training on the first of ``scenes``, the second held
+    out.
+    """
     notes = []
     if len(dataset) < FEW_SCENES:
         notes.append(f"{len(dataset)} scenes are few: expect little variety; {FEW_SCENES} or more make a useful model")
@@ -30,14 +33,19 @@ def provenance(
     return {
         "notes": notes,
         "dataset": {"sha256": dataset_checksum(dataset), "scenes": len(dataset), **dataset.manifest["counts"]},
-        "scenes_trained": train,
-        "scenes_held_out": val,
+        "scenes_trained": scenes[0],
+        "scenes_held_out": scenes[1],
         "settings": settings.to_record(),
         "losses": {name: round(value, 6) for name, value in sorted(losses.items())},
         "parameters": sum(parameter.numel() for parameter in network.parameters()),
         "software": f"unisg_blender {__version__}, torch {torch.__version__}, Python {platform.python_version()}",
         "date": datetime.now(UTC).strftime("%Y-%m-%d"),
     }
+
+
+def several(datasets: Sequence[Dataset]) -> dict[str, Any]:
+    """The entries of a model that learns from several datasets together."""
+    return {"notes": [], "datasets": [{"name": dataset.path.name, "scenes": len(dataset)} for dataset in datasets]}
 
 
 def save_model_assets(dataset: Dataset, out: Path) -> int:

@@ -15,11 +15,11 @@ import torch
 from pytorch_lightning.callbacks import Callback, EarlyStopping, ModelCheckpoint, TQDMProgressBar
 from pytorch_lightning.loggers import CSVLogger, TensorBoardLogger
 from torch import Tensor, nn
-from torch.utils.data import DataLoader, Dataset
+from torch.utils.data import DataLoader
 from torch.utils.data.distributed import DistributedSampler
 
 from ..errors import UniSGError
-from .settings import Settings
+from .settings import Settings, accelerator_device
 
 Terms = Callable[[nn.Module, Any], Mapping[str, Tensor]]
 """Loss terms of a batch by name; "loss" is what is minimised."""
@@ -27,19 +27,18 @@ Terms = Callable[[nn.Module, Any], Mapping[str, Tensor]]
 
 @dataclass(frozen=True)
 class Schedule:
-    """How long and how fast: one cycle of the learning rate, 10 % of it warm-up.
+    """How fast: one cycle of the learning rate, 10 % of it warm-up.
 
     AdamW for all but the matrices named in ``muon``, which Muon trains: it orthogonalises what momentum has
-    gathered (Jordan et al., "Muon: An optimizer for hidden layers in neural networks", 2024).
+    gathered (Jordan et al., "Muon: An optimizer for hidden layers in neural networks", 2024). It ends after all
+    epochs, or after ``steps``.
     """
 
-    epochs: int
     rate: float = 2e-3
     muon: Sequence[nn.Parameter] = ()
     weight_decay: float = 0.01
     clip: float = 2.0
-    devices: int = 1
-    nodes: int = 1
+    steps: int = -1
 
 
 class _Task(lightning.LightningModule):
@@ -126,9 +125,10 @@ class _BestLosses(Callback):
 
 
 def loader(
-    items: Dataset[Any], batch: int, settings: Settings, shuffle: bool, collate: Callable[[Any], Any] | None = None
-) -> DataLoader[Any]:
-    """Batches of ``batch`` items in all, however many processes share them.
+    items: Any, batch: int, settings: Settings, shuffle: bool, collate: Callable[[Any], Any] | None = None,
+    workers: int = 0,
+) -> DataLoader[Any]:  # fmt: skip
+    """Batches of ``batch`` of a sequence's items in all, however many processes share them.
 
     Several processes together see in each step what one process would see, so that their losses agree.
     """
@@ -138,45 +138,50 @@ def loader(
     if alone:
         sampler = DistributedSampler(items, 1, 0, shuffle=True, seed=settings.seed)
     size = max(1, batch // processes)
-    return DataLoader(items, size, shuffle=shuffle and not alone, sampler=sampler, collate_fn=collate)
+    return DataLoader(
+        items, size, shuffle=shuffle and not alone, sampler=sampler, collate_fn=collate, num_workers=workers,
+        persistent_workers=workers > 0,
+    )  # fmt: skip
 
 
 def fit(
     network: nn.Module,
     terms: Terms,
-    train: DataLoader[Any],
-    val: DataLoader[Any],
+    loaders: Sequence[DataLoader[Any]],
     schedule: Schedule,
     settings: Settings,
 ) -> dict[str, float]:
-    """Train a network in place.
+    """Train a network in place, on the first loader's batches; the second's are watched.
 
     Checkpoints, ``metrics.csv`` and, in ``tensorboard``, event files go to ``settings.logs``; an interrupted training
     goes on from its last checkpoint when it is called again with the same folder.
-    Same seed, same result on the same machine. With several processes only the first one
-    returns: the others end when the training does.
+    A process that prepares examples beside has a core for itself.
+    Same seed, same result on the same machine's processors; on a GPU some sums come in any order. With several
+    processes only the first one returns: the others end when the training does.
 
     Returns
     -------
     dict
         The last values of all terms, named "train_..." and "val_...".
     """
-    if settings.logs is not None:
-        return _fit(network, terms, train, val, schedule, settings, settings.logs)
-    with tempfile.TemporaryDirectory() as folder:
-        return _fit(network, terms, train, val, schedule, settings, Path(folder))
+    threads = torch.get_num_threads()
+    torch.set_num_threads(max(1, threads - loaders[0].num_workers))  # else they wait for the one that prepares examples
+    try:
+        with tempfile.TemporaryDirectory() as folder:
+            return _fit(network, terms, loaders, schedule, settings, settings.logs or Path(folder))
+    finally:
+        torch.set_num_threads(threads)
 
 
 def _fit(
     network: nn.Module,
     terms: Terms,
-    train: DataLoader[Any],
-    val: DataLoader[Any],
+    loaders: Sequence[DataLoader[Any]],
     schedule: Schedule,
     settings: Settings,
     folder: Path,
 ) -> dict[str, float]:
-    seed, quiet = settings.seed, settings.quiet
+    seed, quiet, on_cpu = settings.seed, settings.quiet, accelerator_device(settings.accelerator).type == "cpu"
     logging.getLogger("pytorch_lightning").setLevel(logging.ERROR)
     warnings.filterwarnings("ignore", module="pytorch_lightning")
     lightning.seed_everything(seed, workers=True, verbose=False)
@@ -187,11 +192,12 @@ def _fit(
     if settings.patience is not None:
         extra.append(EarlyStopping("val_loss", patience=settings.patience))
     trainer = lightning.Trainer(
-        max_epochs=schedule.epochs,
-        accelerator="cpu",
-        devices=schedule.devices,
-        num_nodes=schedule.nodes,
-        deterministic=True,
+        max_epochs=settings.epochs,
+        max_steps=schedule.steps,
+        accelerator=settings.accelerator,
+        devices=settings.devices,
+        num_nodes=settings.nodes,
+        deterministic=True if on_cpu else "warn",  # of some of torch's kernels a GPU has no other
         callbacks=[best, latest, losses, *extra],
         logger=[CSVLogger(folder, name="", version=""), TensorBoardLogger(folder, name="", version="tensorboard")],
         enable_progress_bar=not quiet,
@@ -202,13 +208,13 @@ def _fit(
     _keep_metrics(folder)
     last = folder / "last.ckpt"
     task = _Task(network, terms, schedule)
-    trainer.fit(task, train, val, ckpt_path=str(last) if last.is_file() else None)
+    trainer.fit(task, *loaders, ckpt_path=str(last) if last.is_file() else None)
     if trainer.global_rank:
         raise SystemExit(0)
     if settings.patience is not None:
-        state = torch.load(best.best_model_path, weights_only=False)["state_dict"]
+        state = torch.load(best.best_model_path, map_location="cpu", weights_only=False)["state_dict"]
         network.load_state_dict({name.removeprefix("network."): value for name, value in state.items()})
-    network.eval()
+    network.cpu().eval()
     return losses.last
 
 

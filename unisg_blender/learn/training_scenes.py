@@ -15,6 +15,7 @@ from ..dataset.assets.shaped_scenes import scenes_with_shapes
 from ..dataset.format.reader import Dataset
 from ..errors import UniSGError
 from ..generate.observe.observed_scene import relative
+from ..generate.observe.support_priors import CategoryPriors, learn_priors
 from ..scene import world_matrices
 from ..spatial.objects import SceneObjects, scene_objects
 
@@ -53,6 +54,13 @@ def vocabulary_of(dataset: Dataset) -> tuple[str, ...]:
     return names
 
 
+def scenes_and_priors(dataset: Dataset, quiet: bool) -> tuple[tuple[str, ...], list[TrainingScene], CategoryPriors]:
+    """The categories and scenes of a dataset, and what the scenes say of where each category is; errors as above."""
+    vocabulary = vocabulary_of(dataset)
+    scenes = load_scenes(dataset, vocabulary, quiet)
+    return vocabulary, scenes, learn_priors((scene.objects for scene in scenes), vocabulary)
+
+
 def load_scenes(dataset: Dataset, vocabulary: Sequence[str], quiet: bool = False) -> list[TrainingScene]:
     """All scenes of a dataset; those without an object of a known category are left out."""
     scenes = []
@@ -75,8 +83,12 @@ def dataset_checksum(dataset: Dataset) -> str:
     return hashlib.sha256(sums.encode()).hexdigest()
 
 
-def split(scenes: Sequence[TrainingScene], seed: int) -> tuple[list[TrainingScene], list[TrainingScene]]:
+def split_rows(count: int, seed: int, parts: int = 1) -> list[NDArray[np.int64]]:
+    """Rows to train on, and ``parts`` lots of :data:`HELD_OUT` held-out ones, at least one each; in random order."""
+    order, held = np.random.default_rng(seed).permutation(count), max(1, round(HELD_OUT * count))
+    return [order[parts * held :], *(order[part * held : (part + 1) * held] for part in range(parts))]
+
+
+def split(scenes: Sequence[TrainingScene], seed: int) -> list[list[TrainingScene]]:
     """Scenes to train on and scenes to watch the loss on, at least one each."""
-    order = np.random.default_rng(seed).permutation(len(scenes))
-    count = max(1, round(HELD_OUT * len(scenes)))
-    return [scenes[i] for i in np.sort(order[count:])], [scenes[i] for i in np.sort(order[:count])]
+    return [[scenes[row] for row in np.sort(rows)] for rows in split_rows(len(scenes), seed)]

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry.boxes import Boxes
-from ...metrics.edges import f1_score
+from ...metrics.edge_metrics import f1_score
 from ...predict.object_pairs import candidate_pairs, object_boxes
 from ...predict.support_prediction import TopologyModel
 from ...worlds.cubes import cube_pairs

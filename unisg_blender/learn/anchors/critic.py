@@ -80,8 +80,8 @@ def _seen_from(box: Tensor, target: Tensor, scale: Tensor) -> Tensor:
 
 
 @torch.no_grad()
-def drawn(mixture: tuple[Tensor, ...], box: Tensor, places: int, draws: int = DRAWS) -> Tensor:
-    """Places (B, draws, 3) from a mixture over ``places`` for each token, as when generating.
+def drawn(mixture: tuple[Tensor, ...], box: Tensor, draws: int = DRAWS) -> Tensor:
+    """Places (B, draws, 3) from a mixture over places of each token, as when generating.
 
     Within :data:`TAIL` standard deviations; headings by their normal approximation.
     """
@@ -89,10 +89,10 @@ def drawn(mixture: tuple[Tensor, ...], box: Tensor, places: int, draws: int = DR
     part = torch.multinomial(weight.exp(), draws, replacement=True)
     pair = part.unsqueeze(-1).expand(-1, -1, 2)
     edge = math.erf(TAIL / math.sqrt(2)) * (1 - 1e-6)
-    normal = math.sqrt(2) * torch.special.erfinv((2 * torch.rand(pair.shape) - 1) * edge)
+    normal = math.sqrt(2) * torch.special.erfinv((2 * torch.rand(pair.shape, device=box.device) - 1) * edge)
     along, across = (normal * sigma.gather(1, pair)).unbind(-1)
-    token = (part // places).unsqueeze(-1).expand(-1, -1, 2)
+    token = (part // (weight.shape[1] // box.shape[1])).unsqueeze(-1).expand(-1, -1, 2)
     cos, sin = box[..., 6:].gather(1, token).unbind(-1)
     offset = torch.stack([cos * along - sin * across, sin * along + cos * across], dim=-1)
-    turn = heading.gather(1, part) + torch.randn(part.shape) / kappa.gather(1, part).sqrt()
+    turn = heading.gather(1, part) + torch.randn(part.shape, device=box.device) / kappa.gather(1, part).sqrt()
     return torch.cat([mean.gather(1, pair) + offset, turn.unsqueeze(-1)], dim=-1)

@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-import torch
 from numpy.typing import NDArray
 from torch import Tensor
 from torch.utils.data import Dataset
@@ -19,6 +18,7 @@ from ...generate.observe.scene_tokens import chain, coming_vector, context_array
 from ...generate.observe.support_candidates import Proximity, SupportCandidates, SupportOccupancy, support_arrays
 from ...generate.observe.support_priors import CategoryPriors
 from ...spatial.structure import STRUCTURE
+from ..padding import padded_stack
 from ..training_scenes import TrainingScene
 
 RANDOM_SUBSETS = 0.25
@@ -251,10 +251,6 @@ def shaken(scene: ObservedScene, rng: np.random.Generator, scale: float, buildin
     return replace(scene, center=scene.center + shift, yaw=yaw)
 
 
-TOKEN_KEYS = ("category", "box", "flags")
-SUPPORT_KEYS = (
-    "support_category", "support_holder", "support_half", "support_load", "support_content", "support_near", "kind",
-)  # fmt: skip
 CUTS = (14,)
 """A batch is cut into parts of up to so many tokens, since padding costs time."""
 
@@ -267,17 +263,7 @@ def collate(examples: Sequence[dict[str, Any]]) -> list[dict[str, Tensor]]:
 
 def padded(examples: Sequence[dict[str, Any]]) -> dict[str, Tensor]:
     """Examples as one padded batch."""
-    batch = {}
-    for keys, name in ((TOKEN_KEYS, "mask"), (SUPPORT_KEYS, "support_mask")):
-        counts = np.array([len(item[keys[0]]) for item in examples])
-        filled = np.arange(counts.max()) < counts[:, None]
-        for key in keys:
-            first = examples[0][key]
-            whole = np.zeros((len(examples), counts.max(), *first.shape[1:]), first.dtype)
-            whole[filled] = np.concatenate([item[key] for item in examples])
-            batch[key] = torch.from_numpy(whole)
-        batch[name] = torch.from_numpy(filled.astype(np.float32))
-    for key in examples[0]:
-        if key not in batch:
-            batch[key] = torch.from_numpy(np.stack([np.asarray(item[key]) for item in examples]))
+    batch = {name: padded_stack([item[name] for item in examples]) for name in examples[0]}
+    for mask, name in (("mask", "category"), ("support_mask", "support_category")):
+        batch[mask] = padded_stack([np.ones(len(item[name]), np.float32) for item in examples])
     return batch

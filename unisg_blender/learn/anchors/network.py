@@ -12,6 +12,7 @@ nothing.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import torch
@@ -45,7 +46,10 @@ class AnchorSizes:
 
 
 class AnchorModel(nn.Module):
-    """:meth:`forward` is what the exported model computes: supports and heights, then places."""
+    """:meth:`forward` is what the exported model computes: supports and heights, then places.
+
+    Inputs come by name, as :mod:`...generate.propose.anchor_inputs` lists them.
+    """
 
     def __init__(self, sizes: AnchorSizes) -> None:
         super().__init__()
@@ -75,94 +79,73 @@ class AnchorModel(nn.Module):
         weights = [part for layer in layers for part in layer.parameters() if part.ndim == 2]
         return [weight for weight in weights if min(weight.shape) >= NARROW]
 
-    def choose(
-        self, target_category: Tensor, target_half: Tensor, coming: Tensor, whole: Tensor, support_category: Tensor,
-        support_holder: Tensor, support_half: Tensor, support_load: Tensor, support_content: Tensor,
-        support_near: Tensor,
-    ) -> tuple[Tensor, Tensor, Tensor, Tensor]:  # fmt: skip
+    def choose(self, inputs: Mapping[str, Tensor]) -> tuple[Tensor, Tensor, Tensor, Tensor]:
         """Scores of K candidates for B targets, and for each the mixture of heights above its object's bottom.
+
+        ``inputs`` has the target's category and half extents, and :data:`SUPPORT_INPUTS`.
 
         Returns
         -------
         score (B, K), log weights, means and spreads (B, K, LEVELS), metres.
         """
-        count = support_category.shape[1]
-        ahead = coming @ self.embedding.weight[:-1]
-        mine = torch.cat(
-            [self.embedding(target_category), _size_features(target_half), ahead, whole.unsqueeze(1)], dim=-1
-        )
+        target_half, support_half, embedding = inputs["target_half"], inputs["support_half"], self.embedding.weight
+        ahead, whole = inputs["coming"] @ embedding[:-1], inputs["whole"].unsqueeze(1)
+        mine = torch.cat([self.embedding(inputs["target_category"]), _size_features(target_half), ahead, whole], dim=-1)
         there = torch.cat([
-            self.embedding(support_category), self.embedding(support_holder), _size_features(support_half),
-            support_load, support_content @ self.embedding.weight, support_near @ self.embedding.weight,
+            self.embedding(inputs["support_category"]), self.embedding(inputs["support_holder"]),
+            _size_features(support_half), inputs["support_load"], inputs["support_content"] @ embedding,
+            inputs["support_near"] @ embedding,
         ], dim=-1)  # fmt: skip
-        hidden = self.support(torch.cat([mine.unsqueeze(1).expand(-1, count, -1), there], dim=-1))
+        hidden = self.support(torch.cat([mine.unsqueeze(1).expand(-1, there.shape[1], -1), there], dim=-1))
         weight, of_support, of_target, shift, spread = self.height(hidden).unflatten(-1, (5, LEVELS)).unbind(-2)
-        steps = torch.linspace(0, 1, LEVELS)
+        steps = torch.linspace(0, 1, LEVELS, device=hidden.device)
         mean = (of_support + steps) * 2 * support_half[..., 2:] + of_target * 2 * target_half[:, None, 2:] + shift
         return self.support_score(hidden).squeeze(-1), weight.log_softmax(-1), mean, SIGMA_FLOOR + (spread - 3).exp()
 
-    def places(
-        self, target_category: Tensor, target_half: Tensor, target_bottom: Tensor, plan: Tensor, row: Tensor,
-        latent: Tensor, category: Tensor, box: Tensor, flags: Tensor, mask: Tensor,
-    ) -> tuple[Tensor, Tensor, Tensor, Tensor, Tensor, Tensor]:  # fmt: skip
+    def places(self, inputs: Mapping[str, Tensor]) -> tuple[Tensor, Tensor, Tensor, Tensor, Tensor, Tensor]:
         """The mixture over places of B targets among M tokens each, and what :meth:`judge` needs to know.
 
-        Parameters
-        ----------
-        target_category, target_half, target_bottom
-            int64 (B,), (B, 3) and (B,): what is placed, half extents and height of its bottom, metres.
-        plan, row
-            (B, PLAN_WIDTH) and (B, C), what is still to come to this surface: :mod:`...generate.observe.scene_tokens`.
-        latent
-            (B, latent): drawn from a standard normal, or what the encoder makes of the true pose.
-        category, box, flags, mask
-            int64 (B, M), (B, M, 8): centre, half extents, cosine and sine of the heading, (B, M, FLAGS), (B, M).
+        ``inputs`` has :data:`PLACE_INPUTS`.
 
         Returns
         -------
         Log weights (B, M * 48), means (B, M * 48, 2) and headings (B, M * 48) in the world, spreads
         (B, M * 48, 2) along the token's axes, concentrations (B, M * 48), and the view (B, M, 3 * width).
         """
-        context = self._encode(
-            target_category, target_half, target_bottom, plan, row, latent, category, box, flags, mask
-        )
+        box, flags, context = inputs["box"], inputs["flags"], self._encode(inputs)
         raw = self.head(context).unflatten(-1, (COMPONENTS, 7))
         logit, shift_x, shift_y, spread_x, spread_y, lean, kappa = raw.unbind(-1)
         scale = scale_of(box, flags).unsqueeze(-1)
         sigma_x = SIGMA_FLOOR + scale * (spread_x - 2.5).clamp(-6, 2).exp()
         sigma_y = SIGMA_FLOOR + scale * (spread_y - 2.5).clamp(-6, 2).exp()
-        base_x, base_y, turn = base_places(box, flags, target_half, target_bottom)
+        base_x, base_y, turn = base_places(box, flags, inputs["target_half"], inputs["target_bottom"])
         local_x, local_y = base_x + sigma_x * shift_x, base_y + sigma_y * shift_y
         x, y, cos, sin = box[..., 0:1], box[..., 1:2], box[..., 6:7], box[..., 7:8]
         mean = torch.stack([x + cos * local_x - sin * local_y, y + sin * local_x + cos * local_y], dim=-1)
         heading = torch.atan2(sin, cos) + turn + (math.pi / 4) * torch.tanh(lean)
-        score = self.score(context) + logit + (mask.unsqueeze(-1) - 1) * 1e4
+        score = self.score(context) + logit + (inputs["mask"].unsqueeze(-1) - 1) * 1e4
         weight = score.flatten(1).log_softmax(-1)
         sigma = torch.stack([sigma_x, sigma_y], dim=-1)
         low, high = LOG_KAPPA
         kappa = (kappa + 2).clamp(low, high).exp()
         return weight, mean.flatten(1, 2), sigma.flatten(1, 2), heading.flatten(1), kappa.flatten(1), context
 
-    def judge(
-        self, target_half: Tensor, target_bottom: Tensor, box: Tensor, flags: Tensor, mask: Tensor, view: Tensor,
-        place: Tensor,
-    ) -> Tensor:  # fmt: skip
+    def judge(self, inputs: Mapping[str, Tensor], view: Tensor, place: Tensor) -> Tensor:
         """Log ratios (B, S), see :class:`.critic.PlaceCritic`, of places (B, S, 3) in a ``view`` (B, M, 3 W)."""
-        return self.critic(view, box, mask, scale_of(box, flags), target_half, target_bottom, place)
+        box, half, bottom = inputs["box"], inputs["target_half"], inputs["target_bottom"]
+        return self.critic(view, box, inputs["mask"], scale_of(box, inputs["flags"]), half, bottom, place)
 
-    def _encode(
-        self, target_category: Tensor, target_half: Tensor, target_bottom: Tensor, plan: Tensor, row: Tensor,
-        latent: Tensor, category: Tensor, box: Tensor, flags: Tensor, mask: Tensor,
-    ) -> Tensor:  # fmt: skip
-        ahead = row @ self.embedding.weight[:-1]
-        target = self.target(
-            torch.cat([self.embedding(target_category), ahead, _size_features(target_half), plan, latent], -1)
-        )
+    def _encode(self, inputs: Mapping[str, Tensor]) -> Tensor:
+        box, flags, mask = inputs["box"], inputs["flags"], inputs["mask"]
+        target_half, target_bottom = inputs["target_half"], inputs["target_bottom"]
+        ahead, size = inputs["row"] @ self.embedding.weight[:-1], _size_features(target_half)
+        of_target = [self.embedding(inputs["target_category"]), ahead, size, inputs["plan"], inputs["latent"]]
+        target = self.target(torch.cat(of_target, -1))
         bottom, top = target_bottom.unsqueeze(1), (target_bottom + 2 * target_half[:, 2]).unsqueeze(1)
         low, high = box[..., 2] - box[..., 5], box[..., 2] + box[..., 5]
         overlap = (torch.minimum(high, top) - torch.maximum(low, bottom)).clamp(-1, 3)
         tall = torch.stack([low, high, low - bottom, high - bottom, overlap, (overlap > 0).float()], dim=-1)
-        token = torch.cat([self.embedding(category), _size_features(box[..., 3:6]), tall, flags], dim=-1)
+        token = torch.cat([self.embedding(inputs["category"]), _size_features(box[..., 3:6]), tall, flags], dim=-1)
         hidden = self.token(token) + target.unsqueeze(1)
         pair = self.pair(pair_features(box, scale_of(box, flags), box))
         for layer in self.layers:
@@ -174,19 +157,9 @@ class AnchorModel(nn.Module):
         context = torch.cat([pooled, parent], dim=-1).unsqueeze(1).expand(-1, hidden.shape[1], -1)
         return torch.cat([hidden, context], dim=-1)
 
-    def forward(
-        self, target_category: Tensor, target_half: Tensor, target_bottom: Tensor, plan: Tensor, row: Tensor,
-        latent: Tensor, category: Tensor, box: Tensor, flags: Tensor, mask: Tensor, coming: Tensor, whole: Tensor,
-        support_category: Tensor, support_holder: Tensor, support_half: Tensor, support_load: Tensor,
-        support_content: Tensor, support_near: Tensor, view: Tensor, place: Tensor,
-    ) -> tuple[Tensor, ...]:  # fmt: skip
-        """What :meth:`choose`, :meth:`places` and, in a given ``view``, :meth:`judge` return, one after the other."""
-        chosen = self.choose(
-            target_category, target_half, coming, whole, support_category, support_holder, support_half, support_load,
-            support_content, support_near,
-        )  # fmt: skip
-        placed = self.places(target_category, target_half, target_bottom, plan, row, latent, category, box, flags, mask)
-        return (*chosen, *placed, self.judge(target_half, target_bottom, box, flags, mask, view, place))
+    def forward(self, **inputs: Tensor) -> tuple[Tensor, ...]:
+        """What :meth:`choose`, :meth:`places` and :meth:`judge` return for all inputs, one after another."""
+        return *self.choose(inputs), *self.places(inputs), self.judge(inputs, inputs["view"], inputs["place"])
 
 
 class _PairAttention(nn.Module):

@@ -52,7 +52,7 @@ def pair_features(box: Tensor, scale: Tensor, others: Tensor) -> Tensor:
 
 def _turned_half(target_half: Tensor) -> tuple[Tensor, Tensor]:
     """Half extents along x and y (B, 1, 48) of a target turned by each component's quarters."""
-    turned = (torch.arange(TURNS).repeat(PLACES) % 2 == 1).to(target_half.dtype)
+    turned = (torch.arange(TURNS, device=target_half.device).repeat(PLACES) % 2 == 1).to(target_half.dtype)
     p = target_half[:, 0, None] * (1 - turned) + target_half[:, 1, None] * turned
     q = target_half[:, 1, None] * (1 - turned) + target_half[:, 0, None] * turned
     return p.unsqueeze(1), q.unsqueeze(1)
@@ -68,12 +68,12 @@ def base_places(box: Tensor, flags: Tensor, target_half: Tensor, bottom: Tensor)
     or half a metre off.
     """
     a, b = box[..., 3, None], box[..., 4, None]
-    quarter = torch.arange(TURNS).repeat(PLACES)
+    quarter = torch.arange(TURNS, device=box.device).repeat(PLACES)
     p, q = _turned_half(target_half)
 
     def row(values: Sequence[float]) -> Tensor:
         """Values by place, each for all turns, (48,)."""
-        return torch.tensor(values).repeat_interleave(TURNS)
+        return torch.tensor(values, device=box.device).repeat_interleave(TURNS)
 
     along, side = row([-1, 0, 1] * 4), row([1] * 3 + [-1] * 3 + [1] * 3 + [-1] * 3)
     end = row([1.0] * 6 + [0.0] * 6)

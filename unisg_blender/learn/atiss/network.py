@@ -119,7 +119,7 @@ def _size(half: Tensor) -> Tensor:
 def _mixture(raw: Tensor, reach: float) -> Tensor:
     """Log weights, means and scales (..., 3, M) of what a head gave."""
     weight, mean, scale = raw.unbind(-2)
-    spread = torch.linspace(-1, 1, raw.shape[-1])
+    spread = torch.linspace(-1, 1, raw.shape[-1], device=raw.device)
     return torch.stack([
         weight.log_softmax(-1), reach * (mean + spread), SCALE_FLOOR + (scale - 1).clamp(-8, 3).exp()
     ], dim=-2)  # fmt: skip

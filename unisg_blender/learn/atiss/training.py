@@ -10,76 +10,62 @@ from typing import Any
 import numpy as np
 import torch
 from numpy.typing import NDArray
-from torch import Tensor
-from tqdm import tqdm
+from torch import Tensor, nn
+from torch.utils.data import DataLoader
+from torch.utils.data import Dataset as Items
 
 from ...dataset.format.reader import Dataset
 from ...generate.observe.contract import Contract
 from ...generate.observe.observed_scene import ObservedScene
 from ...generate.observe.placement_order import ranks
 from ...generate.observe.scene_tokens import ground_of, room_middle
-from ...generate.observe.support_priors import learn_priors
 from ..losses.mixtures import logistics_nll
 from ..onnx_export import export_onnx
-from ..provenance import provenance
 from ..settings import Settings
-from ..training_scenes import TrainingScene, load_scenes, split, vocabulary_of
+from ..trainer import Schedule
+from ..training_job import Prepared
+from ..training_scenes import TrainingScene, scenes_and_priors, split
 from .network import Atiss, AtissSizes
 
-EPOCHS = 20
+EPOCHS, FORM = 20, None
 BATCH, TARGETS, TOKENS = 12, 32, 96
-RATE, CLIP = 2e-3, 2.0
 OUTPUTS = ("position", "heading")
+INPUTS = ("category", "box", "mask", "target_category", "target_half", "place")
 Batch = dict[str, Tensor]
 
 
-def train(dataset: Dataset, out: Path, settings: Settings) -> dict[str, Any]:
-    """Train and export; returns the provenance that the model carries.
-
-    Raises
-    ------
-    UniSGError
-        Too few scenes or categories.
-    """
-    settings = replace(settings, epochs=settings.epochs or EPOCHS)
-    vocabulary = vocabulary_of(dataset)
-    scenes = load_scenes(dataset, vocabulary, settings.quiet)
-    priors = learn_priors((scene.objects for scene in scenes), vocabulary)
+def prepare(datasets: Sequence[Dataset], settings: Settings) -> Prepared:
+    """Scenes as rows; UniSGError if there are too few scenes or categories."""
+    vocabulary, scenes, priors = scenes_and_priors(datasets[0], settings.quiet)
     rank = ranks(vocabulary, priors)
-    train_scenes, val_scenes = split(scenes, settings.seed)
+    train, val = ([rows_of(scene) for scene in part] for part in split(scenes, settings.seed))
     torch.manual_seed(settings.seed)
     network = Atiss(AtissSizes(len(vocabulary)))
-    losses = fit_atiss(network, [rows_of(scene) for scene in train_scenes], rank, settings)
-    rng = np.random.default_rng(settings.seed)
-    network.eval()
-    with torch.no_grad():
-        val = _terms(network, draw_batch([rows_of(scene) for scene in val_scenes], rank, rng, 4 * BATCH))
-    losses |= {f"val_{name}": float(value) for name, value in val.items()}
-    source = provenance(dataset, settings, len(train_scenes), len(val_scenes), losses, network)
-    write_atiss(network, Contract("atiss", vocabulary, priors, provenance=source), out)
-    return source
+    steps = max(1, (settings.epochs or EPOCHS) * len(train) // BATCH)
+    watched = draw_batch(val, rank, np.random.default_rng(settings.seed), 4 * BATCH)
+    items: list[Any] = [AtissBatches(train, rank, settings.seed, steps), [watched]]
+    loaders = [DataLoader(part, batch_size=None) for part in items]
+    contract, schedule = Contract("atiss", vocabulary, priors), Schedule(steps=steps)
+    return Prepared(network, loaders, (len(train), len(val)), contract, schedule=schedule)
 
 
-def fit_atiss(
-    network: Atiss, scenes: Sequence[NDArray[np.float64]], rank: NDArray[np.int64], settings: Settings
-) -> dict[str, float]:
-    """Train in place with AdamW and one cycle of the learning rate; an epoch sees as many scenes as there are."""
-    steps = max(1, (settings.epochs or EPOCHS) * len(scenes) // BATCH)
-    optimizer = torch.optim.AdamW(network.parameters(), RATE, weight_decay=0.01)
-    cycle = torch.optim.lr_scheduler.OneCycleLR(optimizer, RATE, total_steps=max(steps, 2), pct_start=0.1)
-    rng, mean = np.random.default_rng(settings.seed), 0.0
-    bar = tqdm(range(steps), desc="training", disable=settings.quiet, unit="step")
-    for step in bar:
-        loss = _terms(network, draw_batch(scenes, rank, rng, BATCH))["loss"]
-        optimizer.zero_grad()
-        loss.backward()
-        torch.nn.utils.clip_grad_norm_(network.parameters(), CLIP)
-        optimizer.step()
-        if step + 1 < steps:
-            cycle.step()
-        mean += (loss.item() - mean) / min(step + 1, 50)
-        bar.set_postfix(loss=f"{mean:.3f}", refresh=False)
-    return {"train_loss": mean}
+class AtissBatches(Items[Batch]):
+    """Batches drawn one after the other; as many scenes in an epoch as there are."""
+
+    def __init__(self, scenes: Sequence[NDArray[np.float64]], rank: NDArray[np.int64], seed: int, steps: int) -> None:
+        self.scenes, self.rank, self.rng = scenes, rank, np.random.default_rng(seed)
+        self.count = min(steps, -(-len(scenes) // BATCH))
+
+    def __len__(self) -> int:
+        return self.count
+
+    def __getitem__(self, _: int) -> Batch:
+        return draw_batch(self.scenes, self.rank, self.rng, BATCH)
+
+
+def export(prepared: Prepared, source: dict[str, Any], out: Path) -> None:
+    """Write the model."""
+    write_atiss(prepared.network, replace(prepared.contract, provenance=source), out)
 
 
 def rows_of(scene: TrainingScene) -> NDArray[np.float64]:
@@ -146,14 +132,14 @@ def _cut(
     return np.concatenate([told, order[:count]])[:TOKENS], rng.permutation(order[count:])[:TARGETS]
 
 
-def _terms(network: Atiss, batch: Batch) -> dict[str, Tensor]:
-    names = ("category", "box", "mask", "target_category", "target_half", "place")
-    position, heading = network(*(batch[name] for name in names))
+def terms(network: nn.Module, batch: Batch) -> dict[str, Tensor]:
+    """Negative log-densities of the targets' positions and headings, and their sum, means over the targets."""
+    position, heading = network(*(batch[name] for name in INPUTS))
     where = logistics_nll(position, batch["place"]).sum(-1)
     turn = logistics_nll(heading, batch["turn"], turn=True)
     weight = batch["weight"]
-    terms = {"position": where, "heading": turn, "loss": where + turn}
-    return {name: (value * weight).sum() / weight.sum() for name, value in terms.items()}
+    each = {"position": where, "heading": turn, "loss": where + turn}
+    return {name: (value * weight).sum() / weight.sum() for name, value in each.items()}
 
 
 def example_inputs(objects: int = 5, targets: int = 2, batch: int = 1) -> Mapping[str, Tensor]:
@@ -168,9 +154,7 @@ def example_inputs(objects: int = 5, targets: int = 2, batch: int = 1) -> Mappin
     }
 
 
-def write_atiss(network: Atiss, contract: Contract, out: Path) -> None:
+def write_atiss(network: nn.Module, contract: Contract, out: Path) -> None:
     """Write the network as an ONNX file with its contract."""
-    inputs = example_inputs()
-    objects = {name: {1: "things"} for name in ("category", "box", "mask")}
-    targets = {name: {1: "targets"} for name in ("target_category", "target_half", "place")}
-    export_onnx(network, inputs, OUTPUTS, objects | targets, contract.to_json(), out)
+    dynamic = {name: {1: "things"} for name in INPUTS[:3]} | {name: {1: "targets"} for name in INPUTS[3:]}
+    export_onnx(network, example_inputs(), OUTPUTS, dynamic, contract.to_json(), out)

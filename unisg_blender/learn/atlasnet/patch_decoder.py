@@ -85,8 +85,8 @@ def draw_template(frames: Tensor, count: int, generator: np.random.Generator) ->
     bounds = areas.flatten(1).cumsum(dim=1)
     batch, last = len(frames), bounds.shape[1] - 1
     level = (np.arange(count) + generator.random((batch, count))) / count
-    side = torch.searchsorted(bounds, torch.from_numpy(level).float() * bounds[:, -1:]).clamp(max=last)
-    points = torch.from_numpy(generator.uniform(-1, 1, (batch, count, 3))).float()
-    signs = torch.from_numpy(generator.choice([-1.0, 1.0], (batch, count, 1))).float()
+    drawn = (level, generator.uniform(-1, 1, (batch, count, 3)), generator.choice([-1.0, 1.0], (batch, count, 1)))
+    levels, points, signs = (torch.from_numpy(values).float().to(frames.device) for values in drawn)
+    side = torch.searchsorted(bounds, levels * bounds[:, -1:]).clamp(max=last)
     points = points.scatter(2, side[:, :, None] % 3, signs)
     return points / points.norm(dim=2, keepdim=True), side // 3

@@ -14,6 +14,7 @@ from ...errors import UniSGError
 from ...meshes.shape_feature import cloud
 from ...meshes.shape_files import ShapeFile
 from ..losses.chamfer import chamfer
+from ..settings import accelerator_device
 from .network import AtlasNet
 
 POOL = 4096
@@ -46,6 +47,7 @@ class MeshTraining:
     depth: int = 2
     seed: int = 0
     threads: int = 1
+    accelerator: str = "auto"
 
 
 def train(
@@ -76,12 +78,13 @@ def train(
     generator = np.random.default_rng(settings.seed)
     clouds = [cloud(model.mesh, POOL, place) for place, model in enumerate(models)]
     families = _families(models)
-    network = AtlasNet(settings.patches, settings.width, settings.depth).train()
+    device = accelerator_device(settings.accelerator)
+    network = AtlasNet(settings.patches, settings.width, settings.depth).to(device).train()
     optimiser = torch.optim.AdamW(network.parameters(), lr=settings.rate, weight_decay=1e-4)
     schedule = torch.optim.lr_scheduler.OneCycleLR(optimiser, settings.rate, settings.steps + 1, pct_start=0.1)
     losses, start = [], time.perf_counter()
     for step in range(settings.steps):
-        points = torch.from_numpy(_batch(clouds, families, settings, generator))
+        points = torch.from_numpy(_batch(clouds, families, settings, generator)).to(device)
         decoded = network(points[:, : settings.points], settings.drawn, generator)
         loss = chamfer(decoded, points[:, : settings.targets]).mean()
         optimiser.zero_grad()
@@ -92,8 +95,9 @@ def train(
         losses.append(float(loss.detach()))
         progress(step, losses[-1])
     last = float(np.mean(losses[-max(1, len(losses) // 20) :]))
-    report = {**asdict(settings), "models": len(models), "families": len(families), "training_loss": last}
-    return network.eval(), report | {"seconds": round(time.perf_counter() - start, 1)}
+    told = {name: value for name, value in asdict(settings).items() if name != "accelerator"}
+    report = {**told, "models": len(models), "families": len(families), "training_loss": last}
+    return network.cpu().eval(), report | {"seconds": round(time.perf_counter() - start, 1)}
 
 
 def _families(models: Sequence[ShapeFile]) -> list[list[int]]:

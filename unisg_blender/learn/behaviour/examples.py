@@ -16,6 +16,7 @@ from ...generate.behaviour.action_kinds import Kinds
 from ...generate.behaviour.action_policy import Casting
 from ...generate.behaviour.network_policy import observation_arrays
 from ...generate.behaviour.observation import BehaviourObservation
+from ..padding import padded_stack
 
 Made = list[tuple[int, tuple[int, int, int], int]]
 """What is missing: kind, slots, and the column of the leaf that it follows (-1: not to be learned)."""
@@ -120,12 +121,8 @@ def feasible(casting: Casting, play: BehaviourObservation, kind: int) -> bool:
 def collate(examples: Sequence[dict[str, Any]], kinds: int) -> dict[str, Tensor]:
     """A batch: padded arrays, ``wanted`` (B, K) with ``able`` (B, K), and what is to be made as rows."""
     arrays = [item["arrays"] for item in examples]
-    objects, roled = (max(1, *(len(one[name]) for one in arrays)) for name in ("mask", "act_mask"))
-    sizes = {"holds": (objects, objects), "place": (objects, 3), "plays": (roled, 3, objects)}
-    batch = {}
-    for name in arrays[0]:
-        size = sizes.get(name, (roled,) if name in ("kind", "stage", "order", "act_mask") else (objects,))
-        batch[name] = torch.from_numpy(np.stack([_padded(one[name], size) for one in arrays]))
+    batch = {name: padded_stack([one[name] for one in arrays]) for name in arrays[0]}
+    roled = batch["act_mask"].shape[1]
     wanted, able = torch.zeros(len(examples), kinds), torch.zeros(len(examples), kinds)
     made = []
     for place, item in enumerate(examples):
@@ -136,9 +133,3 @@ def collate(examples: Sequence[dict[str, Any]], kinds: int) -> dict[str, Tensor]
             made.append([place, kind, *slots, follows + (roled - here if follows >= here else 0)])
     batch |= {"wanted": wanted, "able": able, "made": torch.tensor(made, dtype=torch.int64).reshape(-1, 6)}
     return batch
-
-
-def _padded(array: NDArray[Any], size: tuple[int, ...]) -> NDArray[Any]:
-    result = np.zeros(size, array.dtype)
-    result[tuple(slice(0, length) for length in array.shape)] = array
-    return result

@@ -11,6 +11,7 @@ objects count, so that moving or turning the room changes nothing.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -69,31 +70,25 @@ class BehaviourNet(nn.Module):
         self.begin = nn.Linear(embedding, width)
         self.wanted = nn.Sequential(nn.Linear(embedding + 2 * width + 4, width), nn.GELU(), nn.Linear(width, 1))
 
-    def forward(
-        self, category: Tensor, new: Tensor, relation: Tensor, holds: Tensor, place: Tensor, mask: Tensor,
-        kind: Tensor, stage: Tensor, order: Tensor, plays: Tensor, act_mask: Tensor,
-    ) -> tuple[Tensor, Tensor, Tensor, Tensor, Tensor]:  # fmt: skip
+    def forward(self, **inputs: Tensor) -> tuple[Tensor, Tensor, Tensor, Tensor, Tensor]:
         """Scores for B scenes of E objects and A actions.
 
         Parameters
         ----------
-        category, new, relation, place, mask
-            int64 (B, E), (B, E), int64 (B, E), (B, E, 3) metres, (B, E).
-        holds
-            (B, E, E): 1 where the second object holds the first.
-        kind, stage, order, act_mask
-            int64 (B, A), int64 (B, A), (B, A) place of the leaf in its stage (negative for none), (B, A).
-        plays
-            (B, A, 3, E): 1 where the object is the action's target, tool or frame.
+        inputs
+            :data:`...generate.behaviour.network_policy.INPUTS`: category, new, relation, holds, place, mask: int64
+            (B, E), (B, E), int64 (B, E), (B, E, E) 1 where the second object holds the first, (B, E, 3) metres, (B, E);
+            kind, stage, order, plays, act_mask: int64 (B, A), int64 (B, A), (B, A) place of the leaf in its stage
+            (negative for none), (B, A, 3, E) 1 where the object is the action's target, tool or frame, (B, A).
 
         Returns
         -------
         Logits (B, K) of one more action of each kind; log probabilities of targets (B, K, E), of tools
         and frames (B, K, E, E) by target; scores (B, K, A + S) of the leaf, or beginning of a stage, that it follows.
         """
-        seen = self.encode(category, new, relation, holds, place, mask, kind, stage, order, plays, act_mask)
-        every = torch.arange(self.sizes.kinds)
-        features = _pair_features(place, holds).unsqueeze(1)
+        seen = self.encode(inputs)
+        every = torch.arange(self.sizes.kinds, device=seen.objects.device)
+        features = _pair_features(inputs["place"], inputs["holds"]).unsqueeze(1)
         tool, frame = (
             _log_softmax(
                 (self.asked(slot)[every] @ seen.objects.transpose(1, 2)).unsqueeze(2)
@@ -104,20 +99,19 @@ class BehaviourNet(nn.Module):
         )
         return seen.wanted, self.targets(seen), tool, frame, self.followed(seen.roled)
 
-    def encode(
-        self, category: Tensor, new: Tensor, relation: Tensor, holds: Tensor, place: Tensor, mask: Tensor,
-        kind: Tensor, stage: Tensor, order: Tensor, plays: Tensor, act_mask: Tensor,
-    ) -> Seen:  # fmt: skip
-        """Objects and actions after all messages; parameters as of :meth:`forward`."""
-        one_hot = nn.functional.one_hot(relation, RELATIONS).float()
+    def encode(self, inputs: Mapping[str, Tensor]) -> Seen:
+        """Objects and actions after all messages; inputs by name, as of :meth:`forward`."""
+        category, new, mask, act_mask = (inputs[name] for name in ("category", "new", "mask", "act_mask"))
+        one_hot = nn.functional.one_hot(inputs["relation"], RELATIONS).float()
         objects = self.obj(torch.cat([self.category(category), new.unsqueeze(-1), one_hot], -1)) * mask.unsqueeze(-1)
-        last = (order / 8).clamp(-1, 4).unsqueeze(-1)
-        roled = self.roled_action(torch.cat([self.kind(kind), self.stage(stage), last], -1)) * act_mask.unsqueeze(-1)
+        last = (inputs["order"] / 8).clamp(-1, 4).unsqueeze(-1)
+        of_action = [self.kind(inputs["kind"]), self.stage(inputs["stage"]), last]
+        roled = self.roled_action(torch.cat(of_action, -1)) * act_mask.unsqueeze(-1)
         same = (category.unsqueeze(2) == category.unsqueeze(1)).float() * mask.unsqueeze(1)
         for layer in self.layers:
-            objects, roled = layer(objects, roled, plays, holds, same, mask, act_mask)
+            objects, roled = layer(objects, roled, inputs["plays"], inputs["holds"], same, mask, act_mask)
         able = self.allowed[:, :, category].permute(2, 0, 1, 3) * mask[:, None, None]
-        return Seen(objects, roled, able, self._wanted(objects, new, able, kind, act_mask))
+        return Seen(objects, roled, able, self._wanted(objects, new, able, inputs["kind"], act_mask))
 
     def asked(self, slot: int) -> Tensor:
         """What each kind looks for in its target (0), tool (1), frame (2) and in the leaf before it (3), (K, width)."""
@@ -149,7 +143,7 @@ class BehaviourNet(nn.Module):
         kinds = self.kind.weight[:-1]
         some = able.amax(2)
         fresh = some * new.unsqueeze(1)
-        number = torch.arange(len(kinds)).view(1, -1, 1)
+        number = torch.arange(len(kinds), device=kind.device).view(1, -1, 1)
         there = ((kind.unsqueeze(1) == number).float() * act_mask.unsqueeze(1)).sum(-1)
         pooled = [weight @ objects / weight.sum(-1, keepdim=True).clamp(min=1) for weight in (fresh, some)]
         counts = torch.stack([there.clamp(max=8), (there > 0).float(), fresh.sum(-1).log1p(), some.sum(-1).log1p()], -1)

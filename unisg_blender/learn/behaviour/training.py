@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import sys
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from itertools import islice
@@ -12,64 +13,74 @@ from typing import Any
 import numpy as np
 import torch
 from torch import Tensor, nn
-from torch.utils.data import DataLoader
 
 from ...dataset.assets.shaped_scenes import scenes_with_shapes
 from ...dataset.format.reader import Dataset
+from ...errors import UniSGError
 from ...generate.behaviour.action_kinds import Kinds, behaviour_path
 from ...generate.behaviour.action_policy import Casting
 from ...generate.behaviour.action_statistics import learn_kinds
 from ...generate.behaviour.network_policy import INPUTS, OUTPUTS, observation_arrays
 from ...generate.behaviour.observation import BehaviourObservation, observe_behaviour
 from ..onnx_export import export_onnx
-from ..provenance import provenance
 from ..settings import Settings
-from ..trainer import Schedule, fit
+from ..trainer import Schedule, loader
+from ..training_job import Prepared, train_model
+from ..training_scenes import split_rows
 from .examples import BehaviourExamples, collate
 from .network import BehaviourNet, BehaviourSizes
 
-EPOCHS = 20
+EPOCHS, FORM = 20, None
 PER_EPOCH = 480
 BATCH = 16
 MOST_SCENES = 600
 """Scenes learned from, at most."""
 
-HELD_OUT = 0.1
 FEWEST = 10
 """Scenes with actions, without which none are learned."""
 
 WANTED_WEIGHT, LEAF_WEIGHT = 5.0, 0.5
 
 
-def train(dataset: Dataset, model: Path, settings: Settings) -> dict[str, Any]:
+class TooFewError(UniSGError):
+    """Too few scenes have actions."""
+
+
+def train_beside(datasets: Sequence[Dataset], model: Path, settings: Settings) -> dict[str, Any]:
     """Learn behaviour and write it beside the generator's file ``model``; returns the provenance that it carries.
 
     With fewer than :data:`FEWEST` scenes that have actions nothing is written, an older file
     is removed, and the returned ``notes`` say so.
     """
     out = behaviour_path(model)
-    acting = (graph for graph in scenes_with_shapes(dataset) if "actions" in graph.components)
+    short = replace(settings, epochs=min(settings.epochs or EPOCHS, EPOCHS), logs=None, devices=1, nodes=1)
+    try:
+        return train_model(sys.modules[__name__], datasets, out, short)
+    except TooFewError as error:
+        out.unlink(missing_ok=True)
+        return {"notes": [f"new objects get no behaviour: {error}"]}
+
+
+def prepare(datasets: Sequence[Dataset], settings: Settings) -> Prepared:
+    """Scenes with actions as observations; TooFewError if there are fewer than :data:`FEWEST`."""
+    acting = (graph for graph in scenes_with_shapes(datasets[0]) if "actions" in graph.components)
     graphs = list(islice(acting, MOST_SCENES))
     if len(graphs) < FEWEST:
-        out.unlink(missing_ok=True)
-        few = f"{len(graphs)} scenes have actions, {FEWEST} are needed at least"
-        return {"notes": [f"new objects get no behaviour: {few}"]}
+        raise TooFewError(f"{len(graphs)} scenes have actions, {FEWEST} are needed at least")
     kinds = learn_kinds(graphs)
     plays = [observe_behaviour(graph, kinds) for graph in graphs]
-    settings = replace(settings, epochs=min(settings.epochs or EPOCHS, EPOCHS), logs=None)
-    order = np.random.default_rng(settings.seed).permutation(len(plays))
-    held_out = max(1, round(HELD_OUT * len(plays)))
-    seen, watched = ([plays[place] for place in part] for part in (order[held_out:], order[:held_out]))
+    seen, watched = ([plays[place] for place in rows] for rows in split_rows(len(plays), settings.seed))
     torch.manual_seed(settings.seed)
-    network = make_network(kinds)
-    loaders = [
-        _loader(seen, kinds, min(PER_EPOCH, 8 * len(seen)), settings.seed, fresh=True),
-        _loader(watched, kinds, min(120, 8 * len(watched)), settings.seed + 1, fresh=False),
-    ]
-    losses = fit(network, _terms, loaders[0], loaders[1], Schedule(settings.epochs or EPOCHS, rate=3e-3), settings)
-    source = provenance(dataset, settings, len(seen), len(watched), losses, network)
-    write_behaviour(network, replace(kinds, provenance=source), out)
-    return source
+    network, gather = make_network(kinds), partial(collate, kinds=len(kinds.kinds))
+    train = BehaviourExamples(seen, kinds, min(PER_EPOCH, 8 * len(seen)), settings.seed, fresh=True)
+    val = BehaviourExamples(watched, kinds, min(120, 8 * len(watched)), settings.seed + 1, fresh=False)
+    loaders = [loader(items, BATCH, settings, False, gather) for items in (train, val)]
+    return Prepared(network, loaders, (len(seen), len(watched)), kinds, schedule=Schedule(rate=3e-3))
+
+
+def export(prepared: Prepared, source: dict[str, Any], out: Path) -> None:
+    """Write the model."""
+    write_behaviour(prepared.network, replace(prepared.contract, provenance=source), out)
 
 
 def make_network(kinds: Kinds) -> BehaviourNet:
@@ -78,17 +89,10 @@ def make_network(kinds: Kinds) -> BehaviourNet:
     return BehaviourNet(sizes, torch.from_numpy(Casting(kinds).allowed))
 
 
-def _loader(
-    plays: list[BehaviourObservation], kinds: Kinds, count: int, seed: int, fresh: bool
-) -> DataLoader[dict[str, Tensor]]:
-    gather = partial(collate, kinds=len(kinds.kinds))
-    return DataLoader(BehaviourExamples(plays, kinds, count, seed, fresh), batch_size=BATCH, collate_fn=gather)
-
-
-def _terms(network: nn.Module, batch: Mapping[str, Tensor]) -> dict[str, Tensor]:
+def terms(network: nn.Module, batch: Mapping[str, Tensor]) -> dict[str, Tensor]:
     """Cross entropy of kinds; of casts, any of the missing actions of a kind being right; and of the leaf before."""
     assert isinstance(network, BehaviourNet)
-    seen = network.encode(*(batch[name] for name in INPUTS))
+    seen = network.encode(batch)
     each = nn.functional.binary_cross_entropy_with_logits(seen.wanted, batch["wanted"], reduction="none")
     wanted = (each * batch["able"]).sum() / batch["able"].sum().clamp(min=1)
     scene, kind, target, *others, follows = batch["made"].T
@@ -100,7 +104,7 @@ def _terms(network: nn.Module, batch: Mapping[str, Tensor]) -> dict[str, Tensor]
         if len(has):
             rows = torch.stack([scene[has], kind[has], target[has]], 1)
             found = network.partners(seen, batch["place"], batch["holds"], rows, slot)
-            chance = chance.index_add(0, has, found[torch.arange(len(has)), part[has]])
+            chance = chance.index_add(0, has, found.gather(1, part[has, None]).squeeze(1))
     cast = -_log_sum_by(scene * seen.wanted.shape[1] + kind, chance).mean()
     leaf = _leaf_loss(network, seen.roled, batch, scene, kind, follows)
     loss = WANTED_WEIGHT * wanted + cast + LEAF_WEIGHT * leaf
@@ -110,8 +114,8 @@ def _terms(network: nn.Module, batch: Mapping[str, Tensor]) -> dict[str, Tensor]
 def _log_sum_by(group: Tensor, values: Tensor) -> Tensor:
     """Logarithms of the sums of exponentials of the values (M,) by group (M,)."""
     groups, place = group.unique(return_inverse=True)
-    largest = torch.full((len(groups),), -1e9).scatter_reduce(0, place, values.detach(), "amax")
-    total = torch.zeros(len(groups)).index_add(0, place, (values - largest[place]).exp())
+    largest = values.new_full((len(groups),), -1e9).scatter_reduce(0, place, values.detach(), "amax")
+    total = values.new_zeros(len(groups)).index_add(0, place, (values - largest[place]).exp())
     return largest + total.log()
 
 
@@ -124,11 +128,11 @@ def _leaf_loss(
     scene, kind = scene[asked], kind[asked]
     scores = network.followed(roled)[scene, kind]
     leaves = (batch["act_mask"] * (batch["order"] >= 0))[scene]
-    able = torch.cat([leaves, torch.ones(len(leaves), network.sizes.stages)], 1)
+    able = torch.cat([leaves, leaves.new_ones(len(leaves), network.sizes.stages)], 1)
     return nn.functional.cross_entropy(scores + (able - 1) * 1e4, follows[asked])
 
 
-def write_behaviour(network: BehaviourNet, kinds: Kinds, out: Path) -> None:
+def write_behaviour(network: nn.Module, kinds: Kinds, out: Path) -> None:
     """Write the network as an ONNX file with what its scenes teach."""
     inputs = example_inputs(kinds)
     obj, roled_action = {1: "things"}, {1: "acts"}

@@ -54,6 +54,11 @@ class Cgvae(nn.Module):
         hidden = self.second(hidden, edges).relu()
         return self.to_mean(hidden), self.to_logvar(hidden).clamp(-8, 8), embedded
 
+    def draw(self, features: Tensor, category: Tensor, edges: Tensor, noise: Tensor) -> tuple[Tensor, Tensor, Tensor]:
+        """Codes (N, latent + embedding) drawn with ``noise`` (N, latent), and the latents' mean and log variance."""
+        mean, log_variance, embedded = self.encode(features, category, edges)
+        return torch.cat([mean + noise * (0.5 * log_variance).exp(), embedded], dim=1), mean, log_variance
+
     def decode_nodes(self, code: Tensor) -> Tensor:
         """Node features (N, features) of codes (N, latent + embedding)."""
         return self.node_decoder(code)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor, nn
 
-from ..losses.variational import CgvaeLosses
+from ..losses.variational import node_terms
 from .network import Cgvae
 
 
@@ -36,11 +36,11 @@ def sample_pairs(parent: Tensor, scene: Tensor, negatives: int, generator: torch
     """
     counts = torch.bincount(scene)
     size, start = counts[scene], (torch.cumsum(counts, 0) - counts)[scene]
-    node = torch.arange(len(parent))
+    node, weight = torch.arange(len(parent), device=parent.device), torch.ones(len(parent), device=parent.device)
     child = parent >= 0
     place, above = node - start, parent - start
     others = size - 1 - child.long()  # of its scene, without itself and its parent
-    draw = (torch.rand(len(node), negatives, generator=generator) * others[:, None]).long()
+    draw = (torch.rand(len(node), negatives, generator=generator, device=parent.device) * others[:, None]).long()
     draw = torch.minimum(draw, others[:, None] - 1)
     low, high = torch.minimum(place, above), torch.maximum(place, above)
     low, high = torch.where(child, low, place), torch.where(child, high, size)  # a root skips itself only
@@ -49,22 +49,20 @@ def sample_pairs(parent: Tensor, scene: Tensor, negatives: int, generator: torch
     return PairSample(
         torch.cat([node[child], node.repeat_interleave(negatives)]),
         torch.cat([parent[child], (start[:, None] + draw).flatten()]),
-        torch.cat([torch.ones(int(child.sum())), torch.zeros(len(node) * negatives)]),
-        torch.cat([torch.ones(int(child.sum())), (others / negatives).repeat_interleave(negatives)]),
+        torch.cat([weight[child], torch.zeros_like(weight).repeat(negatives)]),
+        torch.cat([weight[child], (others / negatives).repeat_interleave(negatives)]),
         int((counts * (counts - 1)).sum()),
     )
 
 
-def sampled_losses(
+def sampled_terms(
     model: Cgvae, features: Tensor, category: Tensor, edges: Tensor, pairs: PairSample, noise: Tensor
-) -> tuple[CgvaeLosses, Tensor]:
-    """As :func:`~..losses.variational.cgvae_losses`, with sampled pairs; also the decoded features (N, features)."""
-    mean, logvar, embedded = model.encode(features, category, edges)
-    code = torch.cat([mean + noise * (0.5 * logvar).exp(), embedded], dim=1)
+) -> tuple[dict[str, Tensor], Tensor]:
+    """As :func:`.training.batch_terms`, with sampled pairs; also the decoded features (N, features)."""
+    code, mean, log_variance = model.draw(features, category, edges, noise)
     decoded = model.decode_nodes(code)
-    mse = (decoded - features).square().mean()
-    kl = 0.5 * (mean.square() + logvar.exp() - 1 - logvar).sum(dim=1).mean()
     hidden = model.child(code)[pairs.child] + model.parent(code)[pairs.parent]
     logits = model.edge_decoder(hidden).squeeze(-1)
     each = nn.functional.binary_cross_entropy_with_logits(logits, pairs.edge, reduction="none")
-    return CgvaeLosses(mse, (each * pairs.weight).sum() / pairs.total, kl), decoded
+    bce = (each * pairs.weight).sum() / pairs.total
+    return {**node_terms(decoded, features, mean, log_variance), "bce": bce}, decoded

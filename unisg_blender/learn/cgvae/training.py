@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -11,19 +11,22 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 from torch import Tensor, nn
-from torch.utils.data import DataLoader
+from torch_geometric.data import Data
+from torch_geometric.loader import DataLoader
+from torch_geometric.utils import to_dense_adj, to_dense_batch
 
 from ...dataset.format.reader import Dataset
 from ...generate.observe.contract import Contract
-from ...generate.observe.support_priors import learn_priors
+from ...generate.observe.support_priors import CategoryPriors
 from ...generate.propose.cgvae_proposer import edges_of, node_features
 from ...poses import FORMS
-from ..losses.variational import cgvae_losses
+from ..losses.edge_losses import dense_edge_loss
+from ..losses.variational import node_terms
 from ..onnx_export import export_onnx
-from ..provenance import provenance, save_model_assets
+from ..provenance import save_model_assets
 from ..settings import Settings
-from ..trainer import Schedule, fit
-from ..training_scenes import TrainingScene, load_scenes, split, vocabulary_of
+from ..training_job import Prepared
+from ..training_scenes import TrainingScene, scenes_and_priors, split
 from .network import Cgvae, CgvaeSizes
 
 CONSTANT = 1e-6
@@ -31,61 +34,37 @@ CONSTANT = 1e-6
 
 KL_WEIGHT = 1e-2
 
-
-FORM, EPOCHS = "cga_even", 100
+EPOCHS, FORM = 100, "cga_even"
 BATCH, LATENT = 16, 16
 
 
-def train(dataset: Dataset, out: Path, settings: Settings) -> dict[str, Any]:
-    """Train the project's own model, or with ``settings.paper`` the paper's, and the behaviour beside it."""
-    from ..anchors.training import train as train_anchors
-    from ..behaviour.training import train as train_behaviour
-
-    source = (train_paper if settings.paper else train_anchors)(dataset, out, settings)
-    behaviour = train_behaviour(dataset, out, settings)
-    notes = [*source.get("notes", ()), *behaviour.get("notes", ())]
-    return {**source, "notes": list(dict.fromkeys(notes)), "behaviour": behaviour}
-
-
-def train_paper(dataset: Dataset, out: Path, settings: Settings) -> dict[str, Any]:
-    """Train, export and put the assets beside the model; returns the provenance that the model carries.
-
-    Raises
-    ------
-    UniSGError
-        Too few scenes or categories.
-    """
-    settings = replace(settings, form=settings.form or FORM, epochs=settings.epochs or EPOCHS)
-    vocabulary = vocabulary_of(dataset)
-    scenes = load_scenes(dataset, vocabulary, settings.quiet)
-    contract = _contract(scenes, vocabulary, settings)
-    train_scenes, val_scenes = split(scenes, settings.seed)
+def prepare(datasets: Sequence[Dataset], settings: Settings) -> Prepared:
+    """Scenes as graphs; UniSGError if there are too few scenes or categories."""
+    vocabulary, scenes, priors = scenes_and_priors(datasets[0], settings.quiet)
+    contract = _contract(scenes, vocabulary, priors, settings.form or FORM)
+    parts = split(scenes, settings.seed)
     torch.manual_seed(settings.seed)
     network = Cgvae(CgvaeSizes(len(contract.kept), len(vocabulary), latent=LATENT))
-    loaders = [_loader(part, contract, settings.seed, part is train_scenes) for part in (train_scenes, val_scenes)]
-    schedule = Schedule(settings.epochs or EPOCHS, devices=settings.devices, nodes=settings.nodes)
-    losses = fit(network, _terms, loaders[0], loaders[1], schedule, settings)
-    source = provenance(dataset, settings, len(train_scenes), len(val_scenes), losses, network)
-    source["predict_mean"] = predict_mean(val_scenes, contract)
-    write_cgvae(network, replace(contract, provenance=source), out)
+    loaders = [_loader(part, contract, settings.seed, part is parts[0]) for part in parts]
+    return Prepared(network, loaders, (len(parts[0]), len(parts[1])), contract, (datasets[0], parts[1]))
+
+
+def export(prepared: Prepared, source: dict[str, Any], out: Path) -> None:
+    """Write the model, and the dataset's assets beside it; the losses of a constant go into ``source``."""
+    dataset, val = prepared.beside
+    source["predict_mean"] = predict_mean(val, prepared.contract)
+    write_cgvae(prepared.network, replace(prepared.contract, provenance=source), out)
     save_model_assets(dataset, out)
-    return source
 
 
-def _contract(scenes: Sequence[TrainingScene], vocabulary: tuple[str, ...], settings: Settings) -> Contract:
-    form = settings.form or FORM
+def _contract(
+    scenes: Sequence[TrainingScene], vocabulary: tuple[str, ...], priors: CategoryPriors, form: str
+) -> Contract:
     mean, scale, kept = normalisation([scene.local for scene in scenes], form)
-    priors = learn_priors((scene.objects for scene in scenes), vocabulary)
     return Contract(
-        kind="cgvae",
-        vocabulary=vocabulary,
-        priors=priors,
-        form=form,
-        mean=tuple(mean.tolist()),
-        scale=tuple(scale.tolist()),
-        kept=tuple(kept.tolist()),
-        latent=LATENT,
-    )
+        kind="cgvae", vocabulary=vocabulary, priors=priors, form=form, mean=tuple(mean.tolist()),
+        scale=tuple(scale.tolist()), kept=tuple(kept.tolist()), latent=LATENT,
+    )  # fmt: skip
 
 
 def normalisation(
@@ -108,51 +87,36 @@ def predict_mean(scenes: Sequence[TrainingScene], contract: Contract) -> dict[st
     return {"mse": round(float((features.astype(np.float64) ** 2).mean()), 6), "bce": round(float(entropy), 6)}
 
 
-@dataclass(frozen=True, eq=False)
-class _Nodes:
-    features: Tensor
-    category: Tensor
-    edges: Tensor
-    parent: Tensor
+def _loader(scenes: Sequence[TrainingScene], contract: Contract, seed: int, shuffle: bool) -> DataLoader:
+    graphs = []
+    for scene in scenes:
+        category = np.where(scene.objects.category < 0, len(contract.vocabulary), scene.objects.category)
+        graphs.append(support_graph(node_features(scene.local, contract), category, scene.objects.support))
+    return DataLoader(graphs, BATCH, shuffle=shuffle, generator=torch.Generator().manual_seed(seed))
 
 
-def _loader(
-    scenes: Sequence[TrainingScene], contract: Contract, seed: int, shuffle: bool
-) -> DataLoader[Mapping[str, Tensor]]:
-    nodes = [_nodes(scene, contract) for scene in scenes]
-    order = torch.Generator().manual_seed(seed)
-    return DataLoader(nodes, batch_size=BATCH, shuffle=shuffle, collate_fn=_collate, generator=order)  # type: ignore[arg-type]
+def support_graph(features: NDArray[np.float32], category: NDArray[np.int64], support: NDArray[np.int64]) -> Data:
+    """A scene's nodes with their features (N, C) and categories (N,); ``parent_index`` is children over parents."""
+    child = np.flatnonzero(support >= 0)
+    arrays = {"x": features, "category": category, "edge_index": edges_of(support)}
+    arrays["parent_index"] = np.stack([child, support[child]])
+    return Data(**{name: torch.from_numpy(array) for name, array in arrays.items()})
 
 
-def _nodes(scene: TrainingScene, contract: Contract) -> _Nodes:
-    category = np.where(scene.objects.category < 0, len(contract.vocabulary), scene.objects.category)
-    return _Nodes(
-        torch.from_numpy(node_features(scene.local, contract)),
-        torch.from_numpy(category),
-        torch.from_numpy(edges_of(scene.objects.support)),
-        torch.from_numpy(scene.objects.support.copy()),
-    )
-
-
-def _collate(scenes: Sequence[_Nodes]) -> dict[str, Tensor]:
-    counts = torch.tensor([len(scene.category) for scene in scenes])
-    start = (torch.cumsum(counts, 0) - counts).tolist()
-    shifted = [torch.where(s.parent >= 0, s.parent + first, -1) for s, first in zip(scenes, start, strict=True)]
-    return {
-        "features": torch.cat([scene.features for scene in scenes]),
-        "category": torch.cat([scene.category for scene in scenes]),
-        "edges": torch.cat([scene.edges + first for scene, first in zip(scenes, start, strict=True)], dim=1),
-        "parent": torch.cat(shifted),
-        "scene": torch.repeat_interleave(torch.arange(len(scenes)), counts),
-    }
-
-
-def _terms(network: nn.Module, batch: Mapping[str, Tensor]) -> dict[str, Tensor]:
+def terms(network: nn.Module, batch: Data) -> dict[str, Tensor]:
+    """The terms of the loss of a batch of :func:`support_graph`, the codes drawn anew."""
     assert isinstance(network, Cgvae)
-    noise = torch.randn(len(batch["category"]), network.sizes.latent)
-    losses = cgvae_losses(network, **batch, noise=noise)
-    loss = losses.mse + losses.bce + KL_WEIGHT * losses.kl
-    return {"loss": loss, "mse": losses.mse, "bce": losses.bce, "kl": losses.kl}
+    found = batch_terms(network, batch, torch.randn(batch.num_nodes, network.sizes.latent, device=batch.x.device))
+    return {"loss": found["mse"] + found["bce"] + KL_WEIGHT * found["kl"], **found}
+
+
+def batch_terms(network: Cgvae, batch: Data, noise: Tensor) -> dict[str, Tensor]:
+    """The terms with noise (N, latent): ``mse`` over channels, ``bce`` over pairs of nodes, ``kl`` over nodes."""
+    code, mean, log_variance = network.draw(batch.x, batch.category, batch.edge_index, noise)
+    padded, filled = to_dense_batch(code, batch.batch)
+    truth = to_dense_adj(batch.parent_index, batch.batch)
+    bce = dense_edge_loss(network.decode_edges(padded, padded), truth, filled)
+    return {**node_terms(network.decode_nodes(code), batch.x, mean, log_variance), "bce": bce}
 
 
 def example_inputs(sizes: CgvaeSizes, nodes: int = 5) -> dict[str, Tensor]:
@@ -167,8 +131,9 @@ def example_inputs(sizes: CgvaeSizes, nodes: int = 5) -> dict[str, Tensor]:
     }
 
 
-def write_cgvae(network: Cgvae, contract: Contract, out: Path) -> None:
+def write_cgvae(network: nn.Module, contract: Contract, out: Path) -> None:
     """Write the network as an ONNX file with its contract."""
+    assert isinstance(network, Cgvae)
     node = {0: "nodes"}
     dynamic = {"features": node, "category": node, "edges": {1: "edges"}, "noise": node, "known": node}
     outputs = ["decoded", "adjacency", "latent"]

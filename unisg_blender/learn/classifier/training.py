@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from copy import copy
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,7 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor, nn
 from torch.utils.data import Dataset as Items
+from torch_geometric.data import Batch, HeteroData
 from tqdm import tqdm
 
 from ...dataset.format.gather import gather
@@ -22,25 +24,43 @@ from ...poses import FORMS
 from ...predict.prediction_session import VERSION
 from ...predict.scene_kind import COMPONENTS, graph_inputs
 from ...runtime.onnx_session import metadata_text
+from ..hetero_sage import FAMILY, EdgeKind
 from ..onnx_export import export_onnx
-from ..provenance import provenance
+from ..provenance import several
 from ..settings import Settings
-from ..trainer import Schedule, fit, loader
+from ..trainer import loader
+from ..training_job import Prepared
 from .network import SceneClassifier
 
-FORM, EPOCHS, BATCH = "sixd", 30, 16
+EPOCHS, FORM, BATCH = 30, "sixd", 16
 FEWEST_SCENES, HELD_OUT = 4, 0.2
 NODES = ("entity", *COMPONENTS)
+EDGES = {"parents": FAMILY[0], **{f"has_{kind}": ("entity", "has", kind) for kind in COMPONENTS}}
+"""Edges by the names of the network's inputs."""
 
 
 @dataclass(frozen=True, eq=False)
 class Labelled:
-    """A scene: what the network takes, whole affines (N, 4, 4), which rows are roots, and its kind."""
+    """A scene with its kind as a graph, its whole affines (N, 4, 4), and which rows are roots.
 
-    inputs: dict[str, NDArray[Any]]
+    The features are made by what prediction uses, which needs no torch; so not by ``to_heterodata``.
+    """
+
+    graph: HeteroData
     local: NDArray[np.float64]
     roots: NDArray[np.int64]
-    kind: int
+
+    @staticmethod
+    def of(arrays: GraphArrays, local: NDArray[np.float64], kind: int, form: str, mesh: str) -> Labelled:
+        """From a scene's arrays, with poses in a ``form``."""
+        inputs, graph = graph_inputs(arrays, mesh), HeteroData()
+        inputs["trs"] = FORMS[form].encode(local, stretch=True).astype(np.float32)
+        for node in NODES:
+            graph[node].x = torch.from_numpy(inputs[node])
+        for name, edge in EDGES.items():
+            graph[edge].edge_index = torch.from_numpy(np.ascontiguousarray(inputs[name]))
+        graph.y = torch.tensor([kind])
+        return Labelled(graph, local, np.setdiff1d(np.arange(len(local)), inputs["parents"][1]))
 
 
 class StandaloneClassifier(nn.Module):
@@ -53,41 +73,29 @@ class StandaloneClassifier(nn.Module):
             self.register_buffer(f"{node}_scale", scale[node])
         self.network = SceneClassifier({node: len(mean[node]) for node in NODES}, kinds, hidden)
 
-    def forward(
-        self, entity: Tensor, info: Tensor, trs: Tensor, mesh: Tensor, action: Tensor, parents: Tensor,
-        has_info: Tensor, has_trs: Tensor, has_mesh: Tensor, has_action: Tensor,
-    ) -> Tensor:  # fmt: skip
-        """Logits (1, kinds) of one scene: features by node type, edges int64 (2, E) by kind."""
-        nodes = dict(zip(NODES, (entity, info, trs, mesh, action), strict=True))
-        edges = dict(
-            zip(
-                ("parents", *(f"has_{kind}" for kind in COMPONENTS)),
-                (parents, has_info, has_trs, has_mesh, has_action),
-                strict=True,
-            )
-        )
-        return self.of_batch(nodes, edges, torch.zeros_like(has_info[0]), 1)
+    def forward(self, **inputs: Tensor) -> Tensor:
+        """Logits (1, kinds) of one scene: features by :data:`NODES`, edges int64 (2, E) by :data:`EDGES`."""
+        edges = {edge: inputs[name] for name, edge in EDGES.items()}
+        return self._logits({node: inputs[node] for node in NODES}, edges, torch.zeros_like(inputs["has_info"][0]), 1)
 
-    def of_batch(self, nodes: Mapping[str, Tensor], edges: Mapping[str, Tensor], scene: Tensor, count: int) -> Tensor:
-        """Logits (count, kinds) of scenes side by side; ``scene`` int64 (N,) is that of each entity."""
+    def of_batch(self, batch: Batch) -> Tensor:
+        """Logits (B, kinds) of scenes side by side."""
+        edges = {edge: batch[edge].edge_index for edge in EDGES.values()}
+        return self._logits({node: batch[node].x for node in NODES}, edges, batch["entity"].batch, batch.num_graphs)
+
+    def _logits(
+        self, nodes: Mapping[str, Tensor], edges: Mapping[EdgeKind, Tensor], scene: Tensor, count: int
+    ) -> Tensor:
         x = {
             kind: ((value - getattr(self, f"{kind}_mean")) * getattr(self, f"{kind}_scale")).clamp(-10, 10)
             for kind, value in nodes.items()
         }
-        both = {
-            ("entity", "parent_of", "entity"): edges["parents"],
-            ("entity", "rev_parent_of", "entity"): edges["parents"].flip(0),
-        }
-        for kind in COMPONENTS:
-            both["entity", "has", kind], both[kind, "rev_has", "entity"] = (
-                edges[f"has_{kind}"],
-                edges[f"has_{kind}"].flip(0),
-            )
-        return self.network(x, both, scene, count)
+        back = {(stop, f"rev_{name}", start): pairs.flip(0) for (start, name, stop), pairs in edges.items()}
+        return self.network(x, {**edges, **back}, scene, count)
 
 
-class _Scenes(Items[Labelled]):
-    """Scenes by number, each time turned about the vertical by another angle if ``turned``."""
+class LabelledScenes(Items[HeteroData]):
+    """Graphs by number, each time turned about the vertical by another angle if ``turned``."""
 
     def __init__(self, scenes: Sequence[Labelled], form: str, turned: bool, seed: int) -> None:
         self.scenes, self.form, self.turned = scenes, form, turned
@@ -96,20 +104,21 @@ class _Scenes(Items[Labelled]):
     def __len__(self) -> int:
         return len(self.scenes)
 
-    def __getitem__(self, index: int) -> Labelled:
+    def __getitem__(self, index: int) -> HeteroData:
         scene = self.scenes[index]
         if not self.turned:
-            return scene
-        angle = self.rng.uniform(-np.pi, np.pi)
-        turn = np.eye(4)
+            return scene.graph
+        angle, turn = self.rng.uniform(-np.pi, np.pi), np.eye(4)
         turn[:2, :2] = [[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]]
-        trs = scene.inputs["trs"].copy()
-        trs[scene.roots] = FORMS[self.form].encode(turn @ scene.local[scene.roots], stretch=True)
-        return replace(scene, inputs=scene.inputs | {"trs": trs})
+        graph, trs = copy(scene.graph), scene.graph["trs"].x.clone()
+        turned = FORMS[self.form].encode(turn @ scene.local[scene.roots], stretch=True)
+        trs[scene.roots] = torch.from_numpy(turned).float()
+        graph["trs"].x = trs
+        return graph
 
 
-def train(datasets: Sequence[Dataset], out: Path, settings: Settings) -> dict[str, Any]:
-    """Train and export; returns the provenance that the model carries.
+def prepare(datasets: Sequence[Dataset], settings: Settings) -> Prepared:
+    """Scenes of all kinds as graphs.
 
     With ``settings.paper`` mesh nodes have the features of the mesh encoder, which the datasets must hold, else size
     and complexity of the mesh.
@@ -119,26 +128,21 @@ def train(datasets: Sequence[Dataset], out: Path, settings: Settings) -> dict[st
     UniSGError
         Too few scenes or kinds, or no mesh features.
     """
-    settings = replace(settings, form=settings.form or FORM, epochs=settings.epochs or EPOCHS)
-    mesh = "feature" if settings.paper else "descriptor"
-    kinds, scenes = load_labelled(datasets, settings.form or FORM, mesh, settings.quiet)
-    rows = _split(scenes, settings.seed)
-    train_scenes, val_scenes = ([scenes[row] for row in part] for part in rows)
+    form, mesh = settings.form or FORM, "feature" if settings.paper else "descriptor"
+    kinds, scenes = load_labelled(datasets, form, mesh, settings.quiet)
+    train, val = ([scenes[row] for row in part] for part in _split(scenes, settings.seed))
     torch.manual_seed(settings.seed)
-    mean, scale = normalisation(train_scenes)
-    network = StandaloneClassifier(mean, scale, len(kinds))
-    items = [
-        _Scenes(part, settings.form or FORM, part is train_scenes, settings.seed) for part in (train_scenes, val_scenes)
-    ]
-    loaders = [loader(part, BATCH, settings, part.turned, collate) for part in items]
-    schedule = Schedule(settings.epochs or EPOCHS, devices=settings.devices, nodes=settings.nodes)
-    losses = fit(network, _terms, loaders[0], loaders[1], schedule, settings)
-    source = provenance(datasets[0], settings, len(train_scenes), len(val_scenes), losses, network)
-    source["notes"] = []
-    source["datasets"] = [{"name": dataset.path.name, "scenes": len(dataset)} for dataset in datasets]
-    metadata = metadata_text("classifier", VERSION, kinds=list(kinds), form=settings.form, mesh=mesh, provenance=source)
-    write_classifier(network, metadata, out)
-    return source
+    network = StandaloneClassifier(*normalisation(train), len(kinds))
+    items = [LabelledScenes(part, form, part is train, settings.seed) for part in (train, val)]
+    loaders = [loader(part, BATCH, settings, part.turned, Batch.from_data_list) for part in items]
+    contract = {"kinds": list(kinds), "form": form, "mesh": mesh}
+    return Prepared(network, loaders, (len(train), len(val)), contract, facts=several(datasets))
+
+
+def export(prepared: Prepared, source: dict[str, Any], out: Path) -> None:
+    """Write the model."""
+    metadata = metadata_text("classifier", VERSION, **prepared.contract, provenance=source)
+    write_classifier(prepared.network, metadata, out)
 
 
 def load_labelled(datasets: Sequence[Dataset], form: str, mesh: str, quiet: bool) -> tuple[list[str], list[Labelled]]:
@@ -162,22 +166,16 @@ def load_labelled(datasets: Sequence[Dataset], form: str, mesh: str, quiet: bool
             f"{len(found)} scenes of the kinds {', '.join(kinds)}: give two kinds or more, one dataset of each, "
             "or a dataset with labels"
         )
-    return kinds, [_labelled(arrays, local, kinds.index(name), form, mesh) for name, arrays, local in found]
-
-
-def _labelled(arrays: GraphArrays, local: NDArray[np.float64], kind: int, form: str, mesh: str) -> Labelled:
-    inputs = graph_inputs(arrays, mesh)
-    inputs["trs"] = FORMS[form].encode(local, stretch=True).astype(np.float32)
-    roots = np.setdiff1d(np.arange(len(local)), inputs["parents"][1])
-    return Labelled(inputs, local, roots, kind)
+    return kinds, [Labelled.of(arrays, local, kinds.index(name), form, mesh) for name, arrays, local in found]
 
 
 def _split(scenes: Sequence[Labelled], seed: int) -> list[list[int]]:
     """Of every kind a share to train on and one to watch, at least one each."""
     rng = np.random.default_rng(seed)
     parts: tuple[list[int], list[int]] = ([], [])
-    for kind in sorted({scene.kind for scene in scenes}):
-        rows = rng.permutation([row for row, scene in enumerate(scenes) if scene.kind == kind]).tolist()
+    kinds = np.array([int(scene.graph.y) for scene in scenes])
+    for kind in np.unique(kinds):
+        rows = rng.permutation(np.flatnonzero(kinds == kind)).tolist()
         count = max(1, round(HELD_OUT * len(rows)))
         parts[0].extend(rows[count:] or rows)
         parts[1].extend(rows[:count])
@@ -188,7 +186,7 @@ def normalisation(scenes: Sequence[Labelled]) -> tuple[dict[str, Tensor], dict[s
     """Mean and reciprocal spread of the features by node type; 0 for channels that do not vary."""
     mean, scale = {}, {}
     for node in NODES:
-        every = np.concatenate([scene.inputs[node] for scene in scenes]).astype(np.float64)
+        every = torch.cat([scene.graph[node].x for scene in scenes]).double().numpy()
         width = every.shape[1]
         spread = every.std(axis=0) if len(every) else np.zeros(width)
         mean[node] = torch.tensor(every.mean(axis=0) if len(every) else np.zeros(width), dtype=torch.float32)
@@ -197,33 +195,15 @@ def normalisation(scenes: Sequence[Labelled]) -> tuple[dict[str, Tensor], dict[s
     return mean, scale
 
 
-def collate(scenes: Sequence[Labelled]) -> dict[str, Any]:
-    """Scenes side by side."""
-    nodes = {node: [scene.inputs[node] for scene in scenes] for node in NODES}
-    start = {node: np.cumsum([0, *(len(value) for value in values[:-1])]) for node, values in nodes.items()}
-    edges = {}
-    for name, end in (("parents", "entity"), *((f"has_{kind}", kind) for kind in COMPONENTS)):
-        moved = [
-            scene.inputs[name] + np.array([[start["entity"][k]], [start[end][k]]]) for k, scene in enumerate(scenes)
-        ]
-        edges[name] = torch.from_numpy(np.concatenate(moved, axis=1))
-    counts = [len(value) for value in nodes["entity"]]
-    return {
-        "nodes": {node: torch.from_numpy(np.concatenate(values)) for node, values in nodes.items()},
-        "edges": edges,
-        "scene": torch.from_numpy(np.repeat(np.arange(len(scenes)), counts)),
-        "kind": torch.tensor([scene.kind for scene in scenes]),
-    }
-
-
-def _terms(network: nn.Module, batch: Mapping[str, Any]) -> dict[str, Tensor]:
+def terms(network: nn.Module, batch: Batch) -> dict[str, Tensor]:
+    """The loss of a batch, and the share of scenes whose kind is right."""
     assert isinstance(network, StandaloneClassifier)
-    logits = network.of_batch(batch["nodes"], batch["edges"], batch["scene"], len(batch["kind"]))
-    right = (logits.argmax(1) == batch["kind"]).float().mean()
-    return {"loss": nn.functional.cross_entropy(logits, batch["kind"]), "accuracy": right}
+    logits = network.of_batch(batch)
+    right = (logits.argmax(1) == batch.y).float().mean()
+    return {"loss": nn.functional.cross_entropy(logits, batch.y), "accuracy": right}
 
 
-def example_inputs(network: StandaloneClassifier, entities: int = 5) -> dict[str, Tensor]:
+def example_inputs(network: nn.Module, entities: int = 5) -> dict[str, Tensor]:
     """Inputs of the right kinds: a chain of entities, each with all components."""
     row = torch.arange(entities)
     inputs = {node: torch.zeros(entities, len(getattr(network, f"{node}_mean"))) for node in NODES}
@@ -234,7 +214,7 @@ def example_inputs(network: StandaloneClassifier, entities: int = 5) -> dict[str
     )
 
 
-def write_classifier(network: StandaloneClassifier, metadata: str, out: Path) -> None:
+def write_classifier(network: nn.Module, metadata: str, out: Path) -> None:
     """Write the network as an ONNX file with its contract."""
     inputs = example_inputs(network)
     dynamic = {name: {0 if name in NODES else 1: name} for name in inputs}

@@ -5,6 +5,8 @@ from __future__ import annotations
 import torch
 from torch import Tensor
 
+from ..winners import largest, pick
+
 
 def chamfer(first: Tensor, second: Tensor) -> Tensor:
     """Symmetric chamfer-L2 distance (B,) between clouds (B, n, 3) and (B, m, 3).
@@ -22,13 +24,5 @@ def chamfer(first: Tensor, second: Tensor) -> Tensor:
     return there + back
 
 
-def pick(points: Tensor, index: Tensor) -> Tensor:
-    """Rows (B, m, k) of arrays (B, n, k) by their numbers (B, m)."""
-    batch, count, width = points.shape
-    rows = index + count * torch.arange(batch)[:, None]
-    return points.reshape(batch * count, width).index_select(0, rows.flatten()).reshape(batch, -1, width)
-
-
 def _nearest(asked: Tensor, known: Tensor) -> Tensor:
-    score = torch.bmm(asked * -2, known.transpose(1, 2)) + known.square().sum(2)[:, None]
-    return torch.from_numpy(score.numpy().argmin(axis=2))  # on a CPU several times as fast as torch's own
+    return largest(torch.bmm(asked * 2, known.transpose(1, 2)) - known.square().sum(2)[:, None])

@@ -7,15 +7,23 @@ import math
 import torch
 from torch import Tensor, nn
 
-from ..anchors.network import COMPONENTS
-
 
 def mixture_nll(mixture: tuple[Tensor, ...], box: Tensor, position: Tensor, heading: Tensor) -> Tensor:
-    """Negative log-density (B, S) of positions (B, S, 2) and headings (B, S) under :meth:`AnchorModel.places`."""
+    """Negative log-density (B, S) of positions (B, S, 2), metres, and headings (B, S), radians, under a mixture.
+
+    Parameters
+    ----------
+    mixture
+        Log weights (B, M * C), means and spreads (B, M * C, 2) along the axes of M boxes, headings and concentrations
+        (B, M * C).
+    box
+        (B, M, 8), of which the last two are cosine and sine of the heading.
+    """
+    components = mixture[0].shape[1] // box.shape[1]
     weight, mean, sigma, turn, kappa = (part.unsqueeze(1) for part in mixture)
     offset = position.unsqueeze(2) - mean
-    cos = box[..., 6].repeat_interleave(COMPONENTS, dim=1).unsqueeze(1)
-    sin = box[..., 7].repeat_interleave(COMPONENTS, dim=1).unsqueeze(1)
+    cos = box[..., 6].repeat_interleave(components, dim=1).unsqueeze(1)
+    sin = box[..., 7].repeat_interleave(components, dim=1).unsqueeze(1)
     along = (cos * offset[..., 0] + sin * offset[..., 1]) / sigma[..., 0]
     across = (cos * offset[..., 1] - sin * offset[..., 0]) / sigma[..., 1]
     place = -0.5 * (along.square() + across.square()) - sigma.log().sum(-1) - math.log(2 * math.pi)

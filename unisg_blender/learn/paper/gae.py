@@ -8,6 +8,7 @@ import torch
 from torch import Tensor, nn
 
 from ..hetero_sage import EdgeKind, HeteroSage
+from ..losses.edge_losses import contrastive_edge_loss
 
 
 class GraphAutoencoder(nn.Module):
@@ -15,7 +16,8 @@ class GraphAutoencoder(nn.Module):
 
     The logit of an edge is z_i . z_j, the same in both directions. Source: UniSG^GA,
     experiment on topology; the widths are ours. The encoder sees the hierarchy and the
-    components, not the edges that it has to find.
+    components, not the edges that it has to find. (PyG's ``GAE`` draws the encoder's weights a second time, and its
+    loss takes logarithms of chances: other numbers than the published ones.)
     """
 
     def __init__(self, widths: Mapping[str, int], hidden: int = 32, latent: int = 16) -> None:
@@ -33,6 +35,11 @@ class GraphAutoencoder(nn.Module):
 def edge_logits(embedding: Tensor, pairs: Tensor) -> Tensor:
     """Logits (P,) of pairs int64 (2, P)."""
     return (embedding[pairs[0]] * embedding[pairs[1]]).sum(dim=1)
+
+
+def edge_loss(embedding: Tensor, edges: Tensor, others: Tensor) -> Tensor:
+    """The loss of pairs that are edges, int64 (2, P), and of pairs that are none (2, Q)."""
+    return contrastive_edge_loss(edge_logits(embedding, edges), edge_logits(embedding, others))
 
 
 def random_pairs(count: int, nodes: Tensor, generator: torch.Generator) -> Tensor:

@@ -18,7 +18,7 @@ from ...generate.propose.cgvae_proposer import edges_of
 from ...metrics.pose_errors import pose_report, r_squared
 from ...poses import FORMS
 from ..cgvae.network import Cgvae, CgvaeSizes
-from ..cgvae.sampled_pairs import PairSample, sample_pairs, sampled_losses
+from ..cgvae.sampled_pairs import PairSample, sample_pairs, sampled_terms
 from ..cgvae.training import KL_WEIGHT
 
 HIDDEN, EMBEDDING, LATENT = 16, 8, 8
@@ -79,22 +79,22 @@ def run(settings: Mapping[str, Any], data: Path) -> dict[str, Any]:
     names = ("mse", "bce", "kl")
     curves: dict[str, list[float]] = {f"{stage}{name}": [] for stage in ("", "test_") for name in ("loss", *names)}
 
-    def terms(part: PaperRooms) -> tuple[Tensor, Tensor, Tensor, Tensor, Tensor]:
-        """Loss, its three terms and what was decoded, of one drawing of the latent code."""
+    def terms(part: PaperRooms) -> list[Tensor]:
+        """The loss and its three terms, of one drawing of the latent code."""
         noise = torch.randn(len(part.category), LATENT)
-        losses, decoded = sampled_losses(network, features[id(part)], part.category, part.edges, part.pairs, noise)
-        return losses.mse + losses.bce + KL_WEIGHT * losses.kl, losses.mse, losses.bce, losses.kl, decoded
+        found, _ = sampled_terms(network, features[id(part)], part.category, part.edges, part.pairs, noise)
+        return [found["mse"] + found["bce"] + KL_WEIGHT * found["kl"], *(found[name] for name in names)]
 
     for _ in range(settings["epochs"]):
         sums = np.zeros(4)
         for place in torch.randperm(len(batches)).tolist():
-            loss, *parts, _ = terms(batches[place])
+            loss, *parts = terms(batches[place])
             optimizer.zero_grad()
             loss.backward()
             optimizer.step()
             sums += [float(value.detach()) for value in (loss, *parts)]
         with torch.no_grad():
-            *there, _ = terms(held_out)
+            there = terms(held_out)
         for name, value in zip(curves, [*(sums / len(batches)), *map(float, there)], strict=True):
             curves[name].append(round(float(value), 6))
     result: dict[str, Any] = {"parameters": sum(weight.numel() for weight in network.parameters()), "curves": curves}

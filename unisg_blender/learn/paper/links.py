@@ -13,9 +13,8 @@ from torch import Tensor
 from torch_geometric.transforms import ToUndirected
 
 from ...dataset import UniSGDataset
-from ..losses.edges import edge_loss
 from .classification import scenes_of, standardised, widths_of
-from .gae import GraphAutoencoder, edge_logits
+from .gae import GraphAutoencoder, edge_logits, edge_loss
 from .pairs import SHARES, judge, load_pairs
 from .topology import COMPONENTS
 

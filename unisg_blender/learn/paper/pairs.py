@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ...dataset import open_dataset, to_scenegraph
 from ...geometry.boxes import Boxes
-from ...metrics.edges import average_precision, best_threshold, f1_score
+from ...metrics.edge_metrics import average_precision, best_threshold, f1_score
 from ...poses import FORMS
 from ...predict.object_pairs import (
     axis_aligned,

@@ -12,10 +12,9 @@ from torch import Tensor
 from torch_geometric.transforms import ToUndirected
 
 from ...dataset import UniSGDataset
-from ...metrics.edges import area_under_roc, average_precision
-from ..losses.edges import edge_loss
+from ...metrics.edge_metrics import area_under_roc, average_precision
 from .classification import scenes_of, standardised, widths_of
-from .gae import GraphAutoencoder, edge_logits, random_pairs
+from .gae import GraphAutoencoder, edge_logits, edge_loss, random_pairs
 
 RATE, HIDDEN = 3e-3, 16
 HELD_OUT = 0.15

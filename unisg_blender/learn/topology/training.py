@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -17,19 +17,22 @@ from tqdm import tqdm
 from ...dataset.assets.shaped_scenes import scenes_with_shapes
 from ...dataset.format.reader import Dataset
 from ...errors import UniSGError
+from ...metrics.edge_metrics import average_precision, best_threshold, f1_score
 from ...predict.object_pairs import PAIR_CHANNELS, candidate_pairs, object_boxes, pair_features
 from ...predict.prediction_session import VERSION
 from ...predict.support_prediction import KIND
 from ...runtime.onnx_session import metadata_text
 from ...scene import SceneGraph
 from ..onnx_export import export_onnx
-from ..provenance import provenance
+from ..provenance import several
 from ..settings import Settings
-from ..trainer import Schedule, fit, loader
+from ..trainer import loader
+from ..training_job import Prepared
+from ..training_scenes import split_rows
 from .network import PairNetwork
 
-EPOCHS, BATCH = 20, 1024
-FEWEST_SCENES, HELD_OUT = 10, 0.1
+EPOCHS, FORM, BATCH = 20, None, 1024
+FEWEST_SCENES = 10
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,8 +44,8 @@ class LabelledPairs:
     missed: int
 
 
-def train(datasets: Sequence[Dataset], out: Path, settings: Settings) -> dict[str, Any]:
-    """Train and export; returns the provenance that the model carries, measured on held-out scenes.
+def prepare(datasets: Sequence[Dataset], settings: Settings) -> Prepared:
+    """The pairs of all scenes; the threshold is chosen by some held-out scenes, and tested on others.
 
     Raises
     ------
@@ -51,25 +54,23 @@ def train(datasets: Sequence[Dataset], out: Path, settings: Settings) -> dict[st
     """
     if settings.paper or settings.form:
         raise UniSGError("'train topology' has one architecture; the paper's is in 'unisg benchmark paper'")
-    settings = replace(settings, epochs=settings.epochs or EPOCHS)
     scenes = [pairs_of(graph) for graph in _scenes(datasets, settings.quiet)]
     if len(scenes) < FEWEST_SCENES or not sum(int(scene.truth.sum()) for scene in scenes):
         raise UniSGError(f"{len(scenes)} scenes with relations {KIND!r} are too few: give {FEWEST_SCENES} or more")
-    parts = [joined([scenes[row] for row in rows]) for rows in _split(len(scenes), settings.seed)]
+    rows = split_rows(len(scenes), settings.seed, parts=2)
+    train, val, test = (joined([scenes[row] for row in part]) for part in rows)
     torch.manual_seed(settings.seed)
-    train_pairs = parts[0]
-    spread = train_pairs.features.std(axis=0)
-    network = PairNetwork(train_pairs.features.mean(axis=0), np.where(spread > 1e-6, spread, 1.0))
-    loaders = [loader(_items(part), BATCH, settings, shuffle=part is train_pairs) for part in parts[:2]]
-    schedule = Schedule(settings.epochs or EPOCHS, devices=settings.devices, nodes=settings.nodes)
-    losses = fit(network, _terms, loaders[0], loaders[1], schedule, settings)
-    held = 2 * _held_out(len(scenes))
-    source = provenance(datasets[0], settings, len(scenes) - held, held, losses, network)
-    source["notes"] = []
-    source["datasets"] = [{"name": dataset.path.name, "scenes": len(dataset)} for dataset in datasets]
-    threshold, source["test"] = _measured(network, parts[1], parts[2])
-    write_topology(network, threshold, source, out)
-    return source
+    spread = train.features.std(axis=0)
+    network = PairNetwork(train.features.mean(axis=0), np.where(spread > 1e-6, spread, 1.0))
+    loaders = [loader(_items(part), BATCH, settings, shuffle=part is train) for part in (train, val)]
+    counts = len(rows[0]), len(rows[1]) + len(rows[2])
+    return Prepared(network, loaders, counts, None, (val, test), facts=several(datasets))
+
+
+def export(prepared: Prepared, source: dict[str, Any], out: Path) -> None:
+    """Write the model with its threshold; what it gives in the test scenes goes into ``source``."""
+    threshold, source["test"] = _measured(prepared.network, *prepared.beside)
+    write_topology(prepared.network, threshold, source, out)
 
 
 def _scenes(datasets: Sequence[Dataset], quiet: bool) -> list[SceneGraph]:
@@ -108,29 +109,17 @@ def joined(scenes: Sequence[LabelledPairs]) -> LabelledPairs:
     )
 
 
-def _held_out(count: int) -> int:
-    return max(1, round(HELD_OUT * count))
-
-
-def _split(count: int, seed: int) -> list[NDArray[np.int64]]:
-    """Scenes to train on, to choose the threshold by, and to test on."""
-    order, held = np.random.default_rng(seed).permutation(count), _held_out(count)
-    return [order[2 * held :], order[:held], order[held : 2 * held]]
-
-
 def _items(pairs: LabelledPairs) -> TensorDataset:
     return TensorDataset(torch.from_numpy(pairs.features), torch.from_numpy(pairs.truth).float())
 
 
-def _terms(network: nn.Module, batch: Sequence[Tensor]) -> dict[str, Tensor]:
+def terms(network: nn.Module, batch: Sequence[Tensor]) -> dict[str, Tensor]:
     features, truth = batch
     return {"loss": nn.functional.binary_cross_entropy_with_logits(network(features), truth)}
 
 
-def _measured(network: PairNetwork, validation: LabelledPairs, test: LabelledPairs) -> tuple[float, dict[str, Any]]:
+def _measured(network: nn.Module, validation: LabelledPairs, test: LabelledPairs) -> tuple[float, dict[str, Any]]:
     """The chance with the best F1 in the validation scenes, and what it gives in the test scenes."""
-    from ...metrics.edges import average_precision, best_threshold, f1_score
-
     with torch.no_grad():
         score = [network(torch.from_numpy(part.features)).sigmoid().numpy() for part in (validation, test)]
     threshold = best_threshold(score[0], validation.truth)
@@ -143,7 +132,7 @@ def _measured(network: PairNetwork, validation: LabelledPairs, test: LabelledPai
     }
 
 
-def write_topology(network: PairNetwork, threshold: float, source: dict[str, Any], out: Path) -> None:
+def write_topology(network: nn.Module, threshold: float, source: dict[str, Any], out: Path) -> None:
     """Write the network as an ONNX file with its contract."""
     metadata = metadata_text("topology", VERSION, channels=list(PAIR_CHANNELS), threshold=threshold, provenance=source)
     inputs = {"features": torch.zeros(3, len(PAIR_CHANNELS))}
