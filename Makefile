@@ -29,7 +29,7 @@ coverage: $(READY)  ## every test, and the lines that none of them runs -> build
 lint: $(READY)  ## ruff, its formatter, mypy
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
-	$(BIN)/mypy
+	$(BIN)/python packaging/check_types.py
 
 extension: $(READY)  ## the zips for Blender, validated -> build/extension/
 	$(BIN)/python packaging/build_extension.py

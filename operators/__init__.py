@@ -27,11 +27,13 @@ from . import (
     play,
     recording,
     relations,
+    scene_lookup,
     settle,
 )
 from .registration import register_modules, unregister_modules
 
-MODULES: tuple = (
+MODULES = (
+    scene_lookup,
     generation_settings,
     generate,
     settle,

@@ -8,9 +8,15 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import bpy
+
+from ..unisg_blender.errors import UniSGError
+from .base import FileOperator
+
+if TYPE_CHECKING:
+    from ..unisg_blender.scene.action_data import ActionData
 
 ANSWERS = 8
 TYPES = ("Insert", "Remove", "Use", "Tool", "Question", "Parallel")
@@ -40,10 +46,9 @@ def active_place(context: bpy.types.Context, item: bpy.types.Object) -> int:
     return min(context.window_manager.unisg_action, len(readable_actions(item)) - 1)
 
 
-def readable_actions(item: bpy.types.Object) -> tuple[Any, ...]:
+def readable_actions(item: bpy.types.Object) -> tuple[ActionData, ...]:
     """The object's actions; none where its property cannot be read (the panel says so)."""
     from ..unisg_blender.blender.authoring.stored_behaviour import actions_of
-    from ..unisg_blender.errors import UniSGError
 
     try:
         return actions_of(item)
@@ -51,13 +56,13 @@ def readable_actions(item: bpy.types.Object) -> tuple[Any, ...]:
         return ()
 
 
-def active_action(context: bpy.types.Context, item: bpy.types.Object) -> Any:
+def active_action(context: bpy.types.Context, item: bpy.types.Object) -> ActionData | None:
     """The active action of an object, None without."""
     place = active_place(context, item)
     return readable_actions(item)[place] if place >= 0 else None
 
 
-def _reader(read: Callable[[Any], Any], default: Any) -> Callable[[bpy.types.Object], Any]:
+def _reader(read: Callable[[ActionData], Any], default: Any) -> Callable[[bpy.types.Object], Any]:
     def get(item: bpy.types.Object) -> Any:
         action = active_action(bpy.context, item)
         return default if action is None else read(action)
@@ -65,10 +70,9 @@ def _reader(read: Callable[[Any], Any], default: Any) -> Callable[[bpy.types.Obj
     return get
 
 
-def _writer(write: Callable[[Any, Any], Any]) -> Callable[[bpy.types.Object, Any], None]:
+def _writer(write: Callable[[ActionData, Any], ActionData]) -> Callable[[bpy.types.Object, Any], None]:
     def set_value(item: bpy.types.Object, value: Any) -> None:
         from ..unisg_blender.blender.authoring.authoring import change_action
-        from ..unisg_blender.errors import UniSGError
 
         place = active_place(bpy.context, item)
         if place >= 0:
@@ -87,27 +91,26 @@ def _field(name: str) -> dict[str, Any]:
     }
 
 
-def _limit(name: str, default: float) -> dict[str, Any]:
-    def write(action: Any, value: float) -> Any:
-        return replace(action, thresholds=replace(action.thresholds, **{name: value}))
+def _with_limit(action: ActionData, name: str, value: Any) -> ActionData:
+    return replace(action, thresholds=replace(action.thresholds, **{name: value}))
 
+
+def _limit(name: str, default: float) -> dict[str, Any]:
     return {
         "get": _reader(lambda action: getattr(action.thresholds, name) or 0, default),
-        "set": _writer(write),
+        "set": _writer(lambda action, value: _with_limit(action, name, value)),
         "options": set(),
     }
 
 
 def _asked(name: str, default: float) -> Any:
-    def write(action: Any, asked: bool) -> Any:
-        return replace(action, thresholds=replace(action.thresholds, **{name: default if asked else None}))
-
     read = _reader(lambda action: getattr(action.thresholds, name) is not None, False)
-    return bpy.props.BoolProperty(name="Asked For", description=f"Ask for this {name}", get=read, set=_writer(write))
+    write = _writer(lambda action, asked: _with_limit(action, name, default if asked else None))
+    return bpy.props.BoolProperty(name="Asked For", description=f"Ask for this {name}", get=read, set=write)
 
 
 def _answer(place: int) -> Any:
-    def write(action: Any, text: str) -> Any:
+    def write(action: ActionData, text: str) -> ActionData:
         return replace(action, answers=(*action.answers[:place], text, *action.answers[place + 1 :]))
 
     read = _reader(lambda action: action.answers[place] if place < len(action.answers) else "", "")
@@ -115,7 +118,7 @@ def _answer(place: int) -> Any:
 
 
 def _correct(place: int) -> Any:
-    def write(action: Any, right: bool) -> Any:
+    def write(action: ActionData, right: bool) -> ActionData:
         return replace(
             action, correct=tuple(sorted({*action.correct, place} if right else {*action.correct} - {place}))
         )
@@ -169,50 +172,31 @@ def _properties() -> dict[str, Any]:
     return found
 
 
-class UNISG_OT_load_types(bpy.types.Operator):
+class UNISG_OT_load_types(FileOperator):
     """Run a Python file that defines action types of your own; they are known until Blender ends"""
 
     bl_idname = "unisg.load_types"
     bl_label = "Load Action Types"
     bl_options = {"REGISTER"}
 
-    filepath: bpy.props.StringProperty(name="File", subtype="FILE_PATH")
     filter_glob: bpy.props.StringProperty(default="*.py", options={"HIDDEN"})
 
-    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        context.window_manager.fileselect_add(self)
-        return {"RUNNING_MODAL"}
-
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def run(self, context: bpy.types.Context) -> None:
         from ..unisg_blender.behaviour.lesson.custom_types import load_types
-        from ..unisg_blender.errors import UniSGError
 
-        try:
-            names = load_types(bpy.path.abspath(self.filepath))
-        except UniSGError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
-        self.report({"INFO"}, f"Action types: {', '.join(names)}")
-        return {"FINISHED"}
+        self.report({"INFO"}, f"Action types: {', '.join(load_types(bpy.path.abspath(self.filepath)))}")
 
 
 CLASSES = (UNISG_OT_load_types,)
-
-
-def register() -> None:
-    """Add the properties."""
-    for name, prop in _properties().items():
-        setattr(bpy.types.Object, f"unisg_action_{name}", prop)
-    manager = bpy.types.WindowManager
-    manager.unisg_action = bpy.props.IntProperty(min=0, options={"SKIP_SAVE"})
-    for slot, what in (("targets", "Add Target"), ("tools", "Add Tool"), ("frame", "Frame")):
-        pointer = bpy.props.PointerProperty(type=bpy.types.Object, name=what, update=_pick(slot))
-        setattr(manager, f"unisg_pick_{slot}", pointer)
-
-
-def unregister() -> None:
-    """Take the properties away."""
-    for name in _properties():
-        delattr(bpy.types.Object, f"unisg_action_{name}")
-    for name in ("unisg_action", "unisg_pick_targets", "unisg_pick_tools", "unisg_pick_frame"):
-        delattr(bpy.types.WindowManager, name)
+PROPERTIES = (
+    *((bpy.types.Object, f"unisg_action_{name}", prop) for name, prop in _properties().items()),
+    (bpy.types.WindowManager, "unisg_action", bpy.props.IntProperty(min=0, options={"SKIP_SAVE"})),
+    *(
+        (
+            bpy.types.WindowManager,
+            f"unisg_pick_{slot}",
+            bpy.props.PointerProperty(type=bpy.types.Object, name=what, update=_pick(slot)),
+        )
+        for slot, what in (("targets", "Add Target"), ("tools", "Add Tool"), ("frame", "Frame"))
+    ),
+)

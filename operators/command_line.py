@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import bpy
 
-CLASSES: tuple = ()
-_commands: list = []
+CLASSES = ()
+_commands: list[Any] = []
 
 
 def _run(argv: list[str]) -> int:

@@ -6,11 +6,14 @@ from pathlib import Path
 
 import bpy
 
+from ..unisg_blender.errors import UniSGError
+from .base import FileOperator
+
 ENDINGS = (".usda", ".usdc", ".usdz", ".usd", ".json")
 USD = ENDINGS[:4]
 
 
-class UNISG_OT_convert(bpy.types.Operator):
+class UNISG_OT_convert(FileOperator):
     """Save the scene through the scenegraph: as a USD master file (.usda, .usdc, .usdz) or as .json"""
 
     bl_idname = "unisg.convert"
@@ -28,72 +31,54 @@ class UNISG_OT_convert(bpy.types.Operator):
 
         if missing_pxr() and self.filepath.endswith(USD):
             self.filepath = str(Path(self.filepath).with_suffix(".json"))
-        context.window_manager.fileselect_add(self)
-        return {"RUNNING_MODAL"}
+        return super().invoke(context, event)
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def run(self, context: bpy.types.Context) -> None:
         from ..unisg_blender.blender import ReadReport, read_scene
-        from ..unisg_blender.errors import UniSGError
         from ..unisg_blender.formats.scene_files import write_scene_file
 
         path = Path(bpy.path.abspath(self.filepath))
         report, manager = ReadReport(), context.window_manager
+        if path.suffix.lower() == ".blend":
+            raise UniSGError("what is open is a .blend already: File > Save a Copy; here a file ends in .usdc, ...")
+        if path.suffix.lower() not in ENDINGS:
+            raise UniSGError(f"a converted scene ends in {', '.join(ENDINGS)}")
         manager.progress_begin(0, 1)
         try:
-            if path.suffix.lower() == ".blend":
-                raise UniSGError("what is open is a .blend already: File > Save a Copy; here a file ends in .usdc, ...")
-            if path.suffix.lower() not in ENDINGS:
-                raise UniSGError(f"a converted scene ends in {', '.join(ENDINGS)}")
             graph = read_scene(context.scene, animation=self.animation, report=report)
             write_scene_file(graph, path, lambda done, total: manager.progress_update(done / total))
-        except UniSGError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
         finally:
             manager.progress_end()
         if len(report):
             self.report({"WARNING"}, f"Not represented: {report.summary()}")
         self.report({"INFO"}, f"Saved {path.name}")
-        return {"FINISHED"}
 
 
-class UNISG_OT_open_master_file(bpy.types.Operator):
+class UNISG_OT_open_master_file(FileOperator):
     """Open a USD file, a master file or any other, in a scene of its own, behaviour and relations included"""
 
     bl_idname = "unisg.open_master_file"
     bl_label = "Open Master File"
     bl_options = {"REGISTER", "UNDO"}
 
-    filepath: bpy.props.StringProperty(name="File", subtype="FILE_PATH")
     filter_glob: bpy.props.StringProperty(default=";".join(f"*{ending}" for ending in USD), options={"HIDDEN"})
 
     @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
+    def why_grey(cls, context: bpy.types.Context) -> str:
         from ..unisg_blender.usd.pxr_library import missing_pxr
 
-        if reason := missing_pxr():
-            cls.poll_message_set(reason)
-        return not reason
+        return missing_pxr()
 
-    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        context.window_manager.fileselect_add(self)
-        return {"RUNNING_MODAL"}
-
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def run(self, context: bpy.types.Context) -> None:
         from ..unisg_blender.blender import ReadReport, write_scene
-        from ..unisg_blender.errors import UniSGError
         from ..unisg_blender.formats.scene_files import read_scene_file
 
         path = Path(bpy.path.abspath(self.filepath))
         report = ReadReport()
-        try:
-            if path.suffix.lower() not in USD:
-                raise UniSGError(f"a master file ends in {', '.join(USD)}")
-            graph, lost = read_scene_file(path)
-            scene = write_scene(graph, report=report)
-        except UniSGError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+        if path.suffix.lower() not in USD:
+            raise UniSGError(f"a master file ends in {', '.join(USD)}")
+        graph, lost = read_scene_file(path)
+        scene = write_scene(graph, report=report)
         if context.window is not None:
             context.window.scene = scene
         for line in lost:
@@ -101,7 +86,6 @@ class UNISG_OT_open_master_file(bpy.types.Operator):
         if len(report):
             self.report({"WARNING"}, f"Not represented: {report.summary()}")
         self.report({"INFO"}, f"{len(graph)} entities in the scene {scene.name!r}")
-        return {"FINISHED"}
 
 
 CLASSES = (UNISG_OT_convert, UNISG_OT_open_master_file)

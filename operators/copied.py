@@ -32,16 +32,8 @@ HANDLERS = (("depsgraph_update_post", _after_update), ("load_post", _forget))
 CLASSES = ()
 
 
-def register() -> None:
-    """Watch for copies."""
-    for name, handler in HANDLERS:
-        getattr(bpy.app.handlers, name).append(handler)
-
-
 def unregister() -> None:
-    """Stop watching."""
-    for name, handler in HANDLERS:
-        getattr(bpy.app.handlers, name).remove(handler)
+    """Forget what was seen."""
     if bpy.app.timers.is_registered(_repair):
         bpy.app.timers.unregister(_repair)
     _seen.clear()

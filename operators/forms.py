@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import bpy
 
+from ..unisg_blender.errors import UniSGError
+from .base import Operator, redraw_views
 
-class UNISG_OT_copy_form(bpy.types.Operator):
+
+class UNISG_OT_copy_form(Operator):
     """Copy the active object's local transform in this form to the clipboard, as JSON with channel names"""
 
     bl_idname = "unisg.copy_form"
@@ -15,39 +18,23 @@ class UNISG_OT_copy_form(bpy.types.Operator):
     form: bpy.props.StringProperty(name="Form", default="dual_quaternion")
 
     @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        if context.active_object is not None:
-            return True
-        cls.poll_message_set("Select an object first")
-        return False
+    def why_grey(cls, context: bpy.types.Context) -> str:
+        return "" if context.active_object is not None else "Select an object first"
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def run(self, context: bpy.types.Context) -> None:
         from ..unisg_blender.blender.viewport.transform_forms import transform_forms, transform_text
-        from ..unisg_blender.errors import UniSGError
 
-        try:
-            if self.form not in transform_forms(context.active_object):
-                raise UniSGError(f"there is no form {self.form!r}")
-            context.window_manager.clipboard = transform_text(context.active_object, self.form)
-        except UniSGError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+        if self.form not in transform_forms(context.active_object):
+            raise UniSGError(f"there is no form {self.form!r}")
+        context.window_manager.clipboard = transform_text(context.active_object, self.form)
         self.report({"INFO"}, f"{self.form} copied")
-        return {"FINISHED"}
 
 
 def _switch(settings: UNISG_PG_microscope, context: bpy.types.Context) -> None:
     from ..unisg_blender.blender.viewport import motion_paths as microscope
 
     microscope.start() if settings.show else microscope.stop()
-    _redraw(settings, context)
-
-
-def _redraw(settings: UNISG_PG_microscope, context: bpy.types.Context) -> None:
-    for window in context.window_manager.windows:
-        for area in window.screen.areas:
-            if area.type == "VIEW_3D":
-                area.tag_redraw()
+    redraw_views(context)
 
 
 class UNISG_PG_microscope(bpy.types.PropertyGroup):
@@ -65,21 +52,17 @@ class UNISG_PG_microscope(bpy.types.PropertyGroup):
         default=0.5,
         min=0.0,
         soft_max=3.0,
-        update=_redraw,
+        update=lambda settings, context: redraw_views(context),
     )
 
 
 CLASSES = (UNISG_OT_copy_form, UNISG_PG_microscope)
-
-
-def register() -> None:
-    """Add the microscope's settings to the window manager: they belong to the session, not to the file."""
-    bpy.types.WindowManager.unisg_microscope = bpy.props.PointerProperty(type=UNISG_PG_microscope)
+PROPERTIES = ((bpy.types.WindowManager, "unisg_microscope", bpy.props.PointerProperty(type=UNISG_PG_microscope)),)
+"""The microscope's settings belong to the session, not to the file."""
 
 
 def unregister() -> None:
-    """Stop drawing and take the settings away."""
+    """Stop drawing."""
     from ..unisg_blender.blender.viewport import motion_paths as microscope
 
     microscope.stop()
-    del bpy.types.WindowManager.unisg_microscope

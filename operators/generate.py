@@ -4,17 +4,16 @@ from __future__ import annotations
 
 import random
 import time
-from typing import Any
+from collections.abc import Sequence
 
 import bpy
 
+from ..unisg_blender.errors import UniSGError
+from .base import SteppedOperator, Steps
 from .generation_settings import load_generator, shipped_models
 
-SLICE = 0.05
-"""Seconds of work between two redraws."""
 
-
-class UNISG_OT_generate(bpy.types.Operator):
+class UNISG_OT_generate(SteppedOperator):
     """Add objects where the model thinks they belong; nothing that is there already is moved"""
 
     bl_idname = "unisg.generate"
@@ -47,64 +46,13 @@ class UNISG_OT_generate(bpy.types.Operator):
         return f"Add objects {where}; nothing that is there already is moved"
 
     @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        if context.mode != "OBJECT":
-            cls.poll_message_set("Leave edit mode first")
-            return False
-        return True
+    def why_grey(cls, context: bpy.types.Context) -> str:
+        return "" if context.mode == "OBJECT" else "Leave edit mode first"
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        from ..unisg_blender.errors import UniSGError
-
-        try:
-            self._start(context)
-            while not self._advance(float("inf")):
-                pass
-            return self._finish(context)
-        except UniSGError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
-
-    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        from ..unisg_blender.errors import UniSGError
-
-        try:
-            self._start(context)
-        except UniSGError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
-        manager = context.window_manager
-        self._timer = manager.event_timer_add(0.01, window=context.window)
-        manager.progress_begin(0, self._total)
-        manager.modal_handler_add(self)
-        return {"RUNNING_MODAL"}
-
-    def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        from ..unisg_blender.errors import UniSGError
-
-        if event.type == "ESC":
-            self._end_progress(context)
-            self.report({"INFO"}, "Stopped; nothing was added")
-            return {"CANCELLED"}
-        if event.type != "TIMER":
-            return {"RUNNING_MODAL"}
-        try:
-            if not self._advance(SLICE):
-                context.window_manager.progress_update(self._done)
-                context.workspace.status_text_set(f"Generating {self._done} of {self._total}   ESC: stop")
-                return {"RUNNING_MODAL"}
-            self._end_progress(context)
-            return self._finish(context)
-        except UniSGError as error:
-            self._end_progress(context)
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
-
-    def _start(self, context: bpy.types.Context) -> None:
-        """Read the scene and begin; Blender's data is not touched before the end."""
+    def steps(self, context: bpy.types.Context) -> Steps:
+        """Read the scene and place one object after another; Blender's data is not touched before the end."""
         from ..unisg_blender.blender import read_scene
         from ..unisg_blender.commands.generate import parse_counts
-        from ..unisg_blender.errors import UniSGError
 
         shipped = shipped_models()
         if not self.model and not shipped:
@@ -113,34 +61,25 @@ class UNISG_OT_generate(bpy.types.Operator):
         if self.seed < 0:
             self.seed = random.randrange(2**31)
         counts = parse_counts(self.add)
-        self._began, self._done, self._total = time.perf_counter(), 0, sum(counts.values())
-        self._steps = generator.steps(
+        self._began, total = time.perf_counter(), sum(counts.values())
+        placing = generator.steps(
             read_scene(context.scene, details=False), counts, self.seed, bulk=self.bulk, behaviour=self.behaviour,
             on=self.on, beside=self.beside,
         )  # fmt: skip
-        self._result: Any = None
+        done = 0
+        while True:
+            try:
+                next(placing)
+            except StopIteration as stop:
+                self._result = stop.value
+                return
+            done += 1
+            yield done / total, f"Generating {done} of {total}"
 
-    def _advance(self, seconds: float) -> bool:
-        """Work for a while; True when done."""
-        end = time.perf_counter() + seconds
-        try:
-            while time.perf_counter() < end:
-                next(self._steps)
-                self._done += 1
-        except StopIteration as stop:
-            self._result = stop.value
-            return True
-        return False
+    def stopped(self, context: bpy.types.Context) -> str:
+        return "nothing was added"
 
-    def _end_progress(self, context: bpy.types.Context) -> None:
-        if self._timer is None:
-            return
-        context.window_manager.event_timer_remove(self._timer)
-        self._timer = None
-        context.window_manager.progress_end()
-        context.workspace.status_text_set(None)
-
-    def _finish(self, context: bpy.types.Context) -> set[str]:
+    def finish(self, context: bpy.types.Context) -> set[str]:
         """Make the objects, select them, and say what happened."""
         from ..unisg_blender.blender import write_rows
         from ..unisg_blender.blender.authoring.extended_lessons import extend_lessons
@@ -162,7 +101,7 @@ class UNISG_OT_generate(bpy.types.Operator):
         self.report({level}, f"{added} in {spent:.2f} s{refused} (seed {self.seed})")
         return {"FINISHED"} if result.added else {"CANCELLED"}
 
-    def _select(self, context: bpy.types.Context, objects: list[bpy.types.Object]) -> None:
+    def _select(self, context: bpy.types.Context, objects: Sequence[bpy.types.Object]) -> None:
         """Select the new objects; what they were wanted on or beside stays active, for the next ones."""
         for item in context.selected_objects:
             item.select_set(False)

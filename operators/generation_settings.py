@@ -7,12 +7,18 @@ file, and undo leaves them alone.
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 import bpy
 
+from ..unisg_blender.errors import UniSGError
+from .base import redraw_views
+
+if TYPE_CHECKING:
+    from ..unisg_blender.generate import Generator
+
 OWN_FILE = "FILE"
-_generators: dict[tuple[str, float], Any] = {}
+_generators: dict[tuple[str, float], Generator] = {}
 _model_items: list[tuple[str, str, str]] = []
 
 
@@ -23,7 +29,7 @@ def shipped_models() -> list[Path]:
     return shipped_generators()
 
 
-def load_generator(path: str) -> Any:
+def load_generator(path: str) -> Generator:
     """The generator of a model file, loaded once; raises UniSGError if the file is no such model."""
     from ..unisg_blender.generate import Generator
     from ..unisg_blender.pretrained import find_generator
@@ -37,7 +43,7 @@ def load_generator(path: str) -> Any:
     return _generators[key]
 
 
-def _models(settings: Any, context: bpy.types.Context | None) -> list[tuple[str, str, str]]:
+def _models(settings: object, context: bpy.types.Context | None) -> list[tuple[str, str, str]]:
     found = [(str(path), path.stem.replace("_", " ").capitalize(), str(path)) for path in shipped_models()]
     _model_items[:] = [*found, (OWN_FILE, "Own model", "A model of your own, trained with 'unisg train cgvae'")]
     return _model_items  # Blender keeps no reference to the strings of a computed enum: we must
@@ -103,8 +109,6 @@ class UNISG_GenerationSettings(bpy.types.PropertyGroup):
 
 def list_categories(settings: UNISG_GenerationSettings) -> None:
     """List the categories of the chosen model, keeping the counts of those that were listed before."""
-    from ..unisg_blender.errors import UniSGError
-
     before, settings.listed, settings.problem = settings.wanted(), settings.model_file() or "-", ""
     settings.counts.clear()
     if not settings.model_file():
@@ -128,22 +132,15 @@ def list_categories_soon() -> None:
 
 def _list_now() -> None:
     list_categories(bpy.context.window_manager.unisg)
-    for window in bpy.context.window_manager.windows:
-        for area in window.screen.areas:
-            area.tag_redraw()
+    redraw_views(bpy.context)
 
 
 CLASSES = (UNISG_CategoryCount, UNISG_GenerationSettings)
-
-
-def register() -> None:
-    """Give the window manager our settings."""
-    bpy.types.WindowManager.unisg = bpy.props.PointerProperty(type=UNISG_GenerationSettings)
+PROPERTIES = ((bpy.types.WindowManager, "unisg", bpy.props.PointerProperty(type=UNISG_GenerationSettings)),)
 
 
 def unregister() -> None:
-    """Take them back."""
+    """Let the model go."""
     if bpy.app.timers.is_registered(_list_now):
         bpy.app.timers.unregister(_list_now)
-    del bpy.types.WindowManager.unisg
     _generators.clear()

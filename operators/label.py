@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import bpy
 
+from ..unisg_blender.errors import UniSGError
+from .base import Operator
 
-class UNISG_OT_label(bpy.types.Operator):
+
+class UNISG_OT_label(Operator):
     """Propose categories for objects without one, from shape, size, name and neighbours; nothing is changed yet"""
 
     bl_idname = "unisg.label"
@@ -15,32 +18,24 @@ class UNISG_OT_label(bpy.types.Operator):
     selected_only: bpy.props.BoolProperty(name="Selected only", description="Look at the selected objects only")
 
     @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
+    def why_grey(cls, context: bpy.types.Context) -> str:
         if context.mode != "OBJECT":
-            cls.poll_message_set("Leave edit mode first")
-            return False
-        if any(item.type == "MESH" and not item.get("unisg_category") for item in context.scene.objects):
-            return True
-        cls.poll_message_set("All mesh objects of the scene have a category")
-        return False
+            return "Leave edit mode first"
+        left = any(item.type == "MESH" and not item.get("unisg_category") for item in context.scene.objects)
+        return "" if left else "All mesh objects of the scene have a category"
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def run(self, context: bpy.types.Context) -> None:
         from ..unisg_blender.blender.read.scene_reader import read_scene
-        from ..unisg_blender.errors import UniSGError
         from ..unisg_blender.predict.category_proposals import propose_categories
 
         settings = context.window_manager.unisg_meshes
         settings.proposals.clear()
-        try:
-            graph = read_scene(context.scene, details=False)
-            rows = [row for row in range(len(graph)) if graph.category[row] < 0]
-            if self.selected_only:
-                selected = {item.name for item in context.selected_objects}
-                rows = [row for row in rows if graph.name[row] in selected]
-            found = propose_categories(graph, rows=rows)
-        except UniSGError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+        graph = read_scene(context.scene, details=False)
+        rows = [row for row in range(len(graph)) if graph.category[row] < 0]
+        if self.selected_only:
+            selected = {item.name for item in context.selected_objects}
+            rows = [row for row in rows if graph.name[row] in selected]
+        found = propose_categories(graph, rows=rows)
         for proposal in sorted(found, key=lambda proposal: -proposal.confidence):
             item = settings.proposals.add()
             item.name, item.uid = proposal.name, proposal.uid
@@ -48,10 +43,9 @@ class UNISG_OT_label(bpy.types.Operator):
                 guess = item.guesses.add()
                 guess.name, guess.confidence = category, confidence
         self.report({"INFO"}, f"{len(found)} objects have proposed categories")
-        return {"FINISHED"}
 
 
-class UNISG_OT_accept_category(bpy.types.Operator):
+class UNISG_OT_accept_category(Operator):
     """Give the object this category"""
 
     bl_idname = "unisg.accept_category"
@@ -61,14 +55,12 @@ class UNISG_OT_accept_category(bpy.types.Operator):
     uid: bpy.props.StringProperty(name="Identity", description="UniSG identity of the object")
     category: bpy.props.StringProperty(name="Category")
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def run(self, context: bpy.types.Context) -> None:
         if not accept(context, {self.uid: self.category}):
-            self.report({"ERROR"}, "the object is no longer there, or is linked: propose again")
-            return {"CANCELLED"}
-        return {"FINISHED"}
+            raise UniSGError("the object is no longer there, or is linked: propose again")
 
 
-class UNISG_OT_accept_categories(bpy.types.Operator):
+class UNISG_OT_accept_categories(Operator):
     """Give all objects their most likely category, where its confidence is high enough"""
 
     bl_idname = "unisg.accept_categories"
@@ -80,19 +72,15 @@ class UNISG_OT_accept_categories(bpy.types.Operator):
     )
 
     @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        if len(context.window_manager.unisg_meshes.proposals):
-            return True
-        cls.poll_message_set("Propose categories first")
-        return False
+    def why_grey(cls, context: bpy.types.Context) -> str:
+        return "" if len(context.window_manager.unisg_meshes.proposals) else "Propose categories first"
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def run(self, context: bpy.types.Context) -> None:
         proposals = context.window_manager.unisg_meshes.proposals
         best = {item.uid: item.guesses[0] for item in proposals}
         wanted = {uid: guess.name for uid, guess in best.items() if guess.confidence >= self.threshold}
         total = len(proposals)
         self.report({"INFO"}, f"{accept(context, wanted)} of {total} objects got their category")
-        return {"FINISHED"}
 
 
 def accept(context: bpy.types.Context, wanted: dict[str, str]) -> int:

@@ -3,50 +3,53 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import bpy
 
-from .action_properties import active_action
+from ..unisg_blender.errors import UniSGError
+from .action_properties import active_action, readable_actions
+from .base import Operator, redraw_views
 from .lesson_properties import active_node, lesson_object
 
+if TYPE_CHECKING:
+    from ..unisg_blender.scene.lesson_node import LessonNode
+
+NO_LESSON = "The scene has no lesson: add one"
 KIND_ITEMS = (
     ("lesson", "Lesson", "A part that holds stages or further lessons"),
     ("stage", "Stage", "A part that holds actions"),
 )
 
 
-class LessonOperator:
-    """An operator on the shown lesson; says why it is grey."""
+class LessonOperator(Operator):
+    """An operator on the shown lesson."""
 
     bl_options = {"REGISTER", "UNDO"}
 
     @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
+    def why_grey(cls, context: bpy.types.Context) -> str:
         from ..unisg_blender.blender.authoring.stored_behaviour import why_fixed
         from ..unisg_blender.scene.properties import LSA
 
         item = lesson_object(context)
-        reason = why_fixed(item, LSA) if item is not None else "The scene has no lesson: add one"
-        if reason:
-            cls.poll_message_set(reason)
-        return not reason
+        return why_fixed(item, LSA) if item is not None else NO_LESSON
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def edit(self, context: bpy.types.Context, root: LessonNode, node: LessonNode) -> LessonNode:
+        """The lesson as it shall be; ``node`` is the active one."""
+        raise NotImplementedError
+
+    def run(self, context: bpy.types.Context) -> None:
         from ..unisg_blender.blender.authoring.authoring import change_lesson
-        from ..unisg_blender.errors import UniSGError
 
-        node = active_node(context)
-        try:
-            change_lesson(lesson_object(context), lambda root: self.edit(context, root, node))
-        except UniSGError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
-        for area in context.screen.areas if context.screen else ():
-            area.tag_redraw()
-        return {"FINISHED"}
+        item, node = lesson_object(context), active_node(context)
+        if item is None or node is None:
+            raise UniSGError(NO_LESSON)
+        change_lesson(item, lambda root: self.edit(context, root, node))
+        redraw_views(context)
 
 
-class UNISG_OT_lesson_new(bpy.types.Operator):
+class UNISG_OT_lesson_new(Operator):
     """Add an Empty that stands for a lesson, with one stage to begin with"""
 
     bl_idname = "unisg.lesson_new"
@@ -56,20 +59,16 @@ class UNISG_OT_lesson_new(bpy.types.Operator):
     name: bpy.props.StringProperty(name="Name", default="Lesson")
 
     @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        if context.mode == "OBJECT":
-            return True
-        cls.poll_message_set("Go to object mode first")
-        return False
+    def why_grey(cls, context: bpy.types.Context) -> str:
+        return "" if context.mode == "OBJECT" else "Go to object mode first"
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def run(self, context: bpy.types.Context) -> None:
         from ..unisg_blender.blender.authoring.authoring import new_lesson
 
         context.window_manager.unisg_lesson = new_lesson(context.scene, self.name).name
-        return {"FINISHED"}
 
 
-class UNISG_OT_lesson_add(LessonOperator, bpy.types.Operator):
+class UNISG_OT_lesson_add(LessonOperator):
     """Add a lesson or a stage: inside the active node, or beside it"""
 
     bl_idname = "unisg.lesson_add"
@@ -77,69 +76,67 @@ class UNISG_OT_lesson_add(LessonOperator, bpy.types.Operator):
 
     kind: bpy.props.EnumProperty(name="Kind", items=KIND_ITEMS, default="stage")
 
-    def edit(self, context, root, node):
+    def edit(self, context: bpy.types.Context, root: LessonNode, node: LessonNode) -> LessonNode:
         from ..unisg_blender.behaviour.lesson.edit import insert, new_node, parent_of
         from ..unisg_blender.scene.lesson_node import MAY_HOLD
 
         made = new_node(self.kind, self.kind.capitalize())
-        above, after = node, None
+        above: LessonNode | None = node
+        after: LessonNode | None = None
         while above is not None and self.kind not in MAY_HOLD[above.kind]:
             above, after = parent_of(root, above.uid), above
         if above is None:  # a stage beside the operation: into its last lesson
-            above = root.children[-1] if root.children else root
+            above, after = root.children[-1] if root.children else root, None
         place = None if after is None else [each.uid for each in above.children].index(after.uid) + 1
         context.window_manager.unisg_lesson_node = made.uid
         return insert(root, above.uid, made, place)
 
 
-class UNISG_OT_lesson_add_action(LessonOperator, bpy.types.Operator):
+class UNISG_OT_lesson_add_action(LessonOperator):
     """Let the lesson perform the active object's active action: behind the active node, or in the last stage"""
 
     bl_idname = "unisg.lesson_add_action"
     bl_label = "Add Active Action"
 
     @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
+    def why_grey(cls, context: bpy.types.Context) -> str:
         if context.active_object is None or active_action(context, context.active_object) is None:
-            cls.poll_message_set("Select an object that has an action")
-            return False
-        return super().poll(context)
+            return "Select an object that has an action"
+        return super().why_grey(context)
 
-    def edit(self, context, root, node):
+    def edit(self, context: bpy.types.Context, root: LessonNode, node: LessonNode) -> LessonNode:
         from ..unisg_blender.behaviour.lesson.edit import insert, new_node, parent_of
-        from ..unisg_blender.errors import UniSGError
 
         action = active_action(context, context.active_object)
+        if action is None:
+            raise UniSGError("select an object that has an action")
         made = new_node("action", action.name, action.uid)
         stages = [each for each in node.walk() if each.kind == "stage"]
         stages = stages or [each for each in root.walk() if each.kind == "stage"]
-        if node.kind == "action":
-            stage = parent_of(root, node.uid)
-            place = [each.uid for each in stage.children].index(node.uid) + 1
-        elif stages:
-            stage, place = stages[-1], None
-        else:
+        stage = parent_of(root, node.uid) if node.kind == "action" else stages[-1] if stages else None
+        if stage is None:
             raise UniSGError("the lesson has no stage yet: add one")
+        place = [each.uid for each in stage.children].index(node.uid) + 1 if node.kind == "action" else None
         context.window_manager.unisg_lesson_node = made.uid
         return insert(root, stage.uid, made, place)
 
 
-class UNISG_OT_lesson_remove(LessonOperator, bpy.types.Operator):
+class UNISG_OT_lesson_remove(LessonOperator):
     """Remove the active node and all below it; actions stay with their objects"""
 
     bl_idname = "unisg.lesson_remove"
     bl_label = "Remove"
 
-    def edit(self, context, root, node):
+    def edit(self, context: bpy.types.Context, root: LessonNode, node: LessonNode) -> LessonNode:
         from ..unisg_blender.behaviour.lesson.edit import parent_of, remove
 
         above = parent_of(root, node.uid)
         left = remove(root, node.uid)
-        context.window_manager.unisg_lesson_node = above.uid
+        context.window_manager.unisg_lesson_node = root.uid if above is None else above.uid
         return left
 
 
-class UNISG_OT_lesson_move(LessonOperator, bpy.types.Operator):
+class UNISG_OT_lesson_move(LessonOperator):
     """Move the active node: up, down, into the part before it, or out of the part it is in"""
 
     bl_idname = "unisg.lesson_move"
@@ -150,7 +147,7 @@ class UNISG_OT_lesson_move(LessonOperator, bpy.types.Operator):
         items=(("UP", "Up", "One place up"), ("DOWN", "Down", "One place down"), ("IN", "In", ""), ("OUT", "Out", "")),
     )
 
-    def edit(self, context, root, node):
+    def edit(self, context: bpy.types.Context, root: LessonNode, node: LessonNode) -> LessonNode:
         from ..unisg_blender.behaviour.lesson.edit import lift, move, nest
 
         if self.how in ("UP", "DOWN"):
@@ -158,7 +155,7 @@ class UNISG_OT_lesson_move(LessonOperator, bpy.types.Operator):
         return nest(root, node.uid) if self.how == "IN" else lift(root, node.uid)
 
 
-class UNISG_OT_lesson_select(bpy.types.Operator):
+class UNISG_OT_lesson_select(Operator):
     """Make this the active node, and select what its action belongs to"""
 
     bl_idname = "unisg.lesson_select"
@@ -167,54 +164,56 @@ class UNISG_OT_lesson_select(bpy.types.Operator):
 
     uid: bpy.props.StringProperty()
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def run(self, context: bpy.types.Context) -> None:
         from ..unisg_blender.blender.authoring.authoring import scene_actions
 
         context.window_manager.unisg_lesson_node = self.uid
         node = active_node(context)
-        for item, action in scene_actions(context.scene) if node is not None and node.action else ():
+        if node is None or not node.action:
+            return
+        for item, action in scene_actions(context.scene):
             if action.uid == node.action and item.name in context.view_layer.objects:
                 context.view_layer.objects.active = item
-                places = [each.uid for owner, each in scene_actions(context.scene) if owner == item]
+                places = [each.uid for each in readable_actions(item)]
                 context.window_manager.unisg_action = places.index(action.uid)
-                break
-        return {"FINISHED"}
+                return
 
 
-def _other_nodes(self, context):
+_choices: list[tuple[str, str, str]] = []
+
+
+def _other_nodes(self: object, context: bpy.types.Context) -> list[tuple[str, str, str]]:
     from ..unisg_blender.blender.authoring.stored_behaviour import lesson_of
 
     item, node = lesson_object(context), active_node(context)
-    nodes = list(lesson_of(item).walk())[1:] if item is not None else []
+    root = lesson_of(item) if item is not None else None
     related = {each.uid for each in node.walk()} if node is not None else set()
-    UNISG_OT_lesson_require.choices = [
-        (each.uid, each.name or each.kind, each.kind) for each in nodes if each.uid not in related
-    ]
-    return UNISG_OT_lesson_require.choices  # Blender needs the strings kept alive
+    nodes = list(root.walk())[1:] if root is not None else []
+    _choices[:] = [(each.uid, each.name or each.kind, each.kind) for each in nodes if each.uid not in related]
+    return _choices  # Blender needs the strings kept alive
 
 
-class UNISG_OT_lesson_require(LessonOperator, bpy.types.Operator):
+class UNISG_OT_lesson_require(LessonOperator):
     """Something that has to be done before the active node"""
 
     bl_idname = "unisg.lesson_require"
     bl_label = "Add Prerequisite"
     bl_property = "node"
-    choices = ()
 
     node: bpy.props.EnumProperty(name="Before", items=_other_nodes)
 
-    def invoke(self, context, event):
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         context.window_manager.invoke_search_popup(self)
         return {"RUNNING_MODAL"}
 
-    def edit(self, context, root, node):
+    def edit(self, context: bpy.types.Context, root: LessonNode, node: LessonNode) -> LessonNode:
         from ..unisg_blender.behaviour.lesson.edit import change
 
         wanted = (*dict.fromkeys((*node.requires, self.node)),)
         return change(root, node.uid, lambda each: replace(each, requires=wanted))
 
 
-class UNISG_OT_lesson_unrequire(LessonOperator, bpy.types.Operator):
+class UNISG_OT_lesson_unrequire(LessonOperator):
     """No longer wait for this"""
 
     bl_idname = "unisg.lesson_unrequire"
@@ -222,27 +221,24 @@ class UNISG_OT_lesson_unrequire(LessonOperator, bpy.types.Operator):
 
     uid: bpy.props.StringProperty()
 
-    def edit(self, context, root, node):
+    def edit(self, context: bpy.types.Context, root: LessonNode, node: LessonNode) -> LessonNode:
         from ..unisg_blender.behaviour.lesson.edit import change
 
         left = tuple(uid for uid in node.requires if uid != self.uid)
         return change(root, node.uid, lambda each: replace(each, requires=left))
 
 
-class UNISG_OT_lesson_check(bpy.types.Operator):
+class UNISG_OT_lesson_check(Operator):
     """Look for everything that would keep the lesson from being played"""
 
     bl_idname = "unisg.lesson_check"
     bl_label = "Check Lesson"
 
     @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        if lesson_object(context) is None:
-            cls.poll_message_set("The scene has no lesson: add one")
-            return False
-        return True
+    def why_grey(cls, context: bpy.types.Context) -> str:
+        return NO_LESSON if lesson_object(context) is None else ""
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def run(self, context: bpy.types.Context) -> None:
         from ..unisg_blender.behaviour import check_scene
         from ..unisg_blender.blender import read_scene
 
@@ -251,7 +247,6 @@ class UNISG_OT_lesson_check(bpy.types.Operator):
             self.report({"ERROR" if problem.severe else "WARNING"}, problem.message)
         if not problems:
             self.report({"INFO"}, "The lesson is sound")
-        return {"FINISHED"}
 
 
 CLASSES = (

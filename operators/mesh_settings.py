@@ -67,13 +67,4 @@ class UNISG_PG_meshes(bpy.types.PropertyGroup):
 
 
 CLASSES = (UNISG_PG_guess, UNISG_PG_proposal, UNISG_PG_match, UNISG_PG_meshes)
-
-
-def register() -> None:
-    """Add the choices to the window manager."""
-    bpy.types.WindowManager.unisg_meshes = bpy.props.PointerProperty(type=UNISG_PG_meshes)
-
-
-def unregister() -> None:
-    """Take them away."""
-    del bpy.types.WindowManager.unisg_meshes
+PROPERTIES = ((bpy.types.WindowManager, "unisg_meshes", bpy.props.PointerProperty(type=UNISG_PG_meshes)),)

@@ -2,12 +2,20 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 import bpy
 
+from ..unisg_blender.errors import UniSGError
+from .base import Operator
 
-def read_active(context: bpy.types.Context) -> Any:
+if TYPE_CHECKING:
+    from ..unisg_blender.meshes.shape_feature import MeshFeature
+    from ..unisg_blender.meshes.similar import Match
+    from ..unisg_blender.scene.mesh import Mesh
+
+
+def read_active(context: bpy.types.Context) -> Mesh:
     """The active object's mesh as it is seen, modifiers applied, in its own frame."""
     from ..unisg_blender.blender.read.mesh_arrays import read_mesh
 
@@ -19,69 +27,53 @@ def read_active(context: bpy.types.Context) -> Any:
         shown.to_mesh_clear()
 
 
-class ActiveMesh:
+class ActiveMesh(Operator):
     """Operators on the active object, which must be a mesh in object mode."""
 
+    bl_options = {"REGISTER", "UNDO"}
+
     @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
+    def why_grey(cls, context: bpy.types.Context) -> str:
         if context.active_object is None or context.active_object.type != "MESH":
-            cls.poll_message_set("Make a mesh object the active one")
-            return False
-        if context.mode != "OBJECT":
-            cls.poll_message_set("Leave edit mode first")
-            return False
-        return True
-
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        from ..unisg_blender.errors import UniSGError
-
-        try:
-            self.report({"INFO"}, self.work(context))
-            return {"FINISHED"}
-        except UniSGError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+            return "Make a mesh object the active one"
+        return "" if context.mode == "OBJECT" else "Leave edit mode first"
 
 
-class UNISG_OT_encode_mesh(ActiveMesh, bpy.types.Operator):
+class UNISG_OT_encode_mesh(ActiveMesh):
     """Compute the 1024 numbers that describe the active object's shape, and keep them with its mesh"""
 
     bl_idname = "unisg.encode_mesh"
     bl_label = "Encode Mesh"
-    bl_options = {"REGISTER", "UNDO"}
 
     @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        if not super().poll(context):
-            return False
-        if context.active_object.data.library is not None:
-            cls.poll_message_set("The mesh is linked from another file, which cannot be changed here")
-            return False
-        return True
+    def why_grey(cls, context: bpy.types.Context) -> str:
+        reason = super().why_grey(context)
+        if not reason and context.active_object.data.library is not None:
+            return "The mesh is linked from another file, which cannot be changed here"
+        return reason
 
-    def work(self, context: bpy.types.Context) -> str:
-        """Encode and store; returns the report."""
+    def run(self, context: bpy.types.Context) -> None:
+        """Encode and store."""
         from ..unisg_blender.meshes.feature_text import PROPERTY, feature_to_text
         from ..unisg_blender.meshes.shape_feature import default_encoder
 
         feature = default_encoder().encode([read_active(context)])[0]
         data = context.active_object.data
         data[PROPERTY] = feature_to_text(feature)
-        return f"{data.name}: feature of {len(feature.vector)} numbers stored in {PROPERTY}"
+        self.report({"INFO"}, f"{data.name}: feature of {len(feature.vector)} numbers stored in {PROPERTY}")
 
 
-class UNISG_OT_decode_mesh(ActiveMesh, bpy.types.Operator):
+class UNISG_OT_decode_mesh(ActiveMesh):
     """Make a new, closed mesh from the active object's feature (its shape is encoded first if it has none)"""
 
     bl_idname = "unisg.decode_mesh"
     bl_label = "Decode to Mesh"
-    bl_options = {"REGISTER", "UNDO"}
 
     faces: bpy.props.IntProperty(name="Faces", description="Triangles of the new mesh", default=5000, min=4, max=200000)
     beside: bpy.props.BoolProperty(name="Beside", description="Put it next to the original, along x", default=True)
 
-    def work(self, context: bpy.types.Context) -> str:
-        """Decode into a new, active object; returns the report."""
+    def run(self, context: bpy.types.Context) -> None:
+        """Decode into a new, active object."""
         from ..unisg_blender.blender.write.mesh_data import write_mesh
         from ..unisg_blender.meshes import decode_mesh
 
@@ -96,9 +88,9 @@ class UNISG_OT_decode_mesh(ActiveMesh, bpy.types.Operator):
             item.select_set(False)
         made.select_set(True)
         context.view_layer.objects.active = made
-        return f"{made.name}: {len(made.data.polygons)} faces"
+        self.report({"INFO"}, f"{made.name}: {len(made.data.polygons)} faces")
 
-    def _feature(self, context: bpy.types.Context) -> Any:
+    def _feature(self, context: bpy.types.Context) -> MeshFeature:
         from ..unisg_blender.meshes.feature_text import PROPERTY, feature_from_text
         from ..unisg_blender.meshes.shape_feature import default_encoder
 
@@ -108,12 +100,11 @@ class UNISG_OT_decode_mesh(ActiveMesh, bpy.types.Operator):
         return default_encoder().encode([read_active(context)])[0]
 
 
-class UNISG_OT_find_similar(ActiveMesh, bpy.types.Operator):
+class UNISG_OT_find_similar(ActiveMesh):
     """Find the objects of the scene, or the files of a folder, whose shape and size are most like the active object"""
 
     bl_idname = "unisg.find_similar"
     bl_label = "Find Similar"
-    bl_options = {"REGISTER", "UNDO"}
 
     folder: bpy.props.StringProperty(
         name="Library", description="Folder of mesh files; empty: this scene", subtype="DIR_PATH"
@@ -121,10 +112,8 @@ class UNISG_OT_find_similar(ActiveMesh, bpy.types.Operator):
     count: bpy.props.IntProperty(name="Number", description="How many to find", default=5, min=1, max=100)
     use_size: bpy.props.BoolProperty(name="Size counts", description="Prefer assets of like size", default=True)
 
-    def work(self, context: bpy.types.Context) -> str:
-        """Search, fill the list of the panel, select what is in the scene; returns the report."""
-        from ..unisg_blender.errors import UniSGError
-
+    def run(self, context: bpy.types.Context) -> None:
+        """Search, fill the list of the panel, select what is in the scene."""
         found = self._search_folder(context) if self.folder else self._search_scene(context)
         if not found:
             raise UniSGError("there are no other meshes to compare with")
@@ -134,15 +123,15 @@ class UNISG_OT_find_similar(ActiveMesh, bpy.types.Operator):
         for match in found:
             item = settings.matches.add()
             item.name, item.distance = match.name, match.distance
-        return f"most alike: {found[0].name} ({len(found)} found)"
+        self.report({"INFO"}, f"most alike: {found[0].name} ({len(found)} found)")
 
-    def _search_folder(self, context: bpy.types.Context) -> list:
+    def _search_folder(self, context: bpy.types.Context) -> list[Match]:
         from ..unisg_blender.meshes.similar import folder_library
 
         library = folder_library(bpy.path.abspath(self.folder), skipped=lambda reason: self.report({"WARNING"}, reason))
         return library.nearest(read_active(context), self.count, use_size=self.use_size)
 
-    def _search_scene(self, context: bpy.types.Context) -> list:
+    def _search_scene(self, context: bpy.types.Context) -> list[Match]:
         from ..unisg_blender.blender.read.scene_reader import read_scene
         from ..unisg_blender.meshes.similar import mesh_library
 

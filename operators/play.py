@@ -3,27 +3,26 @@
 from __future__ import annotations
 
 import time
-from typing import Any
+from typing import TYPE_CHECKING
 
 import bpy
 
+from .base import Operator, redraw_views
+from .scene_lookup import looked_up
+
+if TYPE_CHECKING:
+    from ..unisg_blender.blender.viewport.lesson_session import Session
+
 STEP = 1 / 15
-_sessions: list[Any] = []
+_sessions: list[Session] = []
 
 
-def session() -> Any:
+def session() -> Session | None:
     """The lesson that is being played, None if none is."""
     return _sessions[-1] if _sessions else None
 
 
-def _redraw(context: bpy.types.Context) -> None:
-    for window in context.window_manager.windows:
-        for area in window.screen.areas:
-            if area.type == "VIEW_3D":
-                area.tag_redraw()
-
-
-class UNISG_OT_play(bpy.types.Operator):
+class UNISG_OT_play(Operator):
     """Play the lesson: move objects in the viewport; conditions turn green, stages advance (Escape ends it)"""
 
     bl_idname = "unisg.play"
@@ -32,45 +31,31 @@ class UNISG_OT_play(bpy.types.Operator):
     operation: bpy.props.StringProperty(name="Lesson", description="Name or uid; the only one when empty")
 
     @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        from ..unisg_blender.blender.authoring.authoring import lesson_objects
-
+    def why_grey(cls, context: bpy.types.Context) -> str:
         if session() is not None:
-            cls.poll_message_set("A lesson is being played")
-            return False
-        if not lesson_objects(context.scene):
-            cls.poll_message_set("The scene has no lesson: add one below")
-            return False
-        return True
+            return "A lesson is being played"
+        return "" if looked_up(context.scene).lessons else "The scene has no lesson: add one below"
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def run(self, context: bpy.types.Context) -> None:
         """Without a window: play the scene's animation through."""
         from ..unisg_blender.behaviour import simulate
         from ..unisg_blender.blender.authoring.stored_behaviour import scene_moments
         from ..unisg_blender.blender.viewport.lesson_session import open_session
-        from ..unisg_blender.errors import UniSGError
 
-        try:
-            lesson = open_session(context.scene, self.operation).lesson
-        except UniSGError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+        lesson = open_session(context.scene, self.operation).lesson
         timeline = simulate(lesson, scene_moments(context.scene, lesson.graph))
         for event in timeline.performed():
             self.report({"INFO"}, f"{event.time:.2f} s: {event.name}: {event.why}")
         self.report({"INFO"}, "Played to the end" if timeline.finished else "The lesson is not finished")
-        return {"FINISHED"}
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        from ..unisg_blender.blender.viewport.lesson_session import open_session
-        from ..unisg_blender.errors import UniSGError
+        return self.reporting(self._begin, context)
 
-        try:
-            _sessions[:] = [open_session(context.scene, self.operation)]
-        except UniSGError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
-        session().started = time.monotonic()
+    def _begin(self, context: bpy.types.Context) -> set[str]:
+        from ..unisg_blender.blender.viewport.lesson_session import open_session
+
+        _sessions[:] = [open_session(context.scene, self.operation)]
+        _sessions[0].started = time.monotonic()
         self._timer = context.window_manager.event_timer_add(STEP, window=context.window)
         context.window_manager.modal_handler_add(self)
         return {"RUNNING_MODAL"}
@@ -85,15 +70,16 @@ class UNISG_OT_play(bpy.types.Operator):
                 if happened.kind in ("out_of_order", "wrong_answer"):
                     self.report({"WARNING"}, happened.why)
             if events or current.face() != before:  # buttons that are drawn again and again are hard to press
-                _redraw(context)
+                redraw_views(context)
         return {"PASS_THROUGH"}
 
     def _end(self, context: bpy.types.Context) -> set[str]:
         context.window_manager.event_timer_remove(self._timer)
-        finished = session() is not None and session().state.finished
+        current = session()
+        finished = current is not None and current.state.finished
         _sessions.clear()
         self.report({"INFO"}, "Played to the end" if finished else "Stopped before the end")
-        _redraw(context)
+        redraw_views(context)
         return {"FINISHED"}
 
     def cancel(self, context: bpy.types.Context) -> None:
@@ -101,30 +87,27 @@ class UNISG_OT_play(bpy.types.Operator):
         _sessions.clear()
 
 
-class PlayingOperator:
+class PlayingOperator(Operator):
     """An operator that only works while a lesson is played."""
 
     bl_options = {"INTERNAL"}
 
     @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        if session() is None:
-            cls.poll_message_set("No lesson is being played")
-        return session() is not None
+    def why_grey(cls, context: bpy.types.Context) -> str:
+        return "" if _sessions else "No lesson is being played"
 
 
-class UNISG_OT_play_stop(PlayingOperator, bpy.types.Operator):
+class UNISG_OT_play_stop(PlayingOperator):
     """Stop playing; objects stay where they are"""
 
     bl_idname = "unisg.play_stop"
     bl_label = "Stop"
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def run(self, context: bpy.types.Context) -> None:
         _sessions.clear()
-        return {"FINISHED"}
 
 
-class UNISG_OT_play_trigger(PlayingOperator, bpy.types.Operator):
+class UNISG_OT_play_trigger(PlayingOperator):
     """Press or release the trigger of this tool"""
 
     bl_idname = "unisg.play_trigger"
@@ -132,12 +115,11 @@ class UNISG_OT_play_trigger(PlayingOperator, bpy.types.Operator):
 
     uid: bpy.props.StringProperty()
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        session().pressed ^= {self.uid}
-        return {"FINISHED"}
+    def run(self, context: bpy.types.Context) -> None:
+        _sessions[-1].pressed ^= {self.uid}
 
 
-class UNISG_OT_play_choose(PlayingOperator, bpy.types.Operator):
+class UNISG_OT_play_choose(PlayingOperator):
     """Tick this answer"""
 
     bl_idname = "unisg.play_choose"
@@ -147,15 +129,14 @@ class UNISG_OT_play_choose(PlayingOperator, bpy.types.Operator):
     place: bpy.props.IntProperty()
     several: bpy.props.BoolProperty()
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        chosen = set(session().chosen.get(self.uid, ()))
-        session().chosen[self.uid] = tuple(sorted(chosen ^ {self.place} if self.several else {self.place}))
+    def run(self, context: bpy.types.Context) -> None:
+        chosen = set(_sessions[-1].chosen.get(self.uid, ()))
+        _sessions[-1].chosen[self.uid] = tuple(sorted(chosen ^ {self.place} if self.several else {self.place}))
         if not self.several:
-            session().answer(self.uid)
-        return {"FINISHED"}
+            _sessions[-1].answer(self.uid)
 
 
-class UNISG_OT_play_answer(PlayingOperator, bpy.types.Operator):
+class UNISG_OT_play_answer(PlayingOperator):
     """Give the ticked answers"""
 
     bl_idname = "unisg.play_answer"
@@ -163,9 +144,8 @@ class UNISG_OT_play_answer(PlayingOperator, bpy.types.Operator):
 
     uid: bpy.props.StringProperty()
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        session().answer(self.uid)
-        return {"FINISHED"}
+    def run(self, context: bpy.types.Context) -> None:
+        _sessions[-1].answer(self.uid)
 
 
 CLASSES = (UNISG_OT_play, UNISG_OT_play_stop, UNISG_OT_play_trigger, UNISG_OT_play_choose, UNISG_OT_play_answer)

@@ -4,11 +4,18 @@ from __future__ import annotations
 
 import time
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING
 
 import bpy
 
+from ..unisg_blender.errors import UniSGError
+from .base import FileOperator, Operator, redraw_views
 from .play import session
+
+if TYPE_CHECKING:
+    from ..unisg_blender.blender.motion.scene_recording import SceneRecorder
+    from ..unisg_blender.blender.viewport.lesson_session import Session
+    from ..unisg_blender.scene import SceneGraph
 
 FILES = "*.usd;*.usda;*.usdc;*.usdz"
 EVERY = 1 / 30
@@ -20,8 +27,8 @@ class RecordingTake:
 
     scene: str
     began: float
-    recorder: Any
-    lesson: Any = None
+    recorder: SceneRecorder
+    lesson: Session | None = None
     stopped: bool = False
 
     def look(self) -> None:
@@ -29,7 +36,7 @@ class RecordingTake:
         self.lesson = session() or self.lesson
         self.recorder.sample(bpy.data.scenes[self.scene], time.monotonic() - self.began)
 
-    def graph(self, millimetres: float, degrees: float) -> Any:
+    def graph(self, millimetres: float, degrees: float) -> SceneGraph:
         """The scenegraph with everything recorded."""
         from ..unisg_blender.behaviour.record.recorded_events import later, with_events
         from ..unisg_blender.blender import read_scene
@@ -55,7 +62,11 @@ def _missing_usd(path: str) -> str:
     return missing_pxr() if path else ""
 
 
-class UNISG_OT_record(bpy.types.Operator):
+def _without_objects(context: bpy.types.Context) -> str:
+    return "" if context.scene.objects else "The scene has no objects"
+
+
+class UNISG_OT_record(Operator):
     """Record while you move objects, and play a lesson; Esc, Enter or the button stops"""
 
     bl_idname = "unisg.record"
@@ -79,41 +90,31 @@ class UNISG_OT_record(bpy.types.Operator):
     def description(cls, context: bpy.types.Context, properties: bpy.types.OperatorProperties) -> str:
         if properties.playback:
             return "Step through the animation from start to end and record it, the lesson along with it"
-        return cls.__doc__
+        return str(cls.__doc__)
 
     @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        reason = "" if context.scene.objects else "The scene has no objects"
-        reason = reason or ("A recording is being made" if take() is not None else "")
-        if reason:
-            cls.poll_message_set(reason)
-        return not reason
+    def why_grey(cls, context: bpy.types.Context) -> str:
+        return _without_objects(context) or ("A recording is being made" if take() is not None else "")
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def run(self, context: bpy.types.Context) -> set[str]:
         from ..unisg_blender.blender.motion.scene_recording import record_playback
-        from ..unisg_blender.errors import UniSGError
 
-        try:
-            return self._save(context.scene, record_playback(context.scene))
-        except UniSGError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+        return self._save(context.scene, record_playback(context.scene))
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        return self.execute(context) if self.playback else self.reporting(self._begin, context)
+
+    def _begin(self, context: bpy.types.Context) -> set[str]:
         from ..unisg_blender.blender.motion.scene_recording import SceneRecorder
 
-        if self.playback:
-            return self.execute(context)
-        reason = _missing_usd(self.filepath)
-        if reason:
-            self.report({"ERROR"}, reason)
-            return {"CANCELLED"}
+        if reason := _missing_usd(self.filepath):
+            raise UniSGError(reason)
         _takes[:] = [RecordingTake(context.scene.name, time.monotonic(), SceneRecorder())]
         _takes[0].look()
         self._timer = context.window_manager.event_timer_add(EVERY, window=context.window)
         context.window_manager.modal_handler_add(self)
         context.workspace.status_text_set("Recording: move things; Esc or Enter stops")
-        _redraw(context)
+        redraw_views(context)
         return {"RUNNING_MODAL"}
 
     def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
@@ -123,7 +124,7 @@ class UNISG_OT_record(bpy.types.Operator):
             return {"CANCELLED"}
         if current is None or current.stopped or (event.type in {"ESC", "RET"} and event.value == "PRESS"):
             self.cancel(context)
-            return {"CANCELLED"} if current is None else self._finish(current)
+            return {"CANCELLED"} if current is None else self.reporting(self._finish, current)
         if event.type == "TIMER":
             current.look()
         return {"PASS_THROUGH"}
@@ -133,32 +134,26 @@ class UNISG_OT_record(bpy.types.Operator):
         _takes.clear()
         context.window_manager.event_timer_remove(self._timer)
         context.workspace.status_text_set(None)
-        _redraw(context)
+        redraw_views(context)
 
     def _finish(self, current: RecordingTake) -> set[str]:
         current.look()
-        scene = bpy.data.scenes[current.scene]
-        return self._save(scene, current.graph(self.millimetres, self.degrees))
+        return self._save(bpy.data.scenes[current.scene], current.graph(self.millimetres, self.degrees))
 
-    def _save(self, scene: bpy.types.Scene, graph: Any) -> set[str]:
+    def _save(self, scene: bpy.types.Scene, graph: SceneGraph) -> set[str]:
         from ..unisg_blender.blender import ReadReport
         from ..unisg_blender.blender.motion.scene_recording import store_recording
-        from ..unisg_blender.errors import UniSGError
 
         moved, events = (graph.components.get(name) for name in ("recording", "events"))
         if (moved is None or not len(moved.rows)) and (events is None or not len(events.rows)):
             self.report({"WARNING"}, "Nothing moved: nothing was recorded")
             return {"CANCELLED"}
         report = ReadReport()
-        try:
-            if self.filepath:
-                from ..unisg_blender.usd import write_usd
+        if self.filepath:
+            from ..unisg_blender.usd import write_usd
 
-                write_usd(graph, bpy.path.abspath(self.filepath))
-            store_recording(graph, scene, report)
-        except UniSGError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+            write_usd(graph, bpy.path.abspath(self.filepath))
+        store_recording(graph, scene, report)
         if len(report):
             self.report({"WARNING"}, f"Not recorded: {report.summary()}")
         counts = [0 if each is None else len(each.rows) for each in (moved, events)]
@@ -166,14 +161,7 @@ class UNISG_OT_record(bpy.types.Operator):
         return {"FINISHED"}
 
 
-def _redraw(context: bpy.types.Context) -> None:
-    for window in context.window_manager.windows:
-        for area in window.screen.areas:
-            if area.type == "VIEW_3D":
-                area.tag_redraw()
-
-
-class UNISG_OT_record_stop(bpy.types.Operator):
+class UNISG_OT_record_stop(Operator):
     """Stop recording and keep what was recorded"""
 
     bl_idname = "unisg.record_stop"
@@ -181,99 +169,72 @@ class UNISG_OT_record_stop(bpy.types.Operator):
     bl_options = {"INTERNAL"}
 
     @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        if take() is None:
-            cls.poll_message_set("No recording is being made")
-        return take() is not None
+    def why_grey(cls, context: bpy.types.Context) -> str:
+        return "" if _takes else "No recording is being made"
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        take().stopped = True
-        return {"FINISHED"}
+    def run(self, context: bpy.types.Context) -> None:
+        _takes[-1].stopped = True
 
 
-class UNISG_OT_record_clear(bpy.types.Operator):
+class UNISG_OT_record_clear(Operator):
     """Forget what was recorded of the objects of this scene"""
 
     bl_idname = "unisg.record_clear"
     bl_label = "Clear Recording"
     bl_options = {"REGISTER", "UNDO"}
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def run(self, context: bpy.types.Context) -> None:
         from ..unisg_blender.blender.motion.scene_recording import clear_recording
 
         clear_recording(context.scene)
-        return {"FINISHED"}
 
 
-class Replay:
-    """Replays the recording of a file, or of the scene itself."""
-
-    bl_options = {"REGISTER", "UNDO"}
-
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        from ..unisg_blender.blender.motion.scene_recording import replay
-        from ..unisg_blender.errors import UniSGError
-
-        try:
-            count = replay(_recorded(context.scene, self.filepath), context.scene)
-        except UniSGError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
-        self.report({"INFO"}, f"{count} objects move as recorded")
-        return {"FINISHED"}
-
-
-def _recorded(scene: bpy.types.Scene, path: str) -> Any:
-    from ..unisg_blender.blender import read_scene
-    from ..unisg_blender.errors import UniSGError
-
-    if not path:
-        return read_scene(scene, geometry="none", details=False)
-    reason = _missing_usd(path)
-    if reason:
-        raise UniSGError(reason)
-    from ..unisg_blender.usd import read_usd
-
-    return read_usd(bpy.path.abspath(path))
-
-
-class UNISG_OT_replay(Replay, bpy.types.Operator):
+class UNISG_OT_replay(Operator):
     """Set the recording as keyframes of the objects that it was made of, its events as markers on the timeline"""
 
     bl_idname = "unisg.replay"
     bl_label = "Replay Recording"
+    bl_options = {"REGISTER", "UNDO"}
 
     filepath: bpy.props.StringProperty(
         name="File", subtype="FILE_PATH", description="A USD file; the scene's own recording when empty"
     )
 
     @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        if not context.scene.objects:
-            cls.poll_message_set("The scene has no objects")
-        return bool(context.scene.objects)
+    def why_grey(cls, context: bpy.types.Context) -> str:
+        return _without_objects(context)
+
+    def run(self, context: bpy.types.Context) -> None:
+        self.report({"INFO"}, _replay(context.scene, self.filepath))
 
 
-class UNISG_OT_replay_file(Replay, bpy.types.Operator):
+class UNISG_OT_replay_file(FileOperator):
     """Choose a USD file and replay the recording in it"""
 
     bl_idname = "unisg.replay_file"
     bl_label = "Replay File"
+    bl_options = {"REGISTER", "UNDO"}
 
-    filepath: bpy.props.StringProperty(name="File", subtype="FILE_PATH")
     filter_glob: bpy.props.StringProperty(default=FILES, options={"HIDDEN"})
 
     @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        reason = "" if context.scene.objects else "The scene has no objects"
-        reason = reason or _missing_usd("any file")
-        if reason:
-            cls.poll_message_set(reason)
-        return not reason
+    def why_grey(cls, context: bpy.types.Context) -> str:
+        return _without_objects(context) or _missing_usd("any file")
 
-    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        context.window_manager.fileselect_add(self)
-        return {"RUNNING_MODAL"}
+    def run(self, context: bpy.types.Context) -> None:
+        self.report({"INFO"}, _replay(context.scene, self.filepath))
+
+
+def _replay(scene: bpy.types.Scene, path: str) -> str:
+    """Replay the recording of a file, or of the scene itself; returns what to say."""
+    from ..unisg_blender.blender import read_scene
+    from ..unisg_blender.blender.motion.scene_recording import replay
+    from ..unisg_blender.usd import read_usd
+
+    if path and (reason := _missing_usd(path)):
+        raise UniSGError(reason)
+    graph = read_usd(bpy.path.abspath(path)) if path else read_scene(scene, geometry="none", details=False)
+    return f"{replay(graph, scene)} objects move as recorded"
 
 
 CLASSES = (

@@ -6,15 +6,15 @@ from typing import TYPE_CHECKING
 
 import bpy
 
+from .base import Operator
+
 if TYPE_CHECKING:
     from ..unisg_blender.scene import SceneGraph
 
 SHIPPED = "shipped"
-NAME_OF: dict[str, str] = {}
-"""Names of the objects by uid, for the panel, from when they were last looked up."""
 
 
-class UNISG_OT_relations(bpy.types.Operator):
+class UNISG_OT_relations(Operator):
     """Compute relations from the geometry and keep them with the objects; relations of other kinds stay"""
 
     bl_idname = "unisg.relations"
@@ -46,31 +46,21 @@ class UNISG_OT_relations(bpy.types.Operator):
         return "Compute relations from the geometry and keep them with the objects; relations of other kinds stay"
 
     @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        if any(item.type == "MESH" for item in context.scene.objects):
-            return True
-        cls.poll_message_set("The scene has no meshes")
-        return False
+    def why_grey(cls, context: bpy.types.Context) -> str:
+        return "" if any(item.type == "MESH" for item in context.scene.objects) else "The scene has no meshes"
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def run(self, context: bpy.types.Context) -> None:
         from ..unisg_blender.blender import objects_by_uid, read_scene
         from ..unisg_blender.blender.authoring.identities import repair_identities
-        from ..unisg_blender.errors import UniSGError
         from ..unisg_blender.scene.properties import RELATIONS, relations_of
         from ..unisg_blender.scene.relation import relations_to_json
         from ..unisg_blender.spatial.relations import RelationTolerances, relate
 
         repair_identities(context.scene)  # relations name their targets by uid
         graph = read_scene(context.scene, details=False)
-        try:
-            tolerances = RelationTolerances(gap=self.gap, beside=self.beside)
-            graph = _predicted(graph, self.model) if self.model else relate(graph, tolerances)
-        except UniSGError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+        tolerances = RelationTolerances(gap=self.gap, beside=self.beside)
+        graph = _predicted(graph, self.model) if self.model else relate(graph, tolerances)
         items = objects_by_uid(context.scene)
-        NAME_OF.clear()
-        NAME_OF.update(zip(graph.uid, graph.name, strict=True))
         count = 0
         for row, uid in enumerate(graph.uid):
             item, found = items.get(uid), relations_of(graph, row)
@@ -82,16 +72,6 @@ class UNISG_OT_relations(bpy.types.Operator):
             elif RELATIONS in item:
                 del item[RELATIONS]
         self.report({"INFO"}, f"{count} relations")
-        return {"FINISHED"}
-
-
-def name_of(scene: bpy.types.Scene, uid: str) -> str:
-    """The name of the object with a uid, "..." if there is none; looked up once, for a panel is drawn often."""
-    from ..unisg_blender.blender.lookup import objects_by_uid
-
-    if uid not in NAME_OF:
-        NAME_OF.update((each, item.name) for each, item in objects_by_uid(scene).items())
-    return NAME_OF.setdefault(uid, "...")
 
 
 def _predicted(graph: SceneGraph, model: str) -> SceneGraph:

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import bpy
 
+from .base import Operator
 
-class UNISG_OT_settle(bpy.types.Operator):
+
+class UNISG_OT_settle(Operator):
     """Move the selected objects onto what is below them, apart from each other and into the room"""
 
     bl_idname = "unisg.settle"
@@ -13,30 +15,22 @@ class UNISG_OT_settle(bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
+    def why_grey(cls, context: bpy.types.Context) -> str:
         if context.mode != "OBJECT":
-            cls.poll_message_set("Leave edit mode first")
-            return False
-        if any(item.type == "MESH" for item in context.selected_objects):
-            return True
-        cls.poll_message_set("Select objects with meshes first")
-        return False
+            return "Leave edit mode first"
+        meshes = any(item.type == "MESH" for item in context.selected_objects)
+        return "" if meshes else "Select objects with meshes first"
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def run(self, context: bpy.types.Context) -> set[str]:
         import mathutils
 
         from ..unisg_blender.blender import objects_by_uid, read_scene
-        from ..unisg_blender.errors import UniSGError
         from ..unisg_blender.generate.place.settle_scene import settle_rows
 
-        try:
-            graph = read_scene(context.scene, details=False)
-            items = objects_by_uid(context.scene)
-            chosen = set(context.selected_objects)
-            found = settle_rows(graph, [row for row, uid in enumerate(graph.uid) if items.get(uid) in chosen])
-        except UniSGError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+        graph = read_scene(context.scene, details=False)
+        items = objects_by_uid(context.scene)
+        chosen = set(context.selected_objects)
+        found = settle_rows(graph, [row for row, uid in enumerate(graph.uid) if items.get(uid) in chosen])
         for settled in found:
             if settled.note:
                 continue

@@ -1,7 +1,7 @@
 """What a user sees in the sidebar: drawing only.
 
 Each module has a tuple ``CLASSES`` and, where it keeps more than classes, its
-own ``register`` and ``unregister``. Sub-panels name ``UNISG_PT_main`` as parent.
+own ``register`` and ``unregister``. Sub-panels derive from :class:`~.main.SubPanel`.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from __future__ import annotations
 from ..operators.registration import register_modules, unregister_modules
 from . import actions, export, forms, generate, lesson, main, meshes, motion, overlay, recording, relations
 
-MODULES: tuple = (main, generate, forms, motion, meshes, export, lesson, actions, overlay, relations, recording)
+MODULES = (main, generate, forms, motion, meshes, export, lesson, actions, overlay, relations, recording)
 
 
 def register() -> None:

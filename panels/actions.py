@@ -2,16 +2,23 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import bpy
 
 from ..operators.action_properties import ANSWERS, TYPES, active_place, readable_actions, type_items
-from .main import SidebarPanel
+from ..operators.scene_lookup import looked_up
+from ..unisg_blender.errors import UniSGError
+from .main import SubPanel, draw_text
+
+if TYPE_CHECKING:
+    from ..unisg_blender.scene.action_data import ActionData
 
 ICONS = {
     "Insert": "IMPORT", "Remove": "EXPORT", "Use": "HAND", "Tool": "TOOL_SETTINGS", "Question": "QUESTION",
     "Parallel": "OUTLINER",
 }  # fmt: skip
-LIMITS = {
+LIMITS: dict[str, tuple[str, ...]] = {
     "Insert": ("distance", "angle", "hold"),
     "Remove": ("distance", "angle", "hold"),
     "Use": ("distance", "hold", "hits", "force"),
@@ -23,15 +30,13 @@ OWN_LIMITS = LIMITS["Tool"]
 """A type of the user's own may ask for anything."""
 
 
-class UNISG_PT_actions(SidebarPanel, bpy.types.Panel):
+class UNISG_PT_actions(SubPanel):
     """What has to happen to the active object."""
 
     bl_label = "Actions"
-    bl_parent_id = "UNISG_PT_main"
 
     def draw(self, context: bpy.types.Context) -> None:
         from ..unisg_blender.blender.authoring.stored_behaviour import actions_of, why_fixed
-        from ..unisg_blender.errors import UniSGError
 
         layout, item = self.layout, context.active_object
         if item is None:
@@ -43,23 +48,13 @@ class UNISG_PT_actions(SidebarPanel, bpy.types.Panel):
         except UniSGError as error:
             reason = str(error)
         if reason:
-            _wrapped(layout, reason, context.region.width)
+            draw_text(layout, reason, context.region.width)
         body = layout.column()
         body.enabled = not reason
         _list(body, context, item)
         actions, place = readable_actions(item), active_place(context, item)
         if place >= 0:
             _fields(body, context, item, actions[place])
-
-
-def _wrapped(layout: bpy.types.UILayout, text: str, width: int) -> None:
-    """A long text in lines that fit the sidebar."""
-    import textwrap
-
-    column = layout.column()
-    column.scale_y = 0.7
-    for number, line in enumerate(textwrap.wrap(text, max(20, width // 8))):
-        column.label(text=line, icon="INFO" if number == 0 else "BLANK1")
 
 
 def _list(layout: bpy.types.UILayout, context: bpy.types.Context, item: bpy.types.Object) -> None:
@@ -87,7 +82,7 @@ def _list(layout: bpy.types.UILayout, context: bpy.types.Context, item: bpy.type
     buttons.operator("unisg.load_types", text="", icon="FILE_SCRIPT")
 
 
-def _fields(layout: bpy.types.UILayout, context: bpy.types.Context, item: bpy.types.Object, action: object) -> None:
+def _fields(layout: bpy.types.UILayout, context: bpy.types.Context, item: bpy.types.Object, action: ActionData) -> None:
     column = layout.column()
     column.use_property_split, column.use_property_decorate = True, False
     column.prop(item, "unisg_action_name")
@@ -115,28 +110,29 @@ def _fields(layout: bpy.types.UILayout, context: bpy.types.Context, item: bpy.ty
         _members(layout, context, item, action)
 
 
-def _objects(layout: bpy.types.UILayout, context: bpy.types.Context, action: object, slot: str, title: str) -> None:
-    from ..unisg_blender.blender.lookup import objects_by_uid
-
-    objects, uids = objects_by_uid(context.scene), getattr(action, slot)
+def _objects(layout: bpy.types.UILayout, context: bpy.types.Context, action: ActionData, slot: str, title: str) -> None:
+    names, uids = looked_up(context.scene).names, getattr(action, slot)
     box = layout.box().column(align=True)
     box.label(text=f"{title}: any of these" if len(uids) > 1 else title)
     for uid in uids:
-        row = box.row(align=True)
-        if uid in objects:
-            row.label(text=objects[uid].name, icon="OBJECT_DATA")
-        else:
-            row.label(text=f"{action.names.get(uid, uid)} (missing)", icon="ERROR")
-        out = row.operator("unisg.action_unlink", text="", icon="X", emboss=False)
-        out.slot, out.uid = slot, uid
+        _linked(box, action, slot, uid, names.get(uid))
     row = box.row(align=True)
     row.prop(context.window_manager, f"unisg_pick_{slot}", text="")
     row.operator("unisg.action_link", text="", icon="RESTRICT_SELECT_OFF").slot = slot
 
 
-def _reference(layout: bpy.types.UILayout, context: bpy.types.Context, action: object) -> None:
-    from ..unisg_blender.blender.lookup import objects_by_uid
+def _linked(
+    box: bpy.types.UILayout, action: ActionData, slot: str, uid: str, name: str | None, icon: str = "OBJECT_DATA"
+) -> None:
+    """A row for something that an action refers to, with a button that takes it out; no name: it is missing."""
+    row = box.row(align=True)
+    missing = f"{action.names.get(uid, uid)} (missing)"
+    row.label(text=missing if name is None else name, icon="ERROR" if name is None else icon)
+    out = row.operator("unisg.action_unlink", text="", icon="X", emboss=False)
+    out.slot, out.uid = slot, uid
 
+
+def _reference(layout: bpy.types.UILayout, context: bpy.types.Context, action: ActionData) -> None:
     box = layout.box().column(align=True)
     missing = {"Insert": "none yet", "Remove": "from where it stands now", "Tool": "none: contact"}
     without = missing.get(action.type, "none")
@@ -144,18 +140,16 @@ def _reference(layout: bpy.types.UILayout, context: bpy.types.Context, action: o
     row = box.row(align=True)
     row.operator("unisg.action_reference", text="From Current Pose", icon="PINNED")
     row.operator("unisg.action_go_to_reference", text="", icon="VIEWZOOM")
-    row = box.row(align=True)
     if action.frame:
-        found = objects_by_uid(context.scene).get(action.frame)
-        name = found.name if found is not None else f"{action.names.get(action.frame, action.frame)} (missing)"
-        row.label(text=f"moves with {name}", icon="LINKED" if found is not None else "ERROR")
-        row.operator("unisg.action_unlink", text="", icon="X", emboss=False).slot = "frame"
+        name = looked_up(context.scene).names.get(action.frame)
+        _linked(box, action, "frame", action.frame, name and f"moves with {name}", "LINKED")
     else:
+        row = box.row(align=True)
         row.label(text="moves with", icon="UNLINKED")
         row.prop(context.window_manager, "unisg_pick_frame", text="")
 
 
-def _limit(layout: bpy.types.UILayout, item: bpy.types.Object, action: object, name: str) -> None:
+def _limit(layout: bpy.types.UILayout, item: bpy.types.Object, action: ActionData, name: str) -> None:
     row = layout.row(align=True)
     row.prop(item, f"unisg_action_ask_{name}", text="")
     field = row.row()
@@ -163,7 +157,7 @@ def _limit(layout: bpy.types.UILayout, item: bpy.types.Object, action: object, n
     field.prop(item, f"unisg_action_{name}")
 
 
-def _answers(layout: bpy.types.UILayout, item: bpy.types.Object, action: object) -> None:
+def _answers(layout: bpy.types.UILayout, item: bpy.types.Object, action: ActionData) -> None:
     box = layout.box().column(align=True)
     row = box.row()
     row.label(text="Answers; tick the right ones")
@@ -175,21 +169,19 @@ def _answers(layout: bpy.types.UILayout, item: bpy.types.Object, action: object)
         row.prop(item, f"unisg_action_answer_{place}", text="")
 
 
-def _members(layout: bpy.types.UILayout, context: bpy.types.Context, item: bpy.types.Object, action: object) -> None:
-    from ..unisg_blender.blender.authoring.authoring import scene_actions
-
-    found = {each.uid: (each, owner) for owner, each in scene_actions(context.scene)} if action.members else {}
+def _members(
+    layout: bpy.types.UILayout, context: bpy.types.Context, item: bpy.types.Object, action: ActionData
+) -> None:
+    found = looked_up(context.scene).actions if action.members else {}
     box = layout.box().column(align=True)
     box.prop(item, "unisg_action_any")
     for uid in action.members:
-        row = box.row(align=True)
         if uid in found:
             member, owner = found[uid]
-            row.label(text=f"{member.name or member.type} ({owner.name})", icon=ICONS.get(member.type, "DOT"))
+            name, icon = f"{member.name or member.type} ({owner})", ICONS.get(member.type, "DOT")
+            _linked(box, action, "members", uid, name, icon)
         else:
-            row.label(text=f"{action.names.get(uid, uid)} (missing)", icon="ERROR")
-        out = row.operator("unisg.action_unlink", text="", icon="X", emboss=False)
-        out.slot, out.uid = "members", uid
+            _linked(box, action, "members", uid, None)
     box.operator("unisg.action_member", icon="ADD")
 
 

@@ -4,16 +4,13 @@ from __future__ import annotations
 
 import bpy
 
-from .main import SidebarPanel
+from .main import ClosedPanel
 
 
-class UNISG_PT_dataset(SidebarPanel, bpy.types.Panel):
+class UNISG_PT_dataset(ClosedPanel):
     """Write the open scene, or a folder of files, for training"""
 
-    bl_idname = "UNISG_PT_dataset"
     bl_label = "Dataset"
-    bl_parent_id = "UNISG_PT_main"
-    bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: bpy.types.Context) -> None:
         layout, settings = self.layout, context.window_manager.unisg_dataset

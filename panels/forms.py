@@ -4,16 +4,13 @@ from __future__ import annotations
 
 import bpy
 
-from .main import SidebarPanel
+from .main import ClosedPanel
 
 
-class UNISG_PT_forms(SidebarPanel, bpy.types.Panel):
+class UNISG_PT_forms(ClosedPanel):
     """The active object's local transform in every representation form"""
 
-    bl_idname = "UNISG_PT_forms"
     bl_label = "Transform Forms"
-    bl_parent_id = "UNISG_PT_main"
-    bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: bpy.types.Context) -> None:
         from ..unisg_blender.blender.viewport.transform_forms import transform_forms

@@ -5,25 +5,25 @@ from __future__ import annotations
 import bpy
 
 from ..operators.generation_settings import OWN_FILE, UNISG_GenerationSettings, list_categories_soon
-from .actions import _wrapped
-from .main import SidebarPanel
+from .main import SubPanel, draw_text
 
 
 class UNISG_UL_categories(bpy.types.UIList):
     """Categories of the model, each with how many are wanted."""
 
-    def draw_item(self, context, layout, data, item, icon, active_data, active_property, index=0, flt_flag=0) -> None:
+    def draw_item(
+        self, context: bpy.types.Context, layout: bpy.types.UILayout, data: object, item: bpy.types.PropertyGroup,
+        icon: int, active_data: object, active_property: str, index: int = 0, flt_flag: int = 0,
+    ) -> None:  # fmt: skip
         row = layout.split(factor=0.72)
         row.label(text=item.name)
         row.prop(item, "count", text="")
 
 
-class UNISG_PT_generate(SidebarPanel, bpy.types.Panel):
+class UNISG_PT_generate(SubPanel):
     """Add objects with a trained model."""
 
-    bl_idname = "UNISG_PT_generate"
     bl_label = "Generate"
-    bl_parent_id = "UNISG_PT_main"
 
     def draw(self, context: bpy.types.Context) -> None:
         layout, settings = self.layout, context.window_manager.unisg
@@ -35,7 +35,7 @@ class UNISG_PT_generate(SidebarPanel, bpy.types.Panel):
         if settings.problem:
             box = layout.box().column()
             box.alert = True
-            _wrapped(box, settings.problem, context.region.width)
+            draw_text(box, settings.problem, context.region.width)
             return
         layout.template_list("UNISG_UL_categories", "", settings, "counts", settings, "active", rows=6)
         row = layout.row(align=True)

@@ -2,30 +2,38 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import bpy
 
 from ..operators.lesson_properties import active_node, lesson_object
 from ..operators.play import session
-from .actions import _wrapped
-from .main import SidebarPanel
+from ..operators.scene_lookup import looked_up
+from .main import SubPanel, draw_text
+
+if TYPE_CHECKING:
+    from ..unisg_blender.blender.viewport.lesson_session import Session
+    from ..unisg_blender.scene.action_data import ActionData
+    from ..unisg_blender.scene.lesson_node import LessonNode
 
 KIND_ICONS = {"operation": "SCENE_DATA", "lesson": "BOOKMARKS", "stage": "SEQUENCE", "action": "DOT"}
 GREEN, ORANGE = "COLORSET_03_VEC", "COLORSET_02_VEC"
 STATUS_ICONS = {"waiting": "RADIOBUT_OFF", "open": "PLAY", "done": "CHECKMARK", "skipped": "REMOVE"}
 
 
-class UNISG_PT_play(SidebarPanel, bpy.types.Panel):
+class UNISG_PT_play(SubPanel):
     """Play the lesson and hear what happens."""
 
     bl_label = "Play"
-    bl_parent_id = "UNISG_PT_main"
 
     def draw(self, context: bpy.types.Context) -> None:
+        from ..unisg_blender.blender.authoring.stored_behaviour import lesson_of
+
         layout, current = self.layout, session()
         if current is None:
             item = lesson_object(context)
-            play = layout.operator("unisg.play", icon="PLAY")
-            play.operation = "" if item is None else _operation_uid(item)
+            root = None if item is None else lesson_of(item)
+            layout.operator("unisg.play", icon="PLAY").operation = "" if root is None else root.uid
             return
         layout.operator("unisg.play_stop", icon="SNAP_FACE")
         if current.state.finished:
@@ -37,16 +45,10 @@ class UNISG_PT_play(SidebarPanel, bpy.types.Panel):
             text = told.why if told.kind != "done" else f"Done: {told.name}"
             column = layout.column()
             column.alert = told.kind != "done"
-            _wrapped(column, text, context.region.width)
+            draw_text(column, text, context.region.width)
 
 
-def _operation_uid(item: bpy.types.Object) -> str:
-    from ..unisg_blender.blender.authoring.stored_behaviour import lesson_of
-
-    return lesson_of(item).uid
-
-
-def _open_action(layout: bpy.types.UILayout, current: object, action: object, holds: bool) -> None:
+def _open_action(layout: bpy.types.UILayout, current: Session, action: ActionData, holds: bool) -> None:
     box = layout.box().column(align=True)
     box.label(text=action.name or action.type, icon=GREEN if holds else ORANGE)
     graph = current.lesson.graph
@@ -65,24 +67,23 @@ def _open_action(layout: bpy.types.UILayout, current: object, action: object, ho
             box.operator("unisg.play_trigger", text=f"Trigger of {name}", depress=pressed).uid = uid
 
 
-class UNISG_PT_lesson(SidebarPanel, bpy.types.Panel):
+class UNISG_PT_lesson(SubPanel):
     """The tree of the lesson."""
 
     bl_label = "Lesson"
-    bl_parent_id = "UNISG_PT_main"
 
     def draw(self, context: bpy.types.Context) -> None:
-        from ..unisg_blender.blender.authoring.authoring import lesson_objects
         from ..unisg_blender.blender.authoring.stored_behaviour import lesson_of, why_fixed
         from ..unisg_blender.scene.properties import LSA
 
-        layout, item = self.layout, lesson_object(context)
-        if item is None:
+        layout, item, active = self.layout, lesson_object(context), active_node(context)
+        root = None if item is None else lesson_of(item)
+        if item is None or root is None or active is None:
             layout.label(text="No lesson yet", icon="INFO")
             layout.operator("unisg.lesson_new", icon="ADD")
             return
         row = layout.row(align=True)
-        if len(lesson_objects(context.scene)) > 1:
+        if len(looked_up(context.scene).lessons) > 1:
             row.prop_search(
                 context.window_manager, "unisg_lesson", context.scene, "objects", text="", icon="EMPTY_DATA"
             )
@@ -92,22 +93,21 @@ class UNISG_PT_lesson(SidebarPanel, bpy.types.Panel):
         row.operator("unisg.lesson_check", text="", icon="CHECKMARK")
         reason = why_fixed(item, LSA)
         if reason:
-            _wrapped(layout, reason, context.region.width)
+            draw_text(layout, reason, context.region.width)
         row = layout.split(factor=0.88)
         tree = row.column(align=True)
         tree.scale_y = 0.9
-        active = active_node(context)
-        _tree(tree, lesson_of(item), 0, active.uid)
+        _tree(tree, root, 0, active.uid)
         buttons = row.column(align=True)
         buttons.operator_menu_enum("unisg.lesson_add", "kind", text="", icon="ADD")
         buttons.operator("unisg.lesson_remove", text="", icon="REMOVE")
         for how, icon in (("UP", "TRIA_UP"), ("DOWN", "TRIA_DOWN"), ("IN", "TRIA_RIGHT"), ("OUT", "TRIA_LEFT")):
             buttons.operator("unisg.lesson_move", text="", icon=icon).how = how
         layout.operator("unisg.lesson_add_action", icon="ADD")
-        _node(layout, item, lesson_of(item), active)
+        _node(layout, item, root, active)
 
 
-def _tree(layout: bpy.types.UILayout, node: object, depth: int, active: str) -> None:
+def _tree(layout: bpy.types.UILayout, node: LessonNode, depth: int, active: str) -> None:
     current = session()
     line = layout.row(align=True)
     line.alignment = "LEFT"
@@ -126,7 +126,7 @@ def _tree(layout: bpy.types.UILayout, node: object, depth: int, active: str) -> 
         _tree(layout, child, depth + 1, active)
 
 
-def _node(layout: bpy.types.UILayout, item: bpy.types.Object, root: object, node: object) -> None:
+def _node(layout: bpy.types.UILayout, item: bpy.types.Object, root: LessonNode, node: LessonNode) -> None:
     box = layout.box().column()
     kind = node.kind.capitalize()
     box.prop(item, "unisg_node_name", text="", icon=KIND_ICONS[node.kind], placeholder=kind)

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import textwrap
+
 import bpy
 
 
-class SidebarPanel:
+class SidebarPanel(bpy.types.Panel):
     """Where all our panels live."""
 
     bl_space_type = "VIEW_3D"
@@ -13,10 +15,29 @@ class SidebarPanel:
     bl_category = "UniSG"
 
 
-class UNISG_PT_main(SidebarPanel, bpy.types.Panel):
+class SubPanel(SidebarPanel):
+    """A panel below the tab itself."""
+
+    bl_parent_id = "UNISG_PT_main"
+
+
+class ClosedPanel(SubPanel):
+    """One that is closed until a user opens it."""
+
+    bl_options = {"DEFAULT_CLOSED"}
+
+
+def draw_text(layout: bpy.types.UILayout, text: str, width: int) -> None:
+    """A long text in lines that fit a sidebar of some pixels."""
+    column = layout.column()
+    column.scale_y = 0.7
+    for number, line in enumerate(textwrap.wrap(text, max(20, width // 8))):
+        column.label(text=line, icon="INFO" if number == 0 else "BLANK1")
+
+
+class UNISG_PT_main(SidebarPanel):
     """The tab itself; everything else hangs under it."""
 
-    bl_idname = "UNISG_PT_main"
     bl_label = "UniSG"
 
     def draw(self, context: bpy.types.Context) -> None:

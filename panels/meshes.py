@@ -4,26 +4,26 @@ from __future__ import annotations
 
 import bpy
 
-from .main import SidebarPanel
+from .main import ClosedPanel
 
 
 class UNISG_UL_proposals(bpy.types.UIList):
     """Objects with their most likely category."""
 
-    def draw_item(self, context, layout, data, item, icon, active_data, active_property, index=0, flt_flag=0) -> None:
+    def draw_item(
+        self, context: bpy.types.Context, layout: bpy.types.UILayout, data: object, item: bpy.types.PropertyGroup,
+        icon: int, active_data: object, active_property: str, index: int = 0, flt_flag: int = 0,
+    ) -> None:  # fmt: skip
         row = layout.split(factor=0.45)
         row.label(text=item.name)
         guess = item.guesses[0]
         row.label(text=f"{guess.confidence:.0%} {guess.name}")
 
 
-class UNISG_PT_label(SidebarPanel, bpy.types.Panel):
+class UNISG_PT_label(ClosedPanel):
     """Categories for objects that have none."""
 
-    bl_idname = "UNISG_PT_label"
     bl_label = "Categories"
-    bl_parent_id = "UNISG_PT_main"
-    bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: bpy.types.Context) -> None:
         layout, settings = self.layout, context.window_manager.unisg_meshes
@@ -43,13 +43,10 @@ class UNISG_PT_label(SidebarPanel, bpy.types.Panel):
         column.operator("unisg.accept_categories", icon="CHECKMARK").threshold = settings.threshold
 
 
-class UNISG_PT_meshes(SidebarPanel, bpy.types.Panel):
+class UNISG_PT_meshes(ClosedPanel):
     """The active object's shape."""
 
-    bl_idname = "UNISG_PT_meshes"
     bl_label = "Meshes"
-    bl_parent_id = "UNISG_PT_main"
-    bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: bpy.types.Context) -> None:
         layout, settings = self.layout, context.window_manager.unisg_meshes

@@ -4,16 +4,13 @@ from __future__ import annotations
 
 import bpy
 
-from .main import SidebarPanel
+from .main import ClosedPanel
 
 
-class UNISG_PT_motion(SidebarPanel, bpy.types.Panel):
+class UNISG_PT_motion(ClosedPanel):
     """Interpolate, reduce and look at keyed motion"""
 
-    bl_idname = "UNISG_PT_motion"
     bl_label = "Motion"
-    bl_parent_id = "UNISG_PT_main"
-    bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: bpy.types.Context) -> None:
         column = self.layout.column(align=True)

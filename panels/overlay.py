@@ -9,8 +9,9 @@ import bpy
 from bpy.app.handlers import persistent
 
 from ..operators.action_properties import active_action
+from ..operators.base import redraw_views
 from ..operators.play import session
-from .main import SidebarPanel
+from .main import ClosedPanel
 
 _handles: list[Any] = []
 
@@ -27,12 +28,10 @@ class Drawn:
 _drawn = Drawn()
 
 
-class UNISG_PT_overlay(SidebarPanel, bpy.types.Panel):
+class UNISG_PT_overlay(ClosedPanel):
     """Whether the viewport shows it."""
 
     bl_label = "Show in Viewport"
-    bl_parent_id = "UNISG_PT_main"
-    bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: bpy.types.Context) -> None:
         self.layout.prop(context.window_manager, "unisg_overlay")
@@ -106,37 +105,28 @@ def _draw() -> None:
     gpu.state.blend_set("NONE")
 
 
-def _redraw(manager: bpy.types.WindowManager, context: bpy.types.Context) -> None:
-    for window in manager.windows:
-        for area in window.screen.areas:
-            if area.type == "VIEW_3D":
-                area.tag_redraw()
-
-
 HANDLERS = (
     ("depsgraph_update_post", _moved), ("frame_change_post", _moved), ("undo_post", _moved), ("redo_post", _moved),
     ("load_post", _loaded),
 )  # fmt: skip
 CLASSES = (UNISG_PT_overlay,)
+PROPERTIES = (
+    (bpy.types.WindowManager, "unisg_overlay", bpy.props.BoolProperty(
+        name="What Actions Ask For", default=True, options={"SKIP_SAVE"},
+        update=lambda manager, context: redraw_views(context),
+        description="Reference poses, tolerances and links of the active action, or of those a played lesson waits for",
+    )),
+)  # fmt: skip
 
 
 def register() -> None:
     """Start drawing."""
-    bpy.types.WindowManager.unisg_overlay = bpy.props.BoolProperty(
-        name="What Actions Ask For", default=True, options={"SKIP_SAVE"}, update=_redraw,
-        description="Reference poses, tolerances and links of the active action, or of those a played lesson waits for",
-    )  # fmt: skip
-    for name, handler in HANDLERS:
-        getattr(bpy.app.handlers, name).append(handler)
     if not bpy.app.background:
         _handles.append(bpy.types.SpaceView3D.draw_handler_add(_draw, (), "WINDOW", "POST_VIEW"))
 
 
 def unregister() -> None:
     """Stop drawing."""
-    for name, handler in HANDLERS:
-        getattr(bpy.app.handlers, name).remove(handler)
     _loaded()
     while _handles:
         bpy.types.SpaceView3D.draw_handler_remove(_handles.pop(), "WINDOW")
-    del bpy.types.WindowManager.unisg_overlay

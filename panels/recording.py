@@ -5,16 +5,13 @@ from __future__ import annotations
 import bpy
 
 from ..operators.recording import take
-from .main import SidebarPanel
+from .main import ClosedPanel
 
 
-class UNISG_PT_recording(SidebarPanel, bpy.types.Panel):
+class UNISG_PT_recording(ClosedPanel):
     """Save the scene as a master file, record motion and what lessons make of it, replay it"""
 
-    bl_idname = "UNISG_PT_recording"
     bl_label = "Files and Recordings"
-    bl_parent_id = "UNISG_PT_main"
-    bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: bpy.types.Context) -> None:
         column = self.layout.column(align=True)

@@ -7,20 +7,18 @@ import json
 import bpy
 
 from ..operators.classify import KINDS_OF
-from ..operators.relations import SHIPPED, name_of
-from .main import SidebarPanel
+from ..operators.relations import SHIPPED
+from ..operators.scene_lookup import looked_up
+from .main import ClosedPanel
 
 SHOWN = 12
 DIRECTIONS = ("above", "below", "beside", "left_of", "right_of", "in_front_of", "behind")
 
 
-class UNISG_PT_relations(SidebarPanel, bpy.types.Panel):
+class UNISG_PT_relations(ClosedPanel):
     """What the active object stands on, in or beside"""
 
-    bl_idname = "UNISG_PT_relations"
     bl_label = "Relations"
-    bl_parent_id = "UNISG_PT_main"
-    bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: bpy.types.Context) -> None:
         column = self.layout.column(align=True)
@@ -44,9 +42,9 @@ def _lines(context: bpy.types.Context) -> list[str]:
         found = (
             json.loads(item["unisg_relations"])["relations"] if item is not None and "unisg_relations" in item else []
         )
+        names = looked_up(context.scene).names if found else {}
         return [
-            f"{pair['kind'].replace('_', ' ')} {name_of(context.scene, pair['target'])}"
-            for pair in sorted(found, key=_vague)
+            f"{pair['kind'].replace('_', ' ')} {names.get(pair['target'], '...')}" for pair in sorted(found, key=_vague)
         ]
     except (ValueError, KeyError, TypeError, AttributeError):
         return ["its relations cannot be read"]

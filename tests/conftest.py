@@ -4,9 +4,13 @@ from __future__ import annotations
 
 import os
 import sys
+from collections.abc import Iterator
 from pathlib import Path
+from types import ModuleType
 
 import pytest
+
+from tests.extension_package import load_extension
 
 STATUS = pytest.StashKey[int]()
 SCENE_ENDINGS = (".blend", ".glb", ".gltf", ".fbx", ".obj", ".usd", ".usda", ".usdc", ".usdz")
@@ -16,6 +20,23 @@ def scene_files() -> list[Path]:
     """Files of the folder that UNISG_SCENES names; an empty list without it."""
     folder = os.environ.get("UNISG_SCENES")
     return sorted(path for path in Path(folder).rglob("*") if path.suffix in SCENE_ENDINGS) if folder else []
+
+
+@pytest.fixture(scope="module")
+def extension() -> Iterator[ModuleType]:
+    """The whole extension, registered as Blender does."""
+    package = load_extension()
+    package.register()
+    yield package
+    package.unregister()
+
+
+@pytest.fixture
+def fresh_file() -> None:
+    """An empty Blender file without objects, whatever the test before left behind."""
+    import bpy
+
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:

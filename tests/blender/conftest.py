@@ -11,8 +11,5 @@ if importlib.util.find_spec("bpy") is None:
 
 
 @pytest.fixture(autouse=True)
-def fresh_file() -> None:
-    """An empty file without objects, whatever the test before left behind."""
-    import bpy
-
-    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+def empty_file(fresh_file: None) -> None:
+    """Every test of this room."""

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import importlib.util
 import json
 import sys
-from collections.abc import Iterator
 from pathlib import Path
 from types import SimpleNamespace
 from unittest.mock import MagicMock
@@ -32,19 +30,6 @@ POSES = [
     (75, (0.3, -2.0, 1.0), (1.0, 1.0, 0.0), 90.0),
     (90, (0.3, -2.0, 1.0), (1.0, -1.0, 0.2), 30.0),
 ]
-
-
-@pytest.fixture(scope="module")
-def extension() -> Iterator[None]:
-    """The extension's operators and panels, registered as Blender registers them."""
-    spec = importlib.util.spec_from_file_location("unisg_extension", ROOT / "__init__.py")
-    spec.submodule_search_locations = [str(ROOT)]
-    package = importlib.util.module_from_spec(spec)
-    sys.modules["unisg_extension"] = package
-    spec.loader.exec_module(package)
-    package.register()
-    yield
-    package.unregister()
 
 
 def keyed(mode: str = "QUATERNION", poses: list = POSES, name: str = "Body") -> bpy.types.Object:

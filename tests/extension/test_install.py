@@ -27,7 +27,7 @@ print("RESULT" + json.dumps({
     "enabled": name in bpy.context.preferences.addons.keys(),
     "heavy": heavy,
     "category": cube["unisg_category"],
-    "tabs": sorted({item.bl_category for item in bpy.types.Panel.__subclasses__() if "UNISG" in item.__name__}),
+    "tabs": sorted({getattr(bpy.types, name).bl_category for name in dir(bpy.types) if name.startswith("UNISG_PT")}),
 }))
 addon_utils.disable(name)
 print("LEFT" + json.dumps([name for name in dir(bpy.types) if name.startswith("UNISG_")]))

@@ -46,6 +46,7 @@ def ensure_uid(item: bpy.types.Object) -> str:
     uid = stored_uid(item)
     if not uid:
         uid = item[UID] = new_uid()
+        item.update_tag()
     return uid
 
 
@@ -68,6 +69,7 @@ def repair_identities(scene: bpy.types.Scene, *, only_copies: bool = False) -> i
         if item.library is not None or uid == old or (only_copies and not old):
             continue
         item[UID] = uid if old else new_uid()
+        item.update_tag()
         if old:
             _write(item, record)
         repaired += 1

@@ -1,34 +1,16 @@
 from __future__ import annotations
 
-import importlib.util
-import sys
-from collections.abc import Iterator
 from pathlib import Path
+from types import ModuleType
 
 import numpy as np
 import pytest
 
 bpy = pytest.importorskip("bpy")
 
-ROOT = Path(__file__).resolve().parents[2]
-NAME = "unisg_extension_under_test"
-
-
-@pytest.fixture(scope="module")
-def extension() -> Iterator[None]:
-    """The operators and panels, registered as Blender would, under a package name of their own."""
-    spec = importlib.util.spec_from_file_location(NAME, ROOT / "__init__.py", submodule_search_locations=[str(ROOT)])
-    assert spec is not None
-    assert spec.loader is not None
-    module = sys.modules[NAME] = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    module.register()
-    yield
-    module.unregister()
-
 
 @pytest.fixture
-def scene(extension: None) -> bpy.types.Scene:
+def scene(extension: ModuleType) -> bpy.types.Scene:
     """A cube named Chair, active and selected, a bigger cube and a ball."""
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     bpy.context.window_manager.unisg_meshes.proposals.clear()

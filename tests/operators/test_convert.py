@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
-import sys
-import types
 from pathlib import Path
 
 import bpy
@@ -14,21 +11,8 @@ from tests.blender.helpers import add, assert_same_scene, box
 from unisg_blender.blender import read_scene
 from unisg_blender.usd.pxr_library import missing_pxr
 
-ROOT = Path(__file__).resolve().parents[2]
+pytestmark = pytest.mark.usefixtures("extension", "fresh_file")
 NEEDS_USD = pytest.mark.skipif(bool(missing_pxr()), reason="this Blender offers no USD to Python")
-
-
-@pytest.fixture(scope="module", autouse=True)
-def extension():
-    """The operators, registered as Blender would."""
-    package = types.ModuleType("unisg_convert")
-    package.__path__ = [str(ROOT)]
-    sys.modules["unisg_convert"] = package
-    module = importlib.import_module("unisg_convert.operators.convert")
-    registration = importlib.import_module("unisg_convert.operators.registration")
-    registration.register_modules((module,))
-    yield
-    registration.unregister_modules((module,))
 
 
 def moving_room() -> None:

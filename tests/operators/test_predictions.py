@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
-import sys
-import types
 from pathlib import Path
 
 import pytest
@@ -14,25 +11,9 @@ bpy = pytest.importorskip("bpy")
 from unisg_blender.blender import read_scene  # noqa: E402
 from unisg_blender.scene.properties import relations_of  # noqa: E402
 
-ROOT = Path(__file__).resolve().parents[2]
-
-
-@pytest.fixture(scope="module")
-def operators():
-    """The extension's modules, registered as Blender would."""
-    package = types.ModuleType("unisg_prediction")
-    package.__path__ = [str(ROOT)]
-    sys.modules["unisg_prediction"] = package
-    names = ("operators.relations", "operators.classify", "panels.main", "panels.relations")
-    modules = {name: importlib.import_module(f"unisg_prediction.{name}") for name in names}
-    registration = importlib.import_module("unisg_prediction.operators.registration")
-    registration.register_modules(list(modules.values()))
-    yield modules
-    registration.unregister_modules(list(modules.values()))
-
 
 @pytest.fixture
-def stack(operators):
+def stack(extension):
     """A small cube on a larger one."""
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     for name, size, height in (("below", 0.3, 0.15), ("above", 0.2, 0.4)):
@@ -49,9 +30,9 @@ def test_the_network_writes_what_is_on_what(stack) -> None:
     assert not relations_of(graph, graph.row("below"))
 
 
-def test_the_kind_of_scene_is_told_and_shown(stack, operators) -> None:
+def test_the_kind_of_scene_is_told_and_shown(stack, extension) -> None:
     assert bpy.ops.unisg.classify() == {"FINISHED"}
-    assert "%" in operators["operators.classify"].KINDS_OF[stack.name]
+    assert "%" in extension.operators.classify.KINDS_OF[stack.name]
 
 
 def test_what_is_no_model_is_reported(stack, tmp_path: Path) -> None:
@@ -61,6 +42,6 @@ def test_what_is_no_model_is_reported(stack, tmp_path: Path) -> None:
     assert "unisg_relations" not in bpy.data.objects["above"]
 
 
-def test_an_empty_scene_has_no_kind(operators) -> None:
+def test_an_empty_scene_has_no_kind(extension) -> None:
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     assert not bpy.ops.unisg.classify.poll()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import json
 import os
 import sys
@@ -10,16 +9,12 @@ from pathlib import Path
 
 import bpy
 
-ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
+from tests.extension_package import load_extension
 
 
 def main(out: Path) -> dict:
-    spec = importlib.util.spec_from_file_location(
-        "unisg_extension", ROOT / "__init__.py", submodule_search_locations=[str(ROOT)]
-    )
-    extension = importlib.util.module_from_spec(spec)
-    sys.modules["unisg_extension"] = extension
-    spec.loader.exec_module(extension)
+    extension = load_extension()
     extension.register()
     seen: dict = {}
     (out / "files").mkdir()

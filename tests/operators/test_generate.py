@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import importlib
 import sys
-import types
 from pathlib import Path
 
 import numpy as np
@@ -17,26 +15,7 @@ from unisg_blender.scene import world_matrices  # noqa: E402
 from unisg_blender.worlds import operating_room  # noqa: E402
 
 ROOT = Path(__file__).resolve().parents[2]
-
-
-@pytest.fixture(scope="module", autouse=True)
-def extension():
-    """The modules of generating, registered as Blender would."""
-    package = types.ModuleType("unisg_generating")
-    package.__path__ = [str(ROOT)]
-    sys.modules["unisg_generating"] = package
-    names = (
-        "operators.generation_settings",
-        "operators.generate",
-        "operators.settle",
-        "panels.main",
-        "panels.generate",
-    )
-    modules = [importlib.import_module(f"unisg_generating.{name}") for name in names]
-    registration = importlib.import_module("unisg_generating.operators.registration")
-    registration.register_modules(modules)
-    yield
-    registration.unregister_modules(modules)
+pytestmark = pytest.mark.usefixtures("extension")
 
 
 @pytest.fixture
@@ -161,7 +140,7 @@ def test_bad_requests_are_told_and_change_nothing(
 
 def test_the_list_has_the_models_categories_and_keeps_counts(room: dict[str, np.ndarray]) -> None:
     settings = bpy.context.window_manager.unisg
-    listing = sys.modules["unisg_generating.operators.generation_settings"].list_categories
+    listing = sys.modules["unisg_extension.operators.generation_settings"].list_categories
     listing(settings)
     assert settings.problem == ""
     assert {"Scalpel", "Monitor", "IV Pole"} <= {item.name for item in settings.counts}
@@ -173,6 +152,6 @@ def test_the_list_has_the_models_categories_and_keeps_counts(room: dict[str, np.
 def test_a_file_that_is_no_model_is_told_in_the_panel() -> None:
     settings = bpy.context.window_manager.unisg
     settings.model, settings.path = "FILE", str(ROOT / "README.md")
-    sys.modules["unisg_generating.operators.generation_settings"].list_categories(settings)
+    sys.modules["unisg_extension.operators.generation_settings"].list_categories(settings)
     assert "no ONNX model" in settings.problem
     assert len(settings.counts) == 0

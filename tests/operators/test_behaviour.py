@@ -3,9 +3,6 @@
 from __future__ import annotations
 
 import importlib
-import sys
-import types
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,32 +13,7 @@ from unisg_blender.behaviour import check_scene, prepare, simulate  # noqa: E402
 from unisg_blender.blender import read_scene  # noqa: E402
 from unisg_blender.blender.authoring.stored_behaviour import actions_of, lesson_of, scene_moments  # noqa: E402
 
-ROOT = Path(__file__).resolve().parents[2]
-
-
-@pytest.fixture(scope="module", autouse=True)
-def extension():
-    """The extension's modules, registered as Blender would."""
-    package = types.ModuleType("unisg_extension")
-    package.__path__ = [str(ROOT)]
-    sys.modules["unisg_extension"] = package
-    parts = ("operators.action_properties", "operators.actions", "operators.lesson_properties")
-    parts += (
-        "operators.lesson",
-        "operators.play",
-        "operators.copied",
-        "operators.recording",
-        "panels.main",
-        "panels.lesson",
-        "panels.actions",
-        "panels.overlay",
-        "panels.recording",
-    )
-    modules = [importlib.import_module(f"unisg_extension.{name}") for name in parts]
-    registration = importlib.import_module("unisg_extension.operators.registration")
-    registration.register_modules(modules)
-    yield
-    registration.unregister_modules(modules)
+pytestmark = pytest.mark.usefixtures("extension")
 
 
 @pytest.fixture(autouse=True)
@@ -417,3 +389,11 @@ def test_copies_are_told_apart_at_once():
     assert len({item.get("unisg_uid") for item in scene.objects if "unisg_uid" in item}) == 2 + 1
     copy = bpy.data.objects["Scalpel.001"]
     assert actions_of(copy)[0].targets == (copy["unisg_uid"],)
+
+
+def test_a_stage_for_the_operation_goes_into_its_last_lesson():
+    bpy.ops.unisg.lesson_new(name="Surgery")
+    item = bpy.data.objects["Surgery"]
+    bpy.context.window_manager.unisg_lesson_node = lesson_of(item).uid
+    assert bpy.ops.unisg.lesson_add(kind="stage") == {"FINISHED"}
+    assert [node.kind for node in lesson_of(item).children[-1].children] == ["stage", "stage"]

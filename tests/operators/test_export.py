@@ -15,7 +15,7 @@ from unisg_blender.dataset import open_dataset
 
 @pytest.mark.skipif(find_spec("bpy") is None, reason="needs Blender")
 def test_operator_writes_the_open_scenes(tmp_path: Path) -> None:
-    script = Path(__file__).with_name("operator_script.py")
+    script = Path(__file__).with_name("export_script.py")
     run = subprocess.run([sys.executable, str(script), str(tmp_path)], capture_output=True, text=True, timeout=120)
     assert "RESULT" in run.stdout, run.stderr
     seen = json.loads(run.stdout.split("RESULT", 1)[1].splitlines()[0])
