@@ -14,8 +14,8 @@ import torch
 from torch import Tensor, nn
 from torch.utils.data import DataLoader
 
-from ...dataset.assets.shaped_scenes import scenes_with_shapes
 from ...dataset.format.reader import Dataset
+from ...dataset.shaped_scenes import scenes_with_shapes
 from ...generate.behaviour.action_kinds import Kinds, behaviour_path
 from ...generate.behaviour.action_policy import Casting
 from ...generate.behaviour.action_statistics import learn_kinds
