@@ -14,7 +14,7 @@ import pytest
 from unisg_blender.cli import main
 from unisg_blender.dataset import open_dataset
 from unisg_blender.dataset.dataset_description import printable
-from unisg_blender.dataset.export.batch_export import ExportOptions, export_dataset
+from unisg_blender.dataset.export.batch_export import ExportOptions, export_dataset, export_steps
 from unisg_blender.errors import MISUSE, SOME_FAILED, UNUSABLE_INPUT, UniSGError
 
 pytestmark = pytest.mark.slow
@@ -201,6 +201,13 @@ def test_mapping_and_folders_label(tmp_path: Path, put: Callable[..., Path]) -> 
     assert dataset[0]["mesh.feature"].tolist() == [[3.0] * 4]
 
 
+def read_again(folder: Path) -> list[str]:
+    """Names of the files that a resumed export reads."""
+    steps = export_steps([folder / "in"], folder / "ds", OPTIONS, resume=True)
+    found = [record for record, _ in steps if record is not None and record["status"] == "ok"]
+    return sorted(Path(record["source"]).name for record in found)
+
+
 def test_resume_updates_a_dataset(tmp_path: Path, put: Callable[..., Path]) -> None:
     for number in range(5):
         put(f"{number}.obj", seed=number, scenes=1 + number % 2)
@@ -210,13 +217,7 @@ def test_resume_updates_a_dataset(tmp_path: Path, put: Callable[..., Path]) -> N
     put("2b.obj", seed=12)
     put("5.obj", seed=5)
     (tmp_path / "in" / "3.obj").unlink()
-    read: list[str] = []
-
-    def finished(record: dict) -> None:
-        read.extend([Path(record["source"]).name] if record["status"] == "ok" else [])
-
-    export_dataset([tmp_path / "in"], tmp_path / "ds", OPTIONS, resume=True, finished=finished)
-    assert sorted(read) == ["1.obj", "2b.obj", "5.obj"]
+    assert read_again(tmp_path) == ["1.obj", "2b.obj", "5.obj"]
     export_dataset([tmp_path / "in"], tmp_path / "fresh", OPTIONS)
     updated, fresh = open_dataset(tmp_path / "ds"), open_dataset(tmp_path / "fresh")
     assert updated.manifest | {"assets": 0} == fresh.manifest | {"assets": 0}  # by name, so by content, too
@@ -250,19 +251,14 @@ def test_resume_reads_again_what_files_beside_have_changed(tmp_path: Path, put: 
     assert [list(record["beside"]) for record in records] == [["lib/shared.bin", "missing.bin"], ["lib/shared.bin"], []]
     assert records[0]["beside"]["missing.bin"] is None
 
-    def read_again() -> list[str]:
-        found: list[dict] = []
-        export_dataset([tmp_path / "in"], tmp_path / "ds", OPTIONS, resume=True, finished=found.append)
-        return sorted(Path(record["source"]).name for record in found if record["status"] == "ok")
-
-    assert read_again() == []
+    assert read_again(tmp_path) == []
     (tmp_path / "in" / "missing.bin").write_text("found")
-    assert read_again() == ["1.obj"]
+    assert read_again(tmp_path) == ["1.obj"]
     library.write_text("two")
-    assert read_again() == ["1.obj", "2.obj"]
+    assert read_again(tmp_path) == ["1.obj", "2.obj"]
     library.unlink()
-    assert read_again() == ["1.obj", "2.obj"]
-    assert read_again() == []
+    assert read_again(tmp_path) == ["1.obj", "2.obj"]
+    assert read_again(tmp_path) == []
 
 
 def test_another_form_is_read_anew(tmp_path: Path, put: Callable[..., Path]) -> None:

@@ -10,7 +10,7 @@ torch = pytest.importorskip("torch")
 
 from tests.generate.models import shared_dataset  # noqa: E402
 from unisg_blender.dataset import open_dataset  # noqa: E402
-from unisg_blender.dataset.assets.shaped_scenes import scenes_with_shapes  # noqa: E402
+from unisg_blender.dataset.shaped_scenes import scenes_with_shapes  # noqa: E402
 from unisg_blender.experiments.rooms.atiss_proposer import AtissProposer, load_generator  # noqa: E402
 from unisg_blender.experiments.rooms.cases import case_of  # noqa: E402
 from unisg_blender.experiments.rooms.furnishing import ByModel  # noqa: E402

@@ -60,8 +60,9 @@ def _positive(text: str) -> int:
 def run(args: argparse.Namespace) -> int:
     """Export, show progress and one line per file that lost something or failed."""
     from ..dataset.category_mapping import read_mapping
-    from ..dataset.export.batch_export import ExportOptions, export_dataset
+    from ..dataset.export.batch_export import ExportOptions, export_steps
     from ..runtime.progress import Progress
+    from ..runtime.steps import drain
 
     options = ExportOptions(
         form=args.form,
@@ -75,26 +76,24 @@ def run(args: argparse.Namespace) -> int:
     bar = Progress(0, "files", args.quiet)
     counts = {"done": 0, "failed": 0}
 
-    def finished(record: dict[str, Any]) -> None:
-        """Count a finished file and show it."""
+    def show(step: tuple[dict[str, Any] | None, int]) -> None:
+        """Show how many files there are, or one that is done."""
+        record, files = step
+        if record is None:
+            bar.start(files)
+            return
         counts["done"] += 1
         counts["failed"] += record["status"] == "failed"
         _show_file(bar, record)
         bar.update(counts["done"], counts["failed"])
 
     with _executor(args.scheduler) as executor:
+        steps = export_steps(
+            args.inputs, args.out, options, executor=executor, jobs=args.jobs, resume=args.resume,
+            overwrite=args.overwrite,
+        )  # fmt: skip
         try:
-            records = export_dataset(
-                args.inputs,
-                args.out,
-                options,
-                executor=executor,
-                jobs=args.jobs,
-                resume=args.resume,
-                overwrite=args.overwrite,
-                started=bar.start,
-                finished=finished,
-            )
+            records = drain(steps, show)
         finally:
             bar.close()
     return _report(args, records)

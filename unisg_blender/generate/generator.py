@@ -14,6 +14,7 @@ from ..behaviour import all_actions
 from ..dataset.assets.asset import Asset
 from ..errors import UniSGError
 from ..geometry.arrays import Ints
+from ..runtime.steps import at_once
 from ..scene import SceneGraph
 from ..spatial.floor_plan import FLOOR
 from ..spatial.structure import STRUCTURE
@@ -92,12 +93,12 @@ class Generator:
         counts = rooms[rng.integers(len(rooms))]
         return {name: int(count) for name, count in zip(self.categories, counts, strict=True) if count}
 
-    def add(
+    def steps(
         self, scene: SceneGraph, counts: Mapping[str, int], seed: int | None = None, *, bulk: bool = False,
         settle: bool = True, assets: Mapping[str, Sequence[Asset]] | None = None, behaviour: bool = True,
         on: str = "", beside: str = "",
-    ) -> Generated:  # fmt: skip
-        """Add objects to a scene; what is there already stays as it is.
+    ) -> abc.Generator[Placement, None, Generated]:  # fmt: skip
+        """Add objects to a scene, each a step; what is there already stays as it is. :meth:`add` is the same at once.
 
         Parameters
         ----------
@@ -128,22 +129,6 @@ class Generator:
             For a category that the model does not know, a number below 1, nothing to add or more than
             :data:`MOST_OBJECTS`, an object that is missing, or a model that gives no finite numbers.
         """
-        steps = self.steps(
-            scene, counts, seed, bulk=bulk, settle=settle, assets=assets, behaviour=behaviour, on=on, beside=beside
-        )
-        while True:
-            try:
-                next(steps)
-            except StopIteration as done:
-                result: Generated = done.value
-                return result
-
-    def steps(
-        self, scene: SceneGraph, counts: Mapping[str, int], seed: int | None = None, *, bulk: bool = False,
-        settle: bool = True, assets: Mapping[str, Sequence[Asset]] | None = None, behaviour: bool = True,
-        on: str = "", beside: str = "",
-    ) -> abc.Generator[Placement, None, Generated]:  # fmt: skip
-        """As :meth:`add`, object by object: yields each placement, returns the result at the end."""
         _check_counts(counts, self.contract)
         names, make_uid = Names(scene.name), uid_maker(scene, seed)
         rng = np.random.default_rng(seed)
@@ -167,6 +152,8 @@ class Generator:
             result, placements = made.scene, [_with_behaviour(item, made) for item in placements]
         rows = np.array([row for row, uid in enumerate(result.uid) if uid not in before], np.int64)
         return Generated(result, rows, tuple(placements), len(all_actions(result)) - len(all_actions(scene)))
+
+    add = at_once(steps)
 
 
 def _proposer(model: TrainedModel) -> Proposer:

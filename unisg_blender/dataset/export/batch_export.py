@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import shutil
-from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
+from collections.abc import Generator, Iterable, Iterator, Sequence
 from concurrent.futures import Executor
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -14,6 +14,7 @@ from typing import Literal
 from ... import __version__
 from ...errors import UniSGError
 from ...runtime.atomic_files import UNFINISHED, DiskFullError
+from ...runtime.steps import at_once
 from ..assets.asset_file import VERSION as ASSETS_VERSION
 from ..assets.asset_file import Assets
 from ..category_mapping import Patterns, scene_label
@@ -62,7 +63,7 @@ class ExportOptions:
     reader: str = ""
 
 
-def export_dataset(
+def export_steps(
     inputs: Iterable[str | os.PathLike[str]],
     out: str | os.PathLike[str],
     options: ExportOptions = ExportOptions(),
@@ -71,14 +72,17 @@ def export_dataset(
     jobs: int | None = None,
     resume: bool = False,
     overwrite: bool = False,
-    started: Callable[[int], None] | None = None,
-    finished: Callable[[Record], None] | None = None,
-) -> list[Record]:
+    wait: float | None = None,
+) -> Generator[tuple[Record | None, int], None, list[Record]]:
     """Export scene files as a dataset.
 
     The scenes stand in the order of their files' paths, whatever the order in
     which they are read; an export that was interrupted and resumed gives the
-    same bytes as one that was not.
+    same bytes as one that was not. :func:`export_dataset` is the same at once.
+
+    Yields the record of each file as it is done, or None, and the number of files; None
+    at the start, and whenever ``wait`` seconds pass without a file. Closing the generator
+    stops the export, to be resumed.
 
     Parameters
     ----------
@@ -95,8 +99,6 @@ def export_dataset(
         changed or failed are read.
     overwrite
         Replace what the folder holds.
-    started, finished
-        Called with the number of files, and with the record of each file as it is done.
 
     Returns
     -------
@@ -108,35 +110,6 @@ def export_dataset(
     ------
     UniSGError
         If the inputs or the folder cannot be used, no file can be read, or the disk is full.
-    """
-    steps = export_steps(inputs, out, options, executor=executor, jobs=jobs, resume=resume, overwrite=overwrite)
-    total = 0
-    while True:
-        try:
-            record, files = next(steps)
-        except StopIteration as end:
-            return end.value
-        if started is not None and files != total:
-            started(total := files)
-        if finished is not None and record is not None:
-            finished(record)
-
-
-def export_steps(
-    inputs: Iterable[str | os.PathLike[str]],
-    out: str | os.PathLike[str],
-    options: ExportOptions = ExportOptions(),
-    *,
-    executor: Executor | None = None,
-    jobs: int | None = None,
-    resume: bool = False,
-    overwrite: bool = False,
-    wait: float | None = None,
-) -> Generator[tuple[Record | None, int], None, list[Record]]:
-    """:func:`export_dataset` step by step; closing the generator stops it, to be resumed.
-
-    Yields the record of each file as it is done, or None, and the number of files;
-    None at the start, and whenever ``wait`` seconds pass without a file.
     """
     known_form(options.form)
     sources = find_sources(inputs)
@@ -153,6 +126,9 @@ def export_steps(
         ordered = [records[path.as_posix()] for path in sources]
         _check_some_read(ordered)
         return _merge(folder, parts, options.form, ordered, before)
+
+
+export_dataset = at_once(export_steps)
 
 
 def _check_some_read(records: Sequence[Record]) -> None:

@@ -5,8 +5,7 @@ from __future__ import annotations
 import json
 import os
 import shutil
-from collections import deque
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Generator, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from fnmatch import fnmatch
 from itertools import islice
@@ -24,6 +23,7 @@ from ...poses.forms import STRETCH_CHANNELS
 from ...runtime.atomic_files import UNFINISHED, write_file, write_named
 from ...runtime.folder_lock import NAME as LOCK
 from ...runtime.folder_lock import folder_lock
+from ...runtime.steps import at_once
 from ...scene.graph import TYPES, SceneGraph
 from ..assets.asset_collector import AssetCollector
 from ..assets.asset_file import assets_bytes
@@ -230,34 +230,10 @@ def write_steps(
     mesh_encoder: MeshEncoder | None = None,
     vocabulary: Mapping[str, Sequence[str]] | None = None,
     overwrite: bool = False,
-) -> Iterator[int]:
-    """:func:`write_dataset` step by step: yields the number of scenes done; closing the iterator leaves nothing."""
-    known_form(form)
-    samples = map(as_sample, graphs)
-    with dataset_folder(out, overwrite) as folder:
-        writer = DatasetWriter(folder, form, vocabulary)
-        done = 0
-        while chunk := list(islice(samples, CHUNK)):
-            for sample in chunk:
-                writer.assets.add(sample.graph, sample.source)
-            writer.add(encode_scenes(chunk, form, writer.vocabulary, mesh_encoder))
-            done += len(chunk)
-            yield done
-        if not done:
-            raise UniSGError("there is no scene to write: nothing was written")
-        writer.finish()
-
-
-def write_dataset(
-    graphs: Iterable[SceneGraph | Sample],
-    out: str | os.PathLike[str],
-    form: str = "quaternion",
-    *,
-    mesh_encoder: MeshEncoder | None = None,
-    vocabulary: Mapping[str, Sequence[str]] | None = None,
-    overwrite: bool = False,
-) -> dict[str, Any]:
+) -> Generator[int, None, dict[str, Any]]:
     """Write scenes as a dataset; never more than one shard in memory.
+
+    Yields the number of scenes done; closing the generator leaves nothing. :func:`write_dataset` is the same at once.
 
     Parameters
     ----------
@@ -286,8 +262,20 @@ def write_dataset(
     PoseError
         If a local matrix holds NaN or infinity, or is not affine.
     """
-    steps = write_steps(graphs, out, form, mesh_encoder=mesh_encoder, vocabulary=vocabulary, overwrite=overwrite)
-    deque(steps, maxlen=0)
-    manifest = read_manifest(Path(out))
-    assert manifest is not None
-    return manifest
+    known_form(form)
+    samples = map(as_sample, graphs)
+    with dataset_folder(out, overwrite) as folder:
+        writer = DatasetWriter(folder, form, vocabulary)
+        done = 0
+        while chunk := list(islice(samples, CHUNK)):
+            for sample in chunk:
+                writer.assets.add(sample.graph, sample.source)
+            writer.add(encode_scenes(chunk, form, writer.vocabulary, mesh_encoder))
+            done += len(chunk)
+            yield done
+        if not done:
+            raise UniSGError("there is no scene to write: nothing was written")
+        return writer.finish()
+
+
+write_dataset = at_once(write_steps)

@@ -8,8 +8,8 @@ from functools import cache
 from itertools import islice
 from pathlib import Path
 
-from ...dataset.assets.shaped_scenes import scenes_with_shapes
 from ...dataset.format.reader import open_dataset
+from ...dataset.shaped_scenes import scenes_with_shapes
 from ...generate import Generator
 from ...generate.observe.contract import Contract
 from ...generate.observe.observed_scene import ObservedScene

@@ -14,8 +14,8 @@ import numpy as np
 import torch
 from torch import Tensor, nn
 
-from ...dataset.assets.shaped_scenes import scenes_with_shapes
 from ...dataset.format.reader import Dataset
+from ...dataset.shaped_scenes import scenes_with_shapes
 from ...errors import UniSGError
 from ...generate.behaviour.action_kinds import Kinds, behaviour_path
 from ...generate.behaviour.action_policy import Casting

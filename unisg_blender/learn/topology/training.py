@@ -14,8 +14,8 @@ from torch import Tensor, nn
 from torch.utils.data import TensorDataset
 from tqdm import tqdm
 
-from ...dataset.assets.shaped_scenes import scenes_with_shapes
 from ...dataset.format.reader import Dataset
+from ...dataset.shaped_scenes import scenes_with_shapes
 from ...errors import UniSGError
 from ...metrics.edge_metrics import average_precision, best_threshold, f1_score
 from ...predict.object_pairs import PAIR_CHANNELS, candidate_pairs, object_boxes, pair_features

@@ -7,10 +7,10 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from ...scene import Mesh, SceneGraph, mesh_from_faces
-from ..format.columns import mesh_checksums
-from ..format.reader import Dataset
-from ..rebuild import BOX_FACES, to_scenegraph
+from ..scene import Mesh, SceneGraph, mesh_from_faces
+from .format.columns import mesh_checksums
+from .format.reader import Dataset
+from .rebuild import BOX_FACES, to_scenegraph
 
 
 def scenes_with_shapes(dataset: Dataset) -> Iterator[SceneGraph]:
