@@ -25,6 +25,8 @@ from unisg_blender.predict.object_pairs import PAIR_CHANNELS  # noqa: E402
 from unisg_blender.predict.prediction_session import load_network, write_metadata  # noqa: E402
 from unisg_blender.worlds import cubes, living_room  # noqa: E402
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def folders(tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[str, Path]]:
