@@ -6,7 +6,6 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -123,28 +122,29 @@ def modules() -> dict[str, Module]:
     return found
 
 
-def imported_names(module: Module) -> Iterator[tuple[str, bool]]:
+@cache
+def imported_names(module: Module) -> tuple[tuple[str, bool], ...]:
     """Absolute names of what a file imports, deferred imports and those for types included.
 
-    Yields
-    ------
-    (name, deferred)
+    Returns
+    -------
+    pairs (name, deferred)
         ``package.module`` or ``package.module.name``; whether the import stands inside a function.
     """
-    inside = {
-        id(node)
-        for function in ast.walk(module.tree)
-        if isinstance(function, ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda)
-        for node in ast.walk(function)
-    }
-    parts = module.name.split(".")
-    for node in ast.walk(module.tree):
+    parts, found = module.name.split("."), []
+    waiting: list[tuple[ast.AST, bool]] = [(module.tree, False)]
+    while waiting:
+        node, deferred = waiting.pop()
+        deferred = deferred or isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef)
         if isinstance(node, ast.Import):
-            yield from ((alias.name, id(node) in inside) for alias in node.names)
+            found += [(alias.name, deferred) for alias in node.names]
         elif isinstance(node, ast.ImportFrom):
             above = parts[: len(parts) - node.level + module.is_package] if node.level else []
             base = [*above, *([node.module] if node.module else [])]
-            yield from ((".".join([*base, alias.name]), id(node) in inside) for alias in node.names)
+            found += [(".".join([*base, alias.name]), deferred) for alias in node.names]
+        elif not isinstance(node, ast.expr):  # an expression imports nothing
+            waiting += [(child, deferred) for child in ast.iter_child_nodes(node)]
+    return tuple(found)
 
 
 @cache

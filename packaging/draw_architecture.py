@@ -1,14 +1,14 @@
-"""Draw the house from its imports: layers as bands, rooms as boxes, arrows downward.
+"""Draw the house from its imports, layers as bands, rooms as boxes, arrows downward; and write the table of arrows.
 
-    python packaging/draw_architecture.py [--out docs/pictures]
+    python packaging/draw_architecture.py
 
-Writes architecture.svg and architecture.png, the same bytes for the same imports. An arrow that follows from
-others (learn needs predict, predict needs dataset, so learn may use dataset) is left out. Needs matplotlib.
+Writes docs/pictures/architecture.svg and .png, the same bytes for the same imports, and the table in
+docs/architecture.md. An arrow that follows from others is not drawn (learn needs predict, and predict needs dataset,
+so the one from learn to dataset is left out). Needs matplotlib.
 """
 
 from __future__ import annotations
 
-import argparse
 from itertools import pairwise
 from pathlib import Path as FilePath
 
@@ -156,7 +156,17 @@ def arrow_path(start: tuple[float, float], end: tuple[float, float], lane: float
     return Path(points, codes)
 
 
+def write_table(page: FilePath) -> None:
+    """Put the table of arrows between its two marks in a page."""
+    order = [room for rooms in LAYERS.values() for room in rooms]
+    targets = {room: ", ".join(f"`{each}`" for each in order if each in ARROWS[room]) for room in ARROWS}
+    rows = [f"| `{room}` | {targets[room]} |" for room in order if room in targets]
+    before, _, rest = page.read_text(encoding="utf-8").partition("<!-- arrows -->")
+    after = rest.partition("<!-- end -->")[2]
+    table = "\n".join(["| room | imports |", "|---|---|", *rows])
+    page.write_text(f"{before}<!-- arrows -->\n{table}\n<!-- end -->{after}", encoding="utf-8")
+
+
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
-    parser.add_argument("--out", type=FilePath, default=ROOT / "docs/pictures", help="folder to write into")
-    draw(parser.parse_args().out)
+    draw(ROOT / "docs/pictures")
+    write_table(ROOT / "docs/architecture.md")

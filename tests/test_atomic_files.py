@@ -80,7 +80,7 @@ def test_workers_have_one_thread_and_end_with_a_killed_parent(tmp_path: Path) ->
     worker, threads = parent.stdout.readline().split()
     assert threads == "1"
     parent.kill()
-    parent.wait()
+    parent.communicate()
     deadline = time.monotonic() + 20
     while Path("/proc", worker).exists() and "zombie" not in Path("/proc", worker, "status").read_text():
         assert time.monotonic() < deadline, "the worker goes on"

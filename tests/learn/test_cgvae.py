@@ -23,6 +23,8 @@ from unisg_blender.learn.cgvae.training import batch_terms, normalisation, suppo
 from unisg_blender.learn.training_scenes import load_scenes, vocabulary_of  # noqa: E402
 from unisg_blender.poses import FORMS  # noqa: E402
 
+pytestmark = pytest.mark.slow
+
 SIZES = CgvaeSizes(features=5, categories=4)
 NOTHING = CategoryPriors({}, {}, {}, [])
 

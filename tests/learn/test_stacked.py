@@ -29,11 +29,11 @@ def test_each_network_learns_as_if_it_were_alone() -> None:
     together = StackedMlp(5, 2, [0, 0, 1, 1], (8, 8))
     train_stacked(together, x, y, rates, mse, [0, 1], steps=30, batch=16)
     alone = StackedMlp(5, 2, [1], (8, 8))
-    before = float(mse(alone(x[1:]), y[1:]))
+    before = mse(alone(x[1:]), y[1:]).item()
     train_stacked(alone, x[1:], y[1:], [1e-2], mse, [1], steps=30, batch=16)
     for one, two in zip(together.parameters(), alone.parameters(), strict=True):
         torch.testing.assert_close(one[3], two[0], atol=1e-5, rtol=1e-4)
-    assert float(mse(alone(x[1:]), y[1:])) < before
+    assert mse(alone(x[1:]), y[1:]).item() < before
 
 
 def test_bottlenecks_pass_on_what_they_get() -> None:

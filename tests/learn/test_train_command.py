@@ -25,6 +25,8 @@ from unisg_blender.learn.cgvae import training as train_cgvae  # noqa: E402
 from unisg_blender.learn.settings import Settings  # noqa: E402
 from unisg_blender.scene import SceneBuilder  # noqa: E402
 
+pytestmark = pytest.mark.slow
+
 
 def test_a_model_says_where_it_comes_from(
     dataset_folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]

@@ -29,6 +29,8 @@ from unisg_blender.predict.prediction_session import VERSION, load_network  # no
 from unisg_blender.runtime.onnx_session import metadata_text  # noqa: E402
 from unisg_blender.worlds import cubes, living_room  # noqa: E402
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def folders(tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[str, Path]]:

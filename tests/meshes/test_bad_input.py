@@ -33,6 +33,7 @@ def odd_scene() -> SceneGraph:
     return builder.build()
 
 
+@pytest.mark.filterwarnings("ignore:/Scene/broken/broken. some points are not finite:UserWarning")
 def test_label_falls_back_on_the_points_and_keeps_all_geometry(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

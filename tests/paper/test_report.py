@@ -24,6 +24,8 @@ from unisg_blender.predict.object_pairs import candidate_pairs
 from unisg_blender.scene import world_matrices
 from unisg_blender.worlds import cubes
 
+pytestmark = pytest.mark.slow
+
 TINY = plan.PaperPlan(
     Sizes(augmented=4, tests=1, rooms=10, pairs=12, cubes=8),
     seeds=2, classification=1, few=1, topology=1, generation=1, links=1, steps=3, most_cubes=0,

@@ -1,0 +1,99 @@
+"""What the documents name exists: files, folders, modules, definitions; and the arrows shown are those held."""
+
+from __future__ import annotations
+
+import ast
+import re
+from pathlib import Path
+
+import pytest
+from architecture import ARROWS, LAYERS, LIBRARY, ROOT, Module, modules
+
+PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")])
+ARCHITECTURE = ROOT / "docs" / "architecture.md"
+FOLDERS = "unisg_blender|operators|panels|packaging|benchmarks|tests|docs"
+PATH = re.compile(rf"(?<![\w/.@-])(?:{FOLDERS})/[\w./-]*[\w/]")
+DOTTED = re.compile(r"(?<![\w./-])unisg_blender(?:\.\w+)+")
+FROM_IMPORT = re.compile(r"^from (unisg_blender[\w.]*) import \(?([\w, ]+)", re.MULTILINE)
+LINK = re.compile(r"\]\((?!https?:|#|mailto:)([^)#\s]+)")
+FILE_AND_NAME = re.compile(r"`((?:\w+/)*\w+\.py): ([\w.]+)`")
+FILE = re.compile(r"`((?:\w+/)*\w+\.py|(?:\w+/)+)`")
+WRITTEN_BY_HISTORY = {"CHANGELOG.md"}
+
+
+def names_in(module: Module) -> set[str]:
+    """What a module defines or imports at its top level, what it gives lazily included."""
+    found = set()
+    for node in module.tree.body:
+        if isinstance(node, ast.FunctionDef | ast.ClassDef):
+            found.add(node.name)
+        elif isinstance(node, ast.Import | ast.ImportFrom):
+            found |= {alias.asname or alias.name.split(".")[0] for alias in node.names}
+        elif isinstance(node, ast.Assign | ast.AnnAssign):
+            targets = node.targets if isinstance(node, ast.Assign) else [node.target]
+            found |= {name.id for target in targets for name in ast.walk(target) if isinstance(name, ast.Name)}
+            if isinstance(node.value, ast.Dict) and "_LAZY" in found:
+                found |= {key.value for key in node.value.keys if isinstance(key, ast.Constant)}
+    return found
+
+
+def members_of(module: Module, name: str) -> set[str]:
+    """Methods, properties and fields of a class of a module."""
+    body = next((node.body for node in module.tree.body if isinstance(node, ast.ClassDef) and node.name == name), [])
+    fields = {node.target.id for node in body if isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name)}
+    return fields | {node.name for node in body if isinstance(node, ast.FunctionDef)}
+
+
+def exists(dotted: str) -> bool:
+    """Whether a dotted name is a module, or something in one, or a member of a class there."""
+    known, parts = modules(), dotted.split(".")
+    for count in range(len(parts), 0, -1):
+        module, rest = known.get(".".join(parts[:count])), parts[count:]
+        if module is not None:
+            return not rest or (rest[0] in names_in(module) and (len(rest) == 1 or bool(members_of(module, rest[0]))))
+    return False
+
+
+def relative(page: Path) -> str:
+    """How a page is called in a test's name."""
+    return page.relative_to(ROOT).as_posix()
+
+
+@pytest.mark.parametrize("page", [page for page in PAGES if page.name not in WRITTEN_BY_HISTORY], ids=relative)
+def test_paths_and_modules_exist(page: Path) -> None:
+    text = page.read_text(encoding="utf-8")
+    assert [path for path in PATH.findall(text) if not (ROOT / path).exists()] == []
+    assert [name for name in DOTTED.findall(text) if not exists(name)] == []
+    imported = [f"{module}.{name.strip()}" for module, names in FROM_IMPORT.findall(text) for name in names.split(",")]
+    assert [name for name in imported if not exists(name.rstrip("."))] == []
+
+
+@pytest.mark.parametrize("page", PAGES, ids=relative)
+def test_links_lead_somewhere(page: Path) -> None:
+    links = LINK.findall(page.read_text(encoding="utf-8"))
+    assert [link for link in links if not (page.parent / link).exists()] == []
+
+
+def test_architecture_names_what_is_there() -> None:
+    text = ARCHITECTURE.read_text(encoding="utf-8")
+    by_path = {module.path.as_posix().removeprefix(f"{LIBRARY}/"): module for module in modules().values()}
+    named = FILE_AND_NAME.findall(text)
+    assert len(named) > 50
+    missing = []
+    for path, name in named:
+        module, (first, *rest) = by_path.get(path), name.split(".")
+        if module is None or first not in names_in(module) or (rest and rest[0] not in members_of(module, first)):
+            missing.append(f"{path}: {name}")
+    assert missing == []
+    assert [path for path in FILE.findall(text) if not any((ROOT / top / path).exists() for top in ("", LIBRARY))] == []
+
+
+def test_the_table_of_arrows_is_the_one_that_is_held() -> None:
+    table = ARCHITECTURE.read_text(encoding="utf-8").partition("<!-- arrows -->")[2].partition("<!-- end -->")[0]
+    rows = re.findall(r"^\| `(\w+)` \| (.*) \|$", table, re.MULTILINE)
+    assert {room: set(re.findall(r"`(\w+)`", targets)) for room, targets in rows} == ARROWS, "make picture"
+
+
+def test_contributing_shows_the_layers() -> None:
+    text = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    assert "\n".join(", ".join(rooms) for rooms in LAYERS.values()) in text
