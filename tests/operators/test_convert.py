@@ -53,7 +53,7 @@ def test_json(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "reason"), [("room.blend", "Save a Copy"), ("room.txt", "ends in"), ("no/r.json", "no folder")]
+    ("name", "reason"), [("room.blend", "Save a Copy"), ("room.txt", "ends in"), ("no/r.json", "does not exist")]
 )
 def test_refused_in_one_line(tmp_path: Path, name: str, reason: str) -> None:
     moving_room()
