@@ -12,9 +12,11 @@ import importlib
 import os
 import sys
 from collections.abc import Sequence
+from typing import NoReturn
 
 from . import __version__
 from .errors import MISUSE, UNUSABLE_INPUT, UniSGError
+from .runtime.process_end import end_process
 
 VERBS = {
     "inspect": "show the entity tree of a scene, or the contents of a dataset",
@@ -87,3 +89,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         print(f"unisg {words[0]}: stopped", file=sys.stderr)
         return 130
+
+
+def program() -> NoReturn:
+    """Run the verb that the words after the program's name ask for, and end the process."""
+    end_process(main())

@@ -7,8 +7,10 @@ import subprocess
 import sys
 from pathlib import Path
 
+import bpy
 import pytest
 
+from unisg_blender.blender import save_blend
 from unisg_blender.usd.pxr_library import missing_pxr
 
 DATA = Path(__file__).parents[1] / "data"
@@ -16,9 +18,9 @@ NESTED = DATA / "usd-wg-assets/test_assets/schemaTests/usdGeom/transforms/xforms
 RIG = DATA / "vrm-addon" / "share_mesh_modified_and_non_modified_vrm1.blend"
 
 
-def unisg(*words: object) -> subprocess.CompletedProcess[str]:
+def unisg(*words: object, limit: float = 120) -> subprocess.CompletedProcess[str]:
     command = [sys.executable, "-m", "unisg_blender", *map(str, words)]
-    return subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
+    return subprocess.run(command, capture_output=True, text=True, timeout=limit, check=False)
 
 
 @pytest.mark.skipif(bool(missing_pxr()), reason="this Blender offers no USD to Python")
@@ -59,3 +61,15 @@ def test_damaged_file(tmp_path: Path) -> None:
     done = unisg("inspect", tmp_path / "scene.glb")
     assert done.returncode == 1
     assert len(done.stderr.splitlines()) == 1
+
+
+def test_a_driver_that_blender_evaluates_with_python_does_not_keep_the_process(tmp_path: Path) -> None:
+    item = bpy.data.objects.new("moved", None)
+    bpy.context.scene.collection.objects.link(item)
+    driver = item.driver_add("location", 0).driver
+    driver.type, driver.expression = "SCRIPTED", "frame**2 * 0.001"
+    save_blend(tmp_path / "driven.blend")
+    done = unisg("inspect", tmp_path / "driven.blend", limit=30)
+    assert done.returncode == 0
+    assert "drivers: only their result is kept" in done.stderr
+    assert done.stdout.splitlines()[-1].startswith("types:")

@@ -20,6 +20,7 @@ from typing import Any, TextIO
 
 from ...errors import UniSGError
 from ...runtime.atomic_files import DiskFullError, write_named
+from ...runtime.process_end import end_process
 from ...scene import SceneGraph
 from ..assets.asset_collector import AssetCollector
 from ..category_mapping import apply_mapping
@@ -160,4 +161,4 @@ def _left_out(graphs: Iterable[SceneGraph]) -> str:
 def main(memory: int) -> None:
     """Serve, and end the process."""
     serve(memory)
-    os._exit(0)  # Blender may hang when Python ends
+    end_process(0)
