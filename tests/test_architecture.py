@@ -31,7 +31,6 @@ OPEN: dict[str, set[str]] = {
         "unisg_blender/geometry/surface_contact.py -> unisg_blender.scene.hierarchy",
         "unisg_blender/meshes/shape_files.py -> unisg_blender.worlds",
         "unisg_blender/meshes/similar.py -> unisg_blender.predict.category_model",
-        "unisg_blender/metrics/requested_relations.py -> unisg_blender.experiments.rooms.cases",
         "unisg_blender/scene/__init__.py -> unisg_blender.spatial.entity_boxes",
     },
     "circles_of_files": {
@@ -55,10 +54,6 @@ OPEN: dict[str, set[str]] = {
         "dataset.assets",
         "dataset.format",
         "dataset.rebuild",
-        "learn.anchors",
-        "learn.cgvae",
-        "learn.losses",
-        "learn.paper",
         "scene.entity",
         "scene.graph",
         "scene.hierarchy",

@@ -23,6 +23,20 @@ def test_by_hand() -> None:
 def test_no_true_pair_has_no_precision() -> None:
     assert np.isnan(average_precision(np.ones(2), np.zeros(2, bool)))
     assert np.isnan(area_under_roc(np.ones(2), np.ones(2, bool)))
+    assert np.isnan(average_precision(np.zeros(0), np.zeros(0, bool)))
+    assert f1_score(np.ones(2, bool), np.zeros(2, bool)) == 0.0
+    assert f1_score(np.zeros(2, bool), np.zeros(2, bool), missed=1) == 0.0
+
+
+@settings(deadline=None)
+@given(st.integers(0, 2**31))
+def test_average_precision_is_that_of_its_definition(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    score, truth = rng.permutation(20).astype(float), rng.random(20) < 0.3
+    ranked = truth[np.argsort(-score)]
+    precision = [ranked[: place + 1].mean() for place in np.flatnonzero(ranked)]
+    expected = np.mean(precision) if precision else np.nan
+    assert average_precision(score, truth) == pytest.approx(expected, nan_ok=True)
 
 
 @settings(deadline=None)

@@ -9,17 +9,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from unisg_blender.errors import UniSGError
 from unisg_blender.experiments.layouts.designed_rooms import read_layouts, turn_of
 from unisg_blender.experiments.layouts.designed_supports import (
-    average_precision,
     bounds_of,
     by_boxes,
     by_rule,
-    f1,
     support_table,
     times,
 )
@@ -127,23 +123,6 @@ def test_rule_and_boxes_find_what_stands_on_what(folder: Path) -> None:
         assert rows["iTHOR 7", method].f1 == 1.0
     assert rows["all", "rule"].pairs == 3
     assert not any(room.startswith("TDW") for room, _ in rows)
-
-
-def test_average_precision_of_known_rankings() -> None:
-    true = np.array([True, False, True, False])
-    assert average_precision(np.array([4.0, 3, 2, 1]), true) == pytest.approx((1 + 2 / 3) / 2)
-    assert average_precision(np.zeros(4), true) == pytest.approx(0.5)
-    assert f1(np.array([True, True, False, False]), true) == pytest.approx(0.5)
-
-
-@settings(deadline=None)
-@given(st.integers(0, 2**31))
-def test_average_precision_agrees_with_its_definition(seed: int) -> None:
-    rng = np.random.default_rng(seed)
-    scores, true = rng.permutation(20).astype(float), rng.random(20) < 0.3
-    ranked = true[np.argsort(-scores)]
-    precision = [ranked[: place + 1].mean() for place in np.flatnonzero(ranked)]
-    assert average_precision(scores, true) == pytest.approx(np.mean(precision) if precision else 0.0)
 
 
 def test_a_turn_about_their_up_axis_goes_the_other_way_here() -> None:

@@ -9,15 +9,15 @@ from scipy.stats import bootstrap, norm
 
 from tests.evaluate.hand_made import box_mesh
 from unisg_blender.metrics.pose_errors import (
-    angles,
     decoded,
-    distances,
     folds_of,
     interval,
     invalidity,
     pose_report,
     r_squared,
+    rotation_errors,
     summary,
+    translation_errors,
 )
 from unisg_blender.poses import FORMS
 from unisg_blender.scene import mesh_from_faces
@@ -39,28 +39,28 @@ def random_poses(count: int, seed: int = 0) -> np.ndarray:
 
 
 def test_centimetres_and_degrees() -> None:
-    assert distances(pose(place=(0.03, 0, 0.04)), pose()) == pytest.approx(5.0)
+    assert translation_errors(pose(place=(0.03, 0, 0.04)), pose()) == pytest.approx(5.0)
     for degrees in (0.0, 1e-6, 35.0, 90.0, 179.9999):
-        assert angles(pose((degrees, 0, 0)), pose()) == pytest.approx(degrees, abs=1e-9)
-        assert angles(pose((0, 0, degrees)), pose()) == pytest.approx(degrees, abs=1e-9)
-    assert angles(pose((0, 0, 180)), pose((0, 0, -180))) == pytest.approx(0, abs=1e-6)
+        assert rotation_errors(pose((degrees, 0, 0)), pose()) == pytest.approx(degrees, abs=1e-9)
+        assert rotation_errors(pose((0, 0, degrees)), pose()) == pytest.approx(degrees, abs=1e-9)
+    assert rotation_errors(pose((0, 0, 180)), pose((0, 0, -180))) == pytest.approx(0, abs=1e-6)
     assert summary(np.arange(101.0)) == {"median": 50, "p95": 95}
 
 
 def test_what_a_symmetric_thing_does_not_show_is_no_error() -> None:
     for fold, turn, rest in ((1, 90, 90), (2, 170, 10), (4, 100, 10), (4, 45, 45), (0, 77, 0)):
-        assert angles(pose((0, 0, turn)), pose(), np.array(fold)) == pytest.approx(rest, abs=1e-6)
+        assert rotation_errors(pose((0, 0, turn)), pose(), np.array(fold)) == pytest.approx(rest, abs=1e-6)
     tilted = pose((0, 0, 90)) @ pose((20, 0, 0))
-    assert angles(tilted, pose(), np.array(4)) == pytest.approx(20, abs=1e-6)
-    assert angles(pose((0, 0, 40)) @ pose((30, 0, 0)), pose(), np.array(0)) == pytest.approx(30, abs=1e-6)
+    assert rotation_errors(tilted, pose(), np.array(4)) == pytest.approx(20, abs=1e-6)
+    assert rotation_errors(pose((0, 0, 40)) @ pose((30, 0, 0)), pose(), np.array(0)) == pytest.approx(30, abs=1e-6)
 
 
 def test_symmetry_aware_angle_is_the_smallest_over_the_group() -> None:
     found, truth = random_poses(50, 1), random_poses(50, 2)
     for fold in (1, 2, 4):
         same = [truth @ pose((0, 0, 360 * k / fold)) for k in range(fold)]
-        least = np.min([angles(found, other) for other in same], axis=0)
-        np.testing.assert_allclose(angles(found, truth, np.full(50, fold)), least, atol=1e-6)
+        least = np.min([rotation_errors(found, other) for other in same], axis=0)
+        np.testing.assert_allclose(rotation_errors(found, truth, np.full(50, fold)), least, atol=1e-6)
 
 
 def test_symmetry_of_meshes() -> None:

@@ -3,7 +3,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from unisg_blender.metrics.layout_distances import LayoutSet, layout_of, mean_pairwise, nearest_distances, novelty_limit
+from unisg_blender.metrics.layout_distances import (
+    LayoutSet,
+    layout_of,
+    mean_pairwise,
+    nearest_room_distances,
+    novelty_limit,
+)
 
 from .hand_made import Scene
 
@@ -37,9 +43,9 @@ def test_copies_are_not_new_and_real_rooms_are_by_definition():
     layouts = [np.column_stack([np.arange(6) % 3, rng.uniform(-3, 3, (6, 2))]).astype(np.float32) for _ in range(60)]
     training, real = layouts[:30], layouts[30:]
     rooms = LayoutSet(training, 3)
-    limit = novelty_limit(nearest_distances(real, rooms))
-    assert (nearest_distances(training, rooms) > limit).mean() == 0
-    assert (nearest_distances(real, rooms) > limit).mean() == pytest.approx(0.95, abs=0.04)
+    limit = novelty_limit(nearest_room_distances(real, rooms))
+    assert (nearest_room_distances(training, rooms) > limit).mean() == 0
+    assert (nearest_room_distances(real, rooms) > limit).mean() == pytest.approx(0.95, abs=0.04)
 
 
 def test_rooms_that_are_all_alike_have_no_diversity():

@@ -1,4 +1,8 @@
-"""How well edges were found: average precision, area under the ROC curve, F1. Numpy only."""
+"""How well edges were found: average precision, area under the ROC curve, F1.
+
+Written with numpy since measuring must work without scikit-learn, which is in the extra "figures" only. Where no pair
+is true there is no precision to average, so that average precision is NaN; F1 is then 1 if nothing was found, else 0.
+"""
 
 from __future__ import annotations
 
@@ -12,20 +16,23 @@ def average_precision(score: NDArray[np.floating], truth: NDArray[np.bool_]) -> 
     AP = sum_k (R_k - R_{k-1}) P_k, 0..1. Source: Zhu, "Recall, precision and average precision", 2004; the same as
     scikit-learn's ``average_precision_score``. NaN where no pair is true.
     """
-    right, called = _at_thresholds(score, truth)
     total = int(truth.sum())
     if not total:
         return float("nan")
+    right, called = _at_thresholds(score, truth)
     gained = np.diff(right, prepend=0) / total
     return float((gained * right / called).sum())
 
 
 def area_under_roc(score: NDArray[np.floating], truth: NDArray[np.bool_]) -> float:
-    """Chance that a true pair scores higher than a false one, ties half, 0..1 (Hanley and McNeil, 1982)."""
-    right, called = _at_thresholds(score, truth)
+    """Chance that a true pair scores higher than a false one, ties half, 0..1 (Hanley and McNeil, 1982).
+
+    NaN without true or without false pairs.
+    """
     positives, negatives = int(truth.sum()), int((~truth).sum())
     if not positives or not negatives:
         return float("nan")
+    right, called = _at_thresholds(score, truth)
     hit, false = np.append(0, right) / positives, np.append(0, called - right) / negatives
     return float((np.diff(false) * (hit[1:] + hit[:-1]) / 2).sum())
 

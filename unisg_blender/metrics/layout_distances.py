@@ -71,7 +71,7 @@ def layout_of(graph: SceneGraph, vocabulary: tuple[str, ...]) -> NDArray[np.floa
     return np.column_stack([codes[rows], center - middle]).astype(np.float32)
 
 
-def nearest_distances(layouts: Sequence[NDArray[np.float32]], training: LayoutSet) -> NDArray[np.float64]:
+def nearest_room_distances(layouts: Sequence[NDArray[np.float32]], training: LayoutSet) -> NDArray[np.float64]:
     """How far each layout is from the training room that is nearest to it, (S,) metres."""
     return np.array([training.distances(layout).min() for layout in layouts])
 

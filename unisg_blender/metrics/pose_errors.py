@@ -18,12 +18,12 @@ SYMMETRY_TOLERANCE = 0.01
 """A mesh is symmetric where every point has one within this share of the mesh's radius after the turn."""
 
 
-def distances(found: Matrices, truth: Matrices) -> NDArray[np.float64]:
+def translation_errors(found: Matrices, truth: Matrices) -> NDArray[np.float64]:
     """Centimetres between the origins of poses (..., 4, 4) in metres: 100 |t' - t|."""
     return 100.0 * np.linalg.norm(np.float64(found[..., :3, 3]) - truth[..., :3, 3], axis=-1)
 
 
-def angles(found: Matrices, truth: Matrices, folds: NDArray[np.integer] | None = None) -> NDArray[np.float64]:
+def rotation_errors(found: Matrices, truth: Matrices, folds: NDArray[np.integer] | None = None) -> NDArray[np.float64]:
     """Degrees of the turn from one rotation to the other, 0..180: the geodesic distance on SO(3).
 
     angle(R^T R') (Huynh, "Metrics for 3D rotations", 2009, Phi_6), by the quaternion: exact for small angles too.
@@ -131,9 +131,9 @@ def interval(values: Any) -> dict[str, float]:
 def pose_report(raw: NDArray[np.floating], truth: Matrices, form: str, folds: Any = None) -> Mapping[str, float]:
     """Errors of raw output (K, width) for rigid poses (K, 4, 4), after decoding: cm, degrees, validity."""
     poses = decoded(raw, form)
-    centimetres, degrees = summary(distances(poses, truth)), summary(angles(poses, truth))
+    centimetres, degrees = summary(translation_errors(poses, truth)), summary(rotation_errors(poses, truth))
     result = {f"cm_{name}": value for name, value in centimetres.items()}
     result |= {f"degrees_{name}": value for name, value in degrees.items()}
     if folds is not None:
-        result |= {f"degrees_symmetric_{name}": v for name, v in summary(angles(poses, truth, folds)).items()}
+        result |= {f"degrees_symmetric_{name}": v for name, v in summary(rotation_errors(poses, truth, folds)).items()}
     return result | {"invalidity": invalidity(raw, form)}

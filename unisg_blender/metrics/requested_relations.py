@@ -11,11 +11,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ..experiments.rooms.cases import place_of
+from ..dataset.assets.asset import object_graph
 from ..generate.observe.placeable import Placeable
 from ..generate.propose.requests import BESIDE, COVERING, SHARED, THIN
-from ..geometry.planar import footprint_gap
-from ..scene import SceneGraph
+from ..geometry.planar import footprint_gap, heading
+from ..scene import SceneGraph, world_matrices
 from .scene_validity import OFF_SUPPORT
 from .support_gaps import find_supports, support_gaps
 
@@ -49,6 +49,13 @@ def is_beside(graph: SceneGraph, row: int, target: str) -> bool:
 
 def half_of(graph: SceneGraph, row: int) -> NDArray[np.float64]:
     """Half extents (3,) of an entity's upright box, metres."""
-    from ..dataset.assets.asset import object_graph
-
     return Placeable(object_graph(graph, row)).half
+
+
+def place_of(graph: SceneGraph, row: int) -> NDArray[np.float64]:
+    """Place (4,) of an entity: x, y and bottom of its upright box's middle, metres, and its turn, radians."""
+    world = world_matrices(graph)
+    x, y, z = Placeable(object_graph(graph, row, world=world)).foot
+    yaw = float(heading(world[row, :3, :3]))
+    cos, sin = np.cos(yaw), np.sin(yaw)
+    return np.array([*(world[row, :3, 3] + (cos * x - sin * y, sin * x + cos * y, z)), yaw])

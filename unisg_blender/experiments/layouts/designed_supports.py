@@ -1,9 +1,7 @@
 """Who stands on whom in rooms that others designed: the geometric rule, a score of boxes, and a trained model.
 
-Average precision = sum over the ranks of true pairs of the precision up to there,
-divided by their number (ties are resolved by the mean over their block: precision
-is taken at its end); F1 = 2 TP / (2 TP + FP + FN) at the stated threshold. All
-ordered pairs of different objects count, except those that the source tells in another way.
+All ordered pairs of different objects count, except those that the source tells in another way; see
+:mod:`...metrics.edge_metrics`.
 """
 
 from __future__ import annotations
@@ -17,6 +15,7 @@ from numpy.typing import NDArray
 
 from ...generate.observe.observed_scene import ObservedScene
 from ...generate.propose.anchor_proposer import AnchorProposer
+from ...metrics.edge_metrics import average_precision, f1_score
 from ...scene import SceneGraph, world_matrices
 from ...spatial.objects import scene_objects
 from ...spatial.relations import find_relations
@@ -58,11 +57,11 @@ class SupportRow:
         return {key: round(value, 4) if isinstance(value, float) else value for key, value in self.__dict__.items()}
 
 
-def by_rule(graph: SceneGraph) -> NDArray[np.float64]:
-    """1 where the relations computed from geometry say on top of, or inside."""
+def by_rule(graph: SceneGraph, kinds: Sequence[str] = ("on_top_of", "inside")) -> NDArray[np.float64]:
+    """1 where the relations computed from geometry are of some ``kinds``."""
     scores = np.zeros((len(graph), len(graph)))
     for row, kind, target in find_relations(graph):
-        if kind in ("on_top_of", "inside"):
+        if kind in kinds:
             scores[row, target] = 1.0
     return scores
 
@@ -91,11 +90,7 @@ def bounds_of(graph: SceneGraph) -> tuple[NDArray[np.float64], NDArray[np.float6
 
 def by_rule_on_top(graph: SceneGraph) -> NDArray[np.float64]:
     """1 where the geometric rule says on top of; what it takes to lie inside a box does not count."""
-    scores = np.zeros((len(graph), len(graph)))
-    for row, kind, target in find_relations(graph):
-        if kind == "on_top_of":
-            scores[row, target] = 1.0
-    return scores
+    return by_rule(graph, ("on_top_of",))
 
 
 def by_topology(model: TopologyModel) -> Scores:
@@ -137,20 +132,6 @@ def times(one: Scores, two: Scores) -> Scores:
     return lambda graph: one(graph) * two(graph)
 
 
-def average_precision(scores: NDArray[np.float64], true: NDArray[np.bool_]) -> float:
-    """Average precision of scores (M,) against truth bool (M,); 0 where nothing is true."""
-    _, place = np.unique(-scores, return_inverse=True)
-    hits = np.bincount(place, weights=true)
-    seen = np.cumsum(np.bincount(place))
-    precision = np.cumsum(hits) / seen
-    return float((precision * hits).sum() / max(true.sum(), 1))
-
-
-def f1(found: NDArray[np.bool_], true: NDArray[np.bool_]) -> float:
-    """F1 of found pairs."""
-    return float(2 * (found & true).sum() / max(found.sum() + true.sum(), 1))
-
-
 def support_table(rooms: Sequence[DesignedRoom], methods: Sequence[tuple[str, Scores, float]]) -> list[SupportRow]:
     """Each method (name, scores, threshold for F1) in each room that says what stands on what, and over all of them."""
     rows: list[SupportRow] = []
@@ -179,4 +160,6 @@ def support_table(rooms: Sequence[DesignedRoom], methods: Sequence[tuple[str, Sc
 def _row(
     room: str, name: str, objects: int, values: NDArray[np.float64], true: NDArray[np.bool_], least: float
 ) -> SupportRow:
-    return SupportRow(room, name, objects, int(true.sum()), average_precision(values, true), f1(values >= least, true))
+    return SupportRow(
+        room, name, objects, int(true.sum()), average_precision(values, true), f1_score(values >= least, true)
+    )

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...dataset.assets.asset import Asset, object_graph
-from ...geometry.planar import heading
+from ...metrics.requested_relations import place_of
 from ...metrics.support_gaps import find_supports
 from ...scene import SceneGraph, take, world_matrices
 from ...spatial.structure import STRUCTURE, owners
@@ -116,14 +116,3 @@ def without(graph: SceneGraph, gone: NDArray[np.bool_]) -> SceneGraph:
         gone[row] |= above >= 0 and gone[above]
     shell = take(graph, np.flatnonzero(~gone))
     return shell.replace(components={name: value for name, value in shell.components.items() if name == "relations"})
-
-
-def place_of(graph: SceneGraph, row: int) -> NDArray[np.float64]:
-    """Place (4,) of an entity: x, y and bottom of its upright box's middle, metres, and its turn, radians."""
-    from ...generate.observe.placeable import Placeable
-
-    world = world_matrices(graph)
-    x, y, z = Placeable(object_graph(graph, row, world=world)).foot
-    yaw = float(heading(world[row, :3, :3]))
-    cos, sin = np.cos(yaw), np.sin(yaw)
-    return np.array([*(world[row, :3, 3] + (cos * x - sin * y, sin * x + cos * y, z)), yaw])

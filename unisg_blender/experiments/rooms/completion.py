@@ -19,10 +19,10 @@ from ...generate.observe.observed_scene import ObservedScene
 from ...generate.observe.placeable import Placeable
 from ...generate.propose.proposer import Query
 from ...metrics.layout_features import wrapped
-from ...metrics.requested_relations import is_beside, is_on
+from ...metrics.requested_relations import is_beside, is_on, place_of
 from ...scene import SceneGraph, world_matrices
 from ...spatial.objects import object_rows, scene_objects
-from .cases import Hole, place_of
+from .cases import Hole
 from .furnishing import ByCopying, ByModel
 
 DRAWS = 5

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from ...dataset.format.reader import open_dataset
 from ...generate.behaviour import behaviour_path
-from ...metrics.layout_distances import LayoutSet, mean_pairwise, nearest_distances
+from ...metrics.layout_distances import LayoutSet, mean_pairwise, nearest_room_distances
 from ...metrics.layout_features import VERSION as FEATURES_VERSION
 from ...metrics.scene_validity import overlapping_categories
 from ...metrics.two_sample_test import FOLDS, LEVELS, NOISES, TREES, c2st
@@ -223,7 +223,7 @@ def _only_layouts(found: Arrays) -> Arrays:
 def variety_of(found: Arrays, training: Arrays, categories: int) -> Arrays:
     """Distances of rooms to the nearest training rooms, NaN without any, and the mean distance between the rooms."""
     layouts, rooms = _layouts(found), LayoutSet(_layouts(training), categories)
-    near = nearest_distances(layouts, rooms) if len(training["counts"]) else np.full(len(layouts), np.nan)
+    near = nearest_room_distances(layouts, rooms) if len(training["counts"]) else np.full(len(layouts), np.nan)
     return {"nearest": near, "pairwise": np.array(mean_pairwise(layouts, categories))}
 
 

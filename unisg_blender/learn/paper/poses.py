@@ -19,7 +19,15 @@ from scipy.spatial.transform import Rotation
 from torch import Tensor
 
 from ...dataset import open_dataset
-from ...metrics.pose_errors import angles, decoded, distances, folds_of, invalidity, r_squared, summary
+from ...metrics.pose_errors import (
+    decoded,
+    folds_of,
+    invalidity,
+    r_squared,
+    rotation_errors,
+    summary,
+    translation_errors,
+)
 from ...poses import FORMS
 from ...scene.graph import SceneGraph
 from ...worlds import WORLDS
@@ -254,10 +262,10 @@ def _report(
     settings: Mapping[str, Any],
 ) -> dict[str, float]:
     poses, truth, wanted = _poses(raw, settings), part.truth[seed], y["test"][seed]
-    report = {f"cm_{name}": value for name, value in summary(distances(poses, truth)).items()}
-    report |= {f"degrees_{name}": value for name, value in summary(angles(poses, truth)).items()}
+    report = {f"cm_{name}": value for name, value in summary(translation_errors(poses, truth)).items()}
+    report |= {f"degrees_{name}": value for name, value in summary(rotation_errors(poses, truth)).items()}
     if settings["poses"] in SCENES:
-        symmetric = summary(angles(poses, truth, part.folds[seed]))
+        symmetric = summary(rotation_errors(poses, truth, part.folds[seed]))
         report |= {f"degrees_symmetric_{name}": value for name, value in symmetric.items()}
     report["points_cm"] = _point_errors(raw, part, seed, settings)
     report["mse"] = float(((raw - wanted) ** 2).mean())
