@@ -22,7 +22,7 @@ from ...metrics.layout_distances import LayoutSet, mean_pairwise, nearest_room_d
 from ...metrics.layout_features import VERSION as FEATURES_VERSION
 from ...metrics.scene_validity import overlapping_categories
 from ...metrics.two_sample_test import FOLDS, LEVELS, NOISES, TREES, c2st
-from ...runtime.result_cache import array_task, run_all
+from ...runtime.result_cache import Task, array_task, run_all
 from ..behaviour.behaviour_benchmark import count_right
 from .room_measures import VERSION, Arrays, features_of, joined, measure_rooms, split_ragged, training_layouts
 from .row_summary import Measured, TableRow, row_of
@@ -60,62 +60,122 @@ class TablePlan:
 
 def compare(plan: TablePlan, folder: Path, jobs: int, progress: Progress = lambda *_: None) -> list[TableRow]:
     """The whole table; ``folder`` keeps results, and a second run with the same plan goes on there."""
-    rows = plan.rows()
-    sums = {
-        path: _sum_of(path)
-        for path in {row.model for row in rows if row.model} | {plan.data.tests, plan.data.training}
-        if path
-    }
-    depends = {
-        "version": VERSION,
-        "features": FEATURES_VERSION,
-        "data": [sums[plan.data.tests], sums.get(plan.data.training)],
-    }
-    found = _measured(plan, rows, depends, sums, folder, jobs, progress)
-    judged = _judged(plan, rows, found, depends, sums, folder, jobs, progress)
-    layouts = _training_layouts(plan, depends, folder, jobs, progress)
-    variety = _varieties(plan, found, layouts, depends, sums, folder, jobs, progress)
-    acted = _acted(plan, rows, depends, sums, folder, jobs, progress)
-    real = next(spec for spec in rows if spec.kind == "real")
-    measured = {
-        key: Measured(found[key], judged.get(key, {}), *variety[key], acted.get(key, float("nan"))) for key in found
-    }
-    best = next((spec for spec in rows if spec.kind == "model" and spec.settle), real)
-    reference, ours = measured[real, plan.first_seed], [measured[best, seed] for seed in plan.seeds_of(best)]
-    return [row_of(spec.name, [measured[spec, seed] for seed in plan.seeds_of(spec)], reference, ours) for spec in rows]
+    return _Measuring(plan, folder, jobs, progress).table()
 
 
 Key = tuple[RowSpec, int]
+"""A row and a seed."""
 
 
-def _measured(
-    plan: TablePlan, rows: Sequence[RowSpec], depends: dict[str, Any], sums: dict[str, str], folder: Path, jobs: int,
-    progress: Progress,
-) -> dict[Key, Arrays]:  # fmt: skip
-    """The rooms of all rows and seeds."""
-    allowed = _allowed(plan.data, depends, folder)
-    count = min(plan.data.scenes, len(open_dataset(plan.data.tests)))
-    lots = [range(start, min(start + LOT, count)) for start in range(0, count, LOT)]
-    keys = [(spec, seed) for spec in rows for seed in plan.seeds_of(spec)]
-    tasks = [
-        array_task(
-            measure_rooms, (spec, plan.data, seed, tuple(lot), allowed),
-            depends | {"row": _named(asdict(replace(spec, name="")), sums), "seed": seed, "lot": list(lot)},
-        )
-        for spec, seed in keys
-        for lot in lots
-    ]  # fmt: skip
-    results = run_all(tasks, folder, jobs, lambda done: progress("furnishing rooms", done, len(tasks)))
-    each = len(lots)
-    return {key: joined(results[each * number : each * (number + 1)]) for number, key in enumerate(keys)}
+class _Measuring:
+    """Measures what a plan asks for; every result is kept under the name of all that it depends on."""
+
+    def __init__(self, plan: TablePlan, folder: Path, jobs: int, progress: Progress) -> None:
+        self.plan, self.data, self.folder, self.jobs, self.progress = plan, plan.data, folder, jobs, progress
+        self.rows = plan.rows()
+        paths = {row.model for row in self.rows} | {plan.data.tests, plan.data.training}
+        self.sums = {path: _sum_of(path) for path in paths if path}
+        self.count = min(plan.data.scenes, len(open_dataset(plan.data.tests)))
+
+    def table(self) -> list[TableRow]:
+        """All lines."""
+        found = self.rooms()
+        judged, variety, acted = self.judged(found), self.varieties(found), self.acted()
+        measured = {
+            key: Measured(found[key], judged.get(key, {}), *variety[key], acted.get(key, float("nan"))) for key in found
+        }
+        real = next(spec for spec in self.rows if spec.kind == "real")
+        best = next((spec for spec in self.rows if spec.kind == "model" and spec.settle), real)
+        lines = {spec: [measured[spec, seed] for seed in self.plan.seeds_of(spec)] for spec in self.rows}
+        reference = measured[real, self.plan.first_seed]
+        return [row_of(spec.name, lines[spec], reference, lines[best]) for spec in self.rows]
+
+    def task(
+        self, call: Callable[..., Arrays], arguments: tuple[Any, ...], row: RowSpec | None = None, **more: Any
+    ) -> Task:
+        """A task that depends on the data, the versions, perhaps a row, and more."""
+        data = [self.sums[self.data.tests], self.sums.get(self.data.training)]
+        depends = {"version": VERSION, "features": FEATURES_VERSION, "data": data, **more}
+        if row is not None:
+            record = asdict(replace(row, name=""))
+            depends["row"] = {key: self.sums.get(v, v) if isinstance(v, str) else v for key, v in record.items()}
+        return array_task(call, arguments, depends)
+
+    def run(self, step: str, tasks: Sequence[Task]) -> list[Arrays]:
+        """The results of tasks, under a name for the progress."""
+        return run_all(tasks, self.folder, self.jobs, lambda done: self.progress(step, done, len(tasks)))
+
+    def rooms(self) -> dict[Key, Arrays]:
+        """The rooms of all rows and seeds."""
+        names, lots = vocabulary_of(self.data), _lots(self.count, LOT)
+        (found,) = run_all([self.task(_overlapping, (self.data,))], self.folder, 1)
+        allowed = frozenset((names[int(a)], names[int(b)]) for a, b in found["pairs"])
+        keys = [(spec, seed) for spec in self.rows for seed in self.plan.seeds_of(spec)]
+        tasks = [
+            self.task(measure_rooms, (spec, self.data, seed, lot, allowed), spec, seed=seed, lot=lot)
+            for spec, seed in keys
+            for lot in lots
+        ]
+        results = iter(self.run("furnishing rooms", tasks))
+        return {key: joined([next(results) for _ in lots]) for key in keys}
+
+    def judged(self, found: dict[Key, Arrays]) -> dict[Key, dict[str, NDArray[np.float64]]]:
+        """Shares of right answers per scene of the classifiers, by row and by "level noise"."""
+        real, first, trees = found[self.rows[0], self.plan.first_seed], self.plan.first_seed, self.plan.trees
+        keys = [(spec, seed) for spec in self.rows[1:] for seed in self.plan.seeds_of(spec)]
+        judges, names = [(level, noise) for level in LEVELS for noise in NOISES], vocabulary_of(self.data)
+        tasks = [
+            self.task(
+                told_apart, (real, found[spec, seed], level, noise, names, seed, trees), spec, seed=seed, level=level,
+                noise=noise, trees=trees, folds=FOLDS, real=first, scenes=len(real["counts"]),
+            )
+            for spec, seed in keys
+            for level, noise in judges
+        ]  # fmt: skip
+        results = iter(self.run("training classifiers", tasks))
+        return {key: {f"{level} {noise}": next(results)["right"] for level, noise in judges} for key in keys}
+
+    def acted(self) -> dict[Key, float]:
+        """Recall of the actions of the model's settled row, by seed; nothing if no behaviour lies beside it."""
+        model, beside = str(self.plan.model), behaviour_path(self.plan.model)
+        own = next((spec for spec in self.rows if spec.model == model and spec.settle), None)
+        if own is None or not beside.is_file():
+            return {}
+        seeds, lots, sums = self.plan.seeds_of(own), _lots(self.count, LOT), [self.sums[model], _sum_of(str(beside))]
+        tasks = [
+            self.task(behaviour_of_rooms, (own, self.data, seed, lot), model=sums, seed=seed, lot=lot)
+            for seed in seeds
+            for lot in lots
+        ]
+        results = self.run("behaviour", tasks)
+        totals = np.array([part["counts"] for part in results]).reshape(len(seeds), len(lots), 3).sum(axis=1)
+        return {(own, seed): right / wanted for seed, (wanted, right, _) in zip(seeds, totals, strict=True) if wanted}
+
+    def varieties(self, found: dict[Key, Arrays]) -> dict[Key, tuple[NDArray[np.float64], float]]:
+        """Of each row and seed: distances to the nearest training rooms, and the mean distance between its rooms."""
+        categories, training = len(vocabulary_of(self.data)), self.training()
+        tasks = [
+            self.task(
+                variety_of, (_only_layouts(arrays), _only_layouts(training), categories), spec, seed=seed,
+                scenes=len(arrays["counts"]), training=len(training["counts"]),
+            )
+            for (spec, seed), arrays in found.items()
+        ]  # fmt: skip
+        results = self.run("comparing layouts", tasks)
+        return {key: (part["nearest"], float(part["pairwise"])) for key, part in zip(found, results, strict=True)}
+
+    def training(self) -> Arrays:
+        """Layouts of all training rooms, joined; none without a training set."""
+        if not self.data.training:
+            return {"layout": np.zeros((0, 4)), "counts": np.zeros((0, 1))}
+        lots = _lots(len(open_dataset(self.data.training)), LAYOUT_LOT)
+        tasks = [self.task(training_layouts, (self.data, lot), lot=lot) for lot in lots]
+        return joined(self.run("reading training rooms", tasks))
 
 
-def _allowed(data: Data, depends: dict[str, Any], folder: Path) -> frozenset[tuple[str, str]]:
-    """Category pairs that overlap in real rooms."""
-    task = array_task(_overlapping, (data,), depends)
-    names = vocabulary_of(data)
-    (found,) = run_all([task], folder, 1)
-    return frozenset((names[int(a)], names[int(b)]) for a, b in found["pairs"])
+def _lots(count: int, size: int) -> list[tuple[int, ...]]:
+    """Numbers up to a count in lots of a size."""
+    return [tuple(range(start, min(start + size, count))) for start in range(0, count, size)]
 
 
 def _overlapping(data: Data) -> Arrays:
@@ -123,29 +183,6 @@ def _overlapping(data: Data) -> Arrays:
     pairs = overlapping_categories(training_rooms(data, LEARNED) or test_rooms(data), parts=True)
     known = [(names.index(a), names.index(b)) for a, b in sorted(pairs) if a in names and b in names]
     return {"pairs": np.array(known, np.float64).reshape(-1, 2)}
-
-
-def _judged(
-    plan: TablePlan, rows: Sequence[RowSpec], found: dict[Key, Arrays], depends: dict[str, Any], sums: dict[str, str],
-    folder: Path, jobs: int, progress: Progress,
-) -> dict[Key, dict[str, NDArray[np.float64]]]:  # fmt: skip
-    """Shares of right answers per scene of the classifiers, by row and by "level noise"."""
-    real = found[rows[0], plan.first_seed]
-    keys = [(spec, seed) for spec in rows[1:] for seed in plan.seeds_of(spec)]
-    judges = [(level, noise) for level in LEVELS for noise in NOISES]
-    tasks = [
-        array_task(
-            told_apart, (real, found[key], level, noise, vocabulary_of(plan.data), key[1], plan.trees),
-            depends | {
-                "row": _named(asdict(replace(key[0], name="")), sums), "seed": key[1], "level": level, "noise": noise,
-                "trees": plan.trees, "folds": FOLDS, "real": plan.first_seed, "scenes": len(real["counts"]),
-            },
-        )
-        for key in keys
-        for level, noise in judges
-    ]  # fmt: skip
-    results = iter(run_all(tasks, folder, jobs, lambda done: progress("training classifiers", done, len(tasks))))
-    return {key: {f"{level} {noise}": next(results)["right"] for level, noise in judges} for key in keys}
 
 
 def told_apart(
@@ -156,64 +193,10 @@ def told_apart(
     return {"right": right}
 
 
-def _acted(
-    plan: TablePlan, rows: Sequence[RowSpec], depends: dict[str, Any], sums: dict[str, str], folder: Path, jobs: int,
-    progress: Progress,
-) -> dict[Key, float]:  # fmt: skip
-    """Recall of the actions of the model's settled row, by seed; nothing if no behaviour lies beside it."""
-    beside = behaviour_path(plan.model)
-    own = [spec for spec in rows if spec.model == str(plan.model) and spec.settle]
-    if not own or not beside.is_file():
-        return {}
-    seeds, count = list(plan.seeds_of(own[0])), min(plan.data.scenes, len(open_dataset(plan.data.tests)))
-    lots = [tuple(range(start, min(start + LOT, count))) for start in range(0, count, LOT)]
-    model = [sums[str(plan.model)], _sum_of(str(beside))]
-    tasks = [
-        array_task(
-            behaviour_of_rooms, (own[0], plan.data, seed, lot), depends | {"model": model, "seed": seed, "lot": lot}
-        )
-        for seed in seeds
-        for lot in lots
-    ]
-    results = run_all(tasks, folder, jobs, lambda done: progress("behaviour", done, len(tasks)))
-    totals = np.array([part["counts"] for part in results]).reshape(len(seeds), len(lots), 3).sum(axis=1)
-    return {(own[0], seed): right / wanted for seed, (wanted, right, _) in zip(seeds, totals, strict=True) if wanted}
-
-
 def behaviour_of_rooms(spec: RowSpec, data: Data, seed: int, numbers: Sequence[int]) -> Arrays:
     """:func:`~..behaviour.behaviour_benchmark.count_right` of some test rooms."""
     rooms = [test_rooms(data)[number] for number in numbers]
     return {"counts": count_right(generator_of(spec.model), rooms, 1000 * seed + numbers[0])}
-
-
-def _training_layouts(plan: TablePlan, depends: dict[str, Any], folder: Path, jobs: int, progress: Progress) -> Arrays:
-    """Layouts of all training rooms, joined; none without a training set."""
-    if not plan.data.training:
-        return {"layout": np.zeros((0, 4)), "counts": np.zeros((0, 1))}
-    count = len(open_dataset(plan.data.training))
-    lots = [tuple(range(start, min(start + LAYOUT_LOT, count))) for start in range(0, count, LAYOUT_LOT)]
-    tasks = [array_task(training_layouts, (plan.data, lot), depends | {"lot": list(lot)}) for lot in lots]
-    return joined(run_all(tasks, folder, jobs, lambda done: progress("reading training rooms", done, len(tasks))))
-
-
-def _varieties(
-    plan: TablePlan, found: dict[Key, Arrays], training: Arrays, depends: dict[str, Any], sums: dict[str, str],
-    folder: Path, jobs: int, progress: Progress,
-) -> dict[Key, tuple[NDArray[np.float64], float]]:  # fmt: skip
-    """Of each row and seed: distances to the nearest training rooms, and the mean distance between its rooms."""
-    categories = len(vocabulary_of(plan.data))
-    tasks = [
-        array_task(
-            variety_of, (_only_layouts(arrays), _only_layouts(training), categories),
-            depends | {
-                "row": _named(asdict(replace(spec, name="")), sums), "seed": seed, "scenes": len(arrays["counts"]),
-                "training": len(training["counts"]),
-            },
-        )
-        for (spec, seed), arrays in found.items()
-    ]  # fmt: skip
-    results = run_all(tasks, folder, jobs, lambda done: progress("comparing layouts", done, len(tasks)))
-    return {key: (result["nearest"], float(result["pairwise"])) for key, result in zip(found, results, strict=True)}
 
 
 def _only_layouts(found: Arrays) -> Arrays:
@@ -237,8 +220,3 @@ def _sum_of(path: str) -> str:
         shards = [shard["sha256"] for shard in open_dataset(path).manifest["shards"]]
         return hashlib.sha256("".join(shards).encode()).hexdigest()
     return hashlib.sha256(Path(path).read_bytes()).hexdigest()
-
-
-def _named(record: dict[str, Any], sums: dict[str, str]) -> dict[str, Any]:
-    """The record with checksums for paths."""
-    return {name: sums.get(value, value) if isinstance(value, str) else value for name, value in record.items()}
