@@ -53,7 +53,7 @@ ARROWS: dict[str, set[str]] = {
         "blender": "behaviour scene poses",
         "usd": "scene",
         "worlds": "spatial scene geometry",
-        "meshes": "scene",
+        "meshes": "scene geometry",
         "spatial": "scene geometry",
         "behaviour": "scene geometry poses",
         "scene": "geometry poses",

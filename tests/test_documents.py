@@ -62,16 +62,18 @@ def relative(page: Path) -> str:
 @pytest.mark.parametrize("page", [page for page in PAGES if page.name not in WRITTEN_BY_HISTORY], ids=relative)
 def test_paths_and_modules_exist(page: Path) -> None:
     text = page.read_text(encoding="utf-8")
-    assert [path for path in PATH.findall(text) if not (ROOT / path).exists()] == []
-    assert [name for name in DOTTED.findall(text) if not exists(name)] == []
+    missing = [path for path in PATH.findall(text) if not (ROOT / path).exists()]
+    missing += [name for name in DOTTED.findall(text) if not exists(name)]
     imported = [f"{module}.{name.strip()}" for module, names in FROM_IMPORT.findall(text) for name in names.split(",")]
-    assert [name for name in imported if not exists(name.rstrip("."))] == []
+    missing += [name for name in imported if not exists(name.rstrip("."))]
+    assert not missing, "\n".join(missing)
 
 
 @pytest.mark.parametrize("page", PAGES, ids=relative)
 def test_links_lead_somewhere(page: Path) -> None:
     links = LINK.findall(page.read_text(encoding="utf-8"))
-    assert [link for link in links if not (page.parent / link).exists()] == []
+    missing = [link for link in links if not (page.parent / link).exists()]
+    assert not missing, "\n".join(missing)
 
 
 def test_architecture_names_what_is_there() -> None:
@@ -84,8 +86,9 @@ def test_architecture_names_what_is_there() -> None:
         module, (first, *rest) = by_path.get(path), name.split(".")
         if module is None or first not in names_in(module) or (rest and rest[0] not in members_of(module, first)):
             missing.append(f"{path}: {name}")
-    assert missing == []
-    assert [path for path in FILE.findall(text) if not any((ROOT / top / path).exists() for top in ("", LIBRARY))] == []
+    tops = (ROOT, ROOT / LIBRARY)
+    missing += [path for path in FILE.findall(text) if not any((top / path).exists() for top in tops)]
+    assert not missing, "\n".join(missing)
 
 
 def test_the_table_of_arrows_is_the_one_that_is_held() -> None:
