@@ -12,14 +12,14 @@ from unisg_blender.behaviour import all_actions, check_scene, operations
 from unisg_blender.errors import UniSGError
 from unisg_blender.experiments.behaviour.behaviour_benchmark import (
     behaviour_cases,
-    by_chooser,
+    by_policy,
     is_sound,
     measure_behaviour,
     plays_to_the_end,
 )
 from unisg_blender.experiments.behaviour.behaviour_removal import without_behaviour
 from unisg_blender.generate.behaviour.action_kinds import TASK, VERSION, Kind, Kinds
-from unisg_blender.generate.behaviour.action_policy import Casting, Scores
+from unisg_blender.generate.behaviour.action_policy import RoleMasks, Scores
 from unisg_blender.generate.behaviour.action_statistics import learn_kinds
 from unisg_blender.generate.behaviour.answer_rules import Asked, learn_answer_rule
 from unisg_blender.generate.behaviour.behaviour_adder import Behaviour, add_behaviour
@@ -64,7 +64,7 @@ def test_kinds_tell_who_plays_what_where() -> None:
     assert (incise.type, incise.stage, incise.slots[:2]) == ("Use", "Incise", ({"Knee": 8}, {"Scalpel": 8}))
     assert found["Take the mask off"].group == "Clear the table"
     assert found["Insert the implant"].thresholds == {"distance": 0.01, "angle": 0.174533, "hold": 1.0}
-    assert found["How many swab packs are laid out?"].right is not None
+    assert found["How many swab packs are laid out?"].answer_rule is not None
     assert next(stage for stage in kinds().stages if stage.name == "Expose").requires == ("Incise",)
     record, _ = read_metadata(kinds().to_json(), Path("x"), TASK, (VERSION,), "cgvae")
     assert Kinds.from_record(record, Path("x")) == kinds()
@@ -88,14 +88,8 @@ def test_a_lesson_is_extended_and_not_changed(name: str) -> None:
 def test_a_thing_gets_back_what_it_had() -> None:
     real, bare, made = again(rooms()[0], "Scalpel")
     row = real.row("Scalpel")
-    wanted = {
-        roled_action.action.name: roled_action for roled_action in read_roled_actions(real) if row in roled_action.slots
-    }
-    got = {
-        roled_action.action.name: roled_action
-        for roled_action in read_roled_actions(made.scene)
-        if roled_action.action.uid not in _uids(bare)
-    }
+    wanted = {roled.action.name: roled for roled in read_roled_actions(real) if row in roled.slots}
+    got = {roled.action.name: roled for roled in read_roled_actions(made.scene) if roled.action.uid not in _uids(bare)}
     usual = set(wanted) - {"How many scalpels are there?"}
     assert usual <= set(got)
     back, true = got["Put the scalpel back"].action, wanted["Put the scalpel back"].action
@@ -191,10 +185,10 @@ def test_what_is_done_now_and_then_is_drawn_and_what_is_usual_always_done() -> N
 def test_nobody_carries_what_it_has_to_come_to() -> None:
     graph = rooms()[0]
     play = observe_behaviour(graph, kinds(), graph.uid)
-    casting = Casting(kinds())
+    masks = RoleMasks(kinds())
     number = [kind.name for kind in kinds().kinds].index("Put on the mask")
     scores = Wants("Put on the mask").scores(play)
-    for choice in casting.casts(play, scores, number):
+    for choice in masks.assignments(play, scores, number):
         target, _, frame = choice.slots
         assert not play.below[target, frame]
 
@@ -243,7 +237,7 @@ def test_right_answers_follow_rules_that_always_held() -> None:
     assert learn_answer_rule(tossed) is None
 
 
-def test_the_measures_of_a_perfect_and_of_an_idle_chooser() -> None:
+def test_the_measures_of_a_perfect_and_of_an_idle_policy() -> None:
     cases = behaviour_cases(rooms()[:3], seed=1)
     assert all(case.gone for case in cases)
 
@@ -251,16 +245,16 @@ def test_the_measures_of_a_perfect_and_of_an_idle_chooser() -> None:
         def scores(self, play):
             return Scores(*([np.zeros(len(self.kinds.kinds))] * 4))
 
-    idle = measure_behaviour("idle", cases, by_chooser(Idle(kinds())), kinds(), play=1)
+    idle = measure_behaviour("idle", cases, by_policy(Idle(kinds())), kinds(), play=1)
     assert (idle.recall, idle.exact, idle.sound) == (0.0, 0.0, 1.0)
-    rule = measure_behaviour("rule", cases, by_chooser(LackingPolicy(kinds())), kinds(), play=1)
+    rule = measure_behaviour("rule", cases, by_policy(LackingPolicy(kinds())), kinds(), play=1)
     assert rule.recall > 0.6
     assert rule.sound == 1.0
     assert rule.played == 1.0
     assert rule.stage == 1.0
     assert (
         rule.recall
-        >= measure_behaviour("frequency", cases, by_chooser(FrequencyPolicy(kinds())), kinds(), play=0).recall
+        >= measure_behaviour("frequency", cases, by_policy(FrequencyPolicy(kinds())), kinds(), play=0).recall
     )
 
 

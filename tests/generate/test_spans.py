@@ -55,7 +55,7 @@ def hall(yaw: float = 0.0, girder: bool = True, wide: float = WIDE, deep: float 
 
 
 def test_what_touches_two_walls_spans_and_what_hangs_on_one_does_not() -> None:
-    assert learn_priors([scene_objects(hall(yaw), VOCABULARY) for yaw in (0.0, 0.7)], VOCABULARY).spans == ["Girder"]
+    assert learn_priors([scene_objects(hall(yaw), VOCABULARY) for yaw in (0.0, 0.7)], VOCABULARY).spanning == ["Girder"]
 
 
 @pytest.mark.parametrize("yaw", [0.0, 0.4, -2.0])

@@ -15,7 +15,7 @@ pytest.importorskip("pytorch_lightning")
 from tests.generate.rooms import room  # noqa: E402
 from unisg_blender.dataset import open_dataset, write_dataset  # noqa: E402
 from unisg_blender.generate.behaviour.action_kinds import Kinds, behaviour_path  # noqa: E402
-from unisg_blender.generate.behaviour.action_policy import Casting  # noqa: E402
+from unisg_blender.generate.behaviour.action_policy import RoleMasks  # noqa: E402
 from unisg_blender.generate.behaviour.action_statistics import learn_kinds  # noqa: E402
 from unisg_blender.generate.behaviour.network_policy import INPUTS, load_behaviour, observation_arrays  # noqa: E402
 from unisg_blender.generate.behaviour.observation import BehaviourObservation, observe_behaviour  # noqa: E402
@@ -52,7 +52,7 @@ def test_the_order_of_things_and_actions_does_not_matter() -> None:
     shuffled = replace(
         play, rows=play.rows[objects], category=play.category[objects], new=play.new[objects],
         support=np.where(play.support >= 0, place[play.support], -1)[objects], relation=play.relation[objects],
-        place=play.place[objects], below=play.below[np.ix_(objects, objects)], kind=play.kind[roled],
+        position=play.position[objects], below=play.below[np.ix_(objects, objects)], kind=play.kind[roled],
         slots=np.where(play.slots >= 0, place[play.slots], -1)[roled], leaf_stage=play.leaf_stage[roled],
         leaf_order=play.leaf_order[roled],
     )  # fmt: skip
@@ -64,14 +64,14 @@ def test_the_order_of_things_and_actions_does_not_matter() -> None:
 
 def test_moving_and_turning_the_room_changes_nothing() -> None:
     kinds, play, network = taught()
-    turned = replace(play, place=play.place @ np.array([[0, 1, 0], [-1, 0, 0], [0, 0, 1.0]]) + (3.0, -2.0, 0.5))
+    turned = replace(play, position=play.position @ np.array([[0, 1, 0], [-1, 0, 0], [0, 0, 1.0]]) + (3.0, -2.0, 0.5))
     for one, two in zip(ask(network, play, kinds), ask(network, turned, kinds), strict=True):
         np.testing.assert_allclose(one, two, atol=2e-3)
 
 
 def test_what_may_not_play_has_no_chance() -> None:
     kinds, play, network = taught()
-    casting, (_, target, tool, frame, _) = Casting(kinds), ask(network, play, kinds)
+    casting, (_, target, tool, frame, _) = RoleMasks(kinds), ask(network, play, kinds)
     for number, kind in enumerate(kinds.kinds):
         for slot, scores in enumerate((target[number], tool[number, 0], frame[number, 0])):
             if kind.slots[slot]:
@@ -98,13 +98,13 @@ def test_the_exported_file_says_the_same(tmp_path: Path) -> None:
     write_behaviour(network, kinds, path)
     policy = load_behaviour(path)
     assert policy.kinds == kinds
-    for some in (play, play.with_acts(np.arange(2)), play.with_acts(np.arange(0))):
+    for some in (play, play.keep_actions(np.arange(2)), play.keep_actions(np.arange(0))):
         scores = policy.scores(some)
         if len(some.kind):
             wanted, target, tool, _, _ = ask(network, some, kinds)
             np.testing.assert_allclose(scores.wanted, 1 / (1 + np.exp(-wanted)), atol=1e-5)
             for number, kind in enumerate(kinds.kinds):
-                able = Casting(kinds).allowed[number, 0, some.category]
+                able = RoleMasks(kinds).allowed[number, 0, some.category]
                 np.testing.assert_allclose(scores.target[number, able], target[number, able], atol=1e-4)
                 assert tool.shape == scores.tool.shape, kind
 

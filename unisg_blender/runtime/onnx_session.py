@@ -93,7 +93,7 @@ def open_model(
         raise UniSGError(f"{file} is no ONNX model that can be run ({reason}): give another file") from None
     text = session.get_modelmeta().custom_metadata_map.get(KEY)
     if text is None:
-        raise UniSGError(f"{file} is an ONNX model without UniSG metadata: give one from 'unisg train {job}'")
+        raise UniSGError(f"{file} is another ONNX model, it has no UniSG metadata: give one from 'unisg train {job}'")
     return OnnxModel(file, *read_metadata(text, file, task, contracts, job), session)
 
 

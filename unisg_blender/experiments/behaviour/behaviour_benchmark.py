@@ -1,7 +1,7 @@
 """How well new objects get their behaviour: objects of real scenes lose their actions and get them again.
 
-An object is taken that plays in actions (as target, tool or frame). All actions in
-which it plays are taken out of the scene with their leaves, groups lose them as
+An object is taken that takes part in actions (as target, tool or frame). All actions in
+which it takes part are taken out of the scene with their leaves, groups lose them as
 members, parts of the lesson that hold nothing more go too; the object itself stays
 where it is, with a new uid. Then behaviour is generated for it and compared:
 
@@ -50,23 +50,19 @@ RATE = 2.0
 
 
 def behaviour_cases(graphs: Iterable[SceneGraph], seed: int, acting: bool = True) -> list[BehaviourCase]:
-    """A case of each scene: an object drawn among those that play in actions (or, without ``acting``, among those that
-    do not although others of their category do)."""
+    """A case of each scene: an object drawn among those that take part in actions (or, without ``acting``, among those
+    that do not although others of their category do)."""
     rng, cases = np.random.default_rng(seed), []
     for graph in graphs:
-        roled = read_roled_actions(graph)
-        rows = sorted({row for roled_action in roled for row in roled_action.slots if row >= 0})
+        roled_actions = read_roled_actions(graph)
+        rows = sorted({row for roled in roled_actions for row in roled.slots if row >= 0})
         if not acting:
             names = {graph.category_name(row) for row in rows}
             rows = [row for row in range(len(graph)) if row not in rows and graph.category_name(row) in names]
         if rows:
             row = int(rng.choice(rows))
             bare, uid = without_behaviour(graph, row)
-            cases.append(
-                BehaviourCase(
-                    graph, bare, uid, tuple(roled_action for roled_action in roled if row in roled_action.slots)
-                )
-            )
+            cases.append(BehaviourCase(graph, bare, uid, tuple(roled for roled in roled_actions if row in roled.slots)))
     return cases
 
 
@@ -74,11 +70,11 @@ Make = Callable[[BehaviourCase, int], tuple[SceneGraph, str]]
 """Gives the object of a case its behaviour, with a seed: the scene and the object's uid there."""
 
 
-def by_chooser(policy: ActionPolicy, draws: bool = False) -> Make:
-    """The object stays where it is and gets the actions that a chooser wants; rarer ones by draw."""
+def by_policy(policy: ActionPolicy, draws: bool = False) -> Make:
+    """The object stays where it is and gets the actions that a policy wants; rarer ones by draw."""
 
     def make(case: BehaviourCase, seed: int) -> tuple[SceneGraph, str]:
-        """The case's scene with behaviour by the chooser, and the uid of its object."""
+        """The case's scene with behaviour by the policy, and the uid of its object."""
         rng = np.random.default_rng(seed) if draws else None
         return add_behaviour(case.bare, [case.uid], policy, uid_maker(case.bare, seed), rng).scene, case.uid
 
@@ -119,12 +115,12 @@ def compare_behaviour(
     kinds, others = network.kinds, behaviour_cases(graphs, seed, acting=False)
     free = [case for case in cases if _is_free(case, generator)]
     runs: list[tuple[str, Sequence[BehaviourCase], Make]] = [
-        ("network", cases, by_chooser(network, draws=True)),
-        ("what the lesson lacks, nearest", cases, by_chooser(LackingPolicy(kinds))),
-        ("most frequent, nearest", cases, by_chooser(FrequencyPolicy(kinds))),
+        ("network", cases, by_policy(network, draws=True)),
+        ("what the lesson lacks, nearest", cases, by_policy(LackingPolicy(kinds))),
+        ("most frequent, nearest", cases, by_policy(FrequencyPolicy(kinds))),
         ("network, placed by the generator", free, by_generator(generator)),
-        ("network, things that had no actions", others, by_chooser(network, draws=True)),
-        ("what the lesson lacks, things that had none", others, by_chooser(LackingPolicy(kinds))),
+        ("network, things that had no actions", others, by_policy(network, draws=True)),
+        ("what the lesson lacks, things that had none", others, by_policy(LackingPolicy(kinds))),
     ]
     rows = []
     for name, some, make in runs:
@@ -140,7 +136,7 @@ def count_right(generator: Generator, graphs: Sequence[SceneGraph], seed: int = 
     """
     if generator.behaviour is None:
         return np.zeros(3)
-    make, tally = by_chooser(generator.behaviour, draws=True), Tally(generator.behaviour.kinds)
+    make, tally = by_policy(generator.behaviour, draws=True), Tally(generator.behaviour.kinds)
     for number, case in enumerate(behaviour_cases(graphs, seed)):
         tally.add(case, *make(case, seed + number))
     return np.array([tally.counts[name] for name in ("wanted", "right", "made")], np.float64)

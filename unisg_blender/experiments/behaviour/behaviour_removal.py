@@ -13,16 +13,16 @@ from ...scene.identity import derived_uid
 
 
 def without_behaviour(graph: SceneGraph, row: int) -> tuple[SceneGraph, str]:
-    """The scene without the actions in which the object at ``row`` plays, and the object's new uid.
+    """The scene without the actions in which the object at ``row`` takes part, and the object's new uid.
 
     Their leaves go, and parts of the lesson that hold nothing more; groups lose them as
     members; a group that the object carried is carried by what carries its first
     member left; relations and parents stay.
     """
     old, uid = graph.uid[row], derived_uid(graph.uid[row], "again")
-    roled = read_roled_actions(graph)
-    gone = {roled_action.action.uid for roled_action in roled if row in roled_action.slots}
-    owners = {roled_action.action.uid: roled_action.owner for roled_action in roled}
+    roled_actions = read_roled_actions(graph)
+    gone = {roled.action.uid for roled in roled_actions if row in roled.slots}
+    owners = {roled.action.uid: roled.owner for roled in roled_actions}
     found = graph.components.get("actions")
     rows, data = [], []
     for owner, action in [] if found is None else zip(found.rows.tolist(), found.columns["data"], strict=True):

@@ -18,7 +18,7 @@ USUAL = 0.9
 
 @dataclass(frozen=True)
 class BehaviourRow:
-    """Measures of one chooser, see :mod:`.behaviour_benchmark`; shares in 0..1, processor ms per object (median).
+    """Measures of one policy, see :mod:`.behaviour_benchmark`; shares in 0..1, processor ms per object (median).
 
     ``played`` is NaN (None in the record) where nothing was played.
     """
@@ -72,69 +72,62 @@ class Tally:
         """Compare what was made with what had been there."""
         real = case.real
         uids = {action.uid for action in all_actions(case.bare)}
-        made = [roled_action for roled_action in read_roled_actions(scene) if roled_action.action.uid not in uids]
+        made = [roled for roled in read_roled_actions(scene) if roled.action.uid not in uids]
         moved = {uid: next(iter(set(real.uid) - set(case.bare.uid)), uid)}
         wanted, got = (
-            Counter(_cast(real, roled_action) for roled_action in case.gone),
-            Counter(_cast(scene, roled_action) for roled_action in made),
+            Counter(_assignment(real, roled) for roled in case.gone),
+            Counter(_assignment(scene, roled) for roled in made),
         )
         right = sum((wanted & got).values())
-        exact = Counter(_scene_objects(real, roled_action, {}) for roled_action in case.gone) & Counter(
-            _scene_objects(scene, roled_action, moved) for roled_action in made
+        exact = Counter(_participants(real, roled, {}) for roled in case.gone) & Counter(
+            _participants(scene, roled, moved) for roled in made
         )
-        usual = Counter(
-            cast for roled_action in case.gone if self._usual(roled_action) for cast in [_cast(real, roled_action)]
-        )
+        usual = Counter(_assignment(real, roled) for roled in case.gone if self._usual(roled))
         self.counts += Counter(
             wanted=sum(wanted.values()), made=sum(got.values()), right=right, entities=sum(exact.values()),
             exact=int(wanted == got), usual=sum(usual.values()), usual_right=sum((usual & got).values()),
         )  # fmt: skip
         self._pairs(case, scene, made)
 
-    def _usual(self, roled_action: RoledAction) -> bool:
-        number = self.kinds.number_of.get(roled_action.key, -1)
+    def _usual(self, roled: RoledAction) -> bool:
+        number = self.kinds.number_of.get(roled.key, -1)
         return number >= 0 and self.kinds.kinds[number].chance >= USUAL
 
     def _pairs(self, case: BehaviourCase, scene: SceneGraph, made: Sequence[RoledAction]) -> None:
         """Compare place, limits and poses of the right ones."""
         left = list(made)
-        for roled_action in case.gone:
-            twin = next((other for other in left if _cast(scene, other) == _cast(case.real, roled_action)), None)
+        for roled in case.gone:
+            twin = next((other for other in left if _assignment(scene, other) == _assignment(case.real, roled)), None)
             if twin is None:
                 continue
             left.remove(twin)
-            if roled_action.stage is not None:
+            if roled.stage is not None:
                 self.counts["placed"] += 1
-                self.counts["stage"] += twin.stage is not None and twin.stage.name == roled_action.stage.name
-                self._order(roled_action, twin)
-            if roled_action.action.type == "Question":
+                self.counts["stage"] += twin.stage is not None and twin.stage.name == roled.stage.name
+                self._order(roled, twin)
+            if roled.action.type == "Question":
                 self.counts["asked"] += 1
-                self.counts["answered"] += _answer(roled_action) == _answer(twin)
+                self.counts["answered"] += _answer(roled) == _answer(twin)
             for limit in fields(Thresholds):
-                true, value = (getattr(each.action.thresholds, limit.name) for each in (roled_action, twin))
+                true, value = (getattr(each.action.thresholds, limit.name) for each in (roled, twin))
                 if true:
                     self.thresholds.append(abs((value or 0.0) - true) / true)
-            self._pose(roled_action, twin)
+            self._pose(roled, twin)
 
-    def _order(self, roled_action: RoledAction, twin: RoledAction) -> None:
-        if (
-            roled_action.stage is None
-            or twin.stage is None
-            or not roled_action.stage.ordered
-            or roled_action.leaf is None
-        ):
+    def _order(self, roled: RoledAction, twin: RoledAction) -> None:
+        if roled.stage is None or twin.stage is None or not roled.stage.ordered or roled.leaf is None:
             return
-        before = [leaf.name for leaf in roled_action.stage.children]
+        before = [leaf.name for leaf in roled.stage.children]
         after = [leaf.name for leaf in twin.stage.children]
-        if before.count(roled_action.action.name) != 1 or after.count(twin.action.name) != 1:
+        if before.count(roled.action.name) != 1 or after.count(twin.action.name) != 1:
             return
-        for name in set(before) & set(after) - {roled_action.action.name}:
+        for name in set(before) & set(after) - {roled.action.name}:
             self.counts["pairs"] += 1
-            same = before.index(name) < before.index(roled_action.action.name)
+            same = before.index(name) < before.index(roled.action.name)
             self.counts["ordered"] += same == (after.index(name) < after.index(twin.action.name))
 
-    def _pose(self, roled_action: RoledAction, twin: RoledAction) -> None:
-        true, pose = roled_action.action.reference_matrix, twin.action.reference_matrix
+    def _pose(self, roled: RoledAction, twin: RoledAction) -> None:
+        true, pose = roled.action.reference_matrix, twin.action.reference_matrix
         if true is not None and pose is not None:
             apart = 100 * float(np.linalg.norm(true[:3, 3] - pose[:3, 3]))
             turn = np.clip((np.trace(true[:3, :3].T @ pose[:3, :3]) - 1) / 2, -1, 1)
@@ -153,19 +146,19 @@ class Tally:
         )  # fmt: skip
 
 
-def _cast(graph: SceneGraph, roled_action: RoledAction) -> tuple[object, ...]:
+def _assignment(graph: SceneGraph, roled: RoledAction) -> tuple[object, ...]:
     """What has to agree for an action to be right."""
-    return *roled_action.key[:3], *(graph.category_name(row) if row >= 0 else "" for row in roled_action.slots)
+    return *roled.key[:3], *(graph.category_name(row) if row >= 0 else "" for row in roled.slots)
 
 
-def _scene_objects(graph: SceneGraph, roled_action: RoledAction, moved: dict[str, str]) -> tuple[object, ...]:
+def _participants(graph: SceneGraph, roled: RoledAction, moved: dict[str, str]) -> tuple[object, ...]:
     """The same with the objects themselves."""
-    uids = (graph.uid[row] if row >= 0 else "" for row in roled_action.slots)
-    return *roled_action.key[:3], *(moved.get(uid, uid) for uid in uids)
+    uids = (graph.uid[row] if row >= 0 else "" for row in roled.slots)
+    return *roled.key[:3], *(moved.get(uid, uid) for uid in uids)
 
 
-def _answer(roled_action: RoledAction) -> set[str]:
-    return {roled_action.action.answers[place] for place in roled_action.action.correct}
+def _answer(roled: RoledAction) -> set[str]:
+    return {roled.action.answers[place] for place in roled.action.correct}
 
 
 def _share(part: float, whole: float) -> float:

@@ -1,4 +1,4 @@
-"""Behaviour of new objects: which actions they get, who plays in these, and where a lesson performs them."""
+"""Behaviour of new objects: which actions they get, what takes part in these, and where a lesson performs them."""
 
 from __future__ import annotations
 

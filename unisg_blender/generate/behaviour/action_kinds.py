@@ -1,4 +1,4 @@
-"""What training scenes teach about behaviour: the kinds of actions, who plays in them, and the shape of lessons."""
+"""What training scenes teach about behaviour: kinds of actions, who takes part in them, and the shape of lessons."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class Reference:
 
 @dataclass(frozen=True)
 class AnswerRule:
-    """Which answer of a Question is right, by a rule that held in all training scenes.
+    """Which answer of a Question is correct, by a rule that held in all training scenes.
 
     ``rule`` "count": the number of objects ``of`` a category (or "category|relation"); "always": the answer
     ``of``; "side": the first of ``answers`` where the target's coordinate ``of`` ("x", "y", "z") in the frame
@@ -58,19 +58,19 @@ class Kind:
     Attributes
     ----------
     slots
-        For target, tool and frame: how often each category played that part; empty where there is none.
+        For target, tool and frame: how often each category had that role; empty where there is none.
     roles
-        "slot|category": share of the objects of the category that play the part.
+        "slot|category": share of the objects of the category that have the role.
     chance
-        Share of the scenes with all its usual parts in which it occurs.
+        Share of the scenes with objects for all its roles in which it occurs.
     most
         Most actions of the kind in one scene.
     thresholds
         Medians of the thresholds that at least half of its actions have.
     rank
         Mean place among the actions of its stage, from 0 to 1.
-    answers
-        Those of the first Question seen.
+    answers, answer_rule
+        Those of the first Question seen, and which of them is correct (None: no rule tells).
     """
 
     type: str
@@ -87,7 +87,7 @@ class Kind:
     trigger: bool = False
     reference: Reference | None = None
     answers: tuple[str, ...] = ()
-    right: AnswerRule | None = None
+    answer_rule: AnswerRule | None = None
 
     @property
     def key(self) -> Key:
@@ -134,7 +134,10 @@ class Kinds:
 
     def to_json(self) -> str:
         """The metadata entry."""
-        return metadata_text(TASK, VERSION, **asdict(self))
+        record = asdict(self)
+        for kind in record["kinds"]:
+            kind["right"] = kind.pop("answer_rule")
+        return metadata_text(TASK, VERSION, **record)
 
     @staticmethod
     def from_record(record: Mapping[str, Any], path: Path) -> Kinds:
@@ -150,11 +153,11 @@ class Kinds:
 
 def _kind(item: dict[str, Any]) -> Kind:
     item = _tuples(item, "slots", "answers")
-    if item["reference"] is not None:
-        item["reference"] = Reference(**_tuples(item["reference"], "rule", "value", "rotation"))
-    if item["right"] is not None:
-        item["right"] = AnswerRule(**_tuples(item["right"], "answers"))
-    return Kind(**item)
+    reference, rule = item.pop("reference"), item.pop("right")
+    return Kind(
+        reference=reference and Reference(**_tuples(reference, "rule", "value", "rotation")),
+        answer_rule=rule and AnswerRule(**_tuples(rule, "answers")), **item,
+    )  # fmt: skip
 
 
 def _tuples(item: dict[str, Any], *names: str) -> dict[str, Any]:

@@ -19,15 +19,15 @@ MOST_KINDS = 256
 SAMPLES = 400
 """Reference poses and questions looked at for each kind, at most."""
 
-LIMITS = tuple(item.name for item in fields(Thresholds))
-Slots = tuple[dict[str, int], dict[str, int], dict[str, int]]
+SeenStage = tuple[LessonNode, tuple[str, ...], float, tuple[str, ...]]
+"""A stage, the lessons above it, its rank among all stages (0 to 1), and the names of what it requires."""
 
 
 @dataclass(eq=False)
 class _Seen:
     """What was seen of one kind."""
 
-    roled: list[RoledAction]
+    roled_actions: list[RoledAction]
     per_scene: list[int]
     ranks: list[float]
     slots: tuple[Counter[str], Counter[str], Counter[str]]
@@ -38,7 +38,7 @@ class _Seen:
 def learn_kinds(graphs: Iterable[SceneGraph]) -> Kinds:
     """The kinds of actions of some scenes; of rare ones (seen in one scene of many) nothing is kept."""
     seen: dict[Key, _Seen] = {}
-    stages: dict[str, list[tuple[LessonNode, tuple[str, ...], float, tuple[str, ...]]]] = defaultdict(list)
+    stages: dict[str, list[SeenStage]] = defaultdict(list)
     counts: list[Counter[str]] = []
     groups: dict[str, Counter[str]] = defaultdict(Counter)
     names: Counter[str] = Counter()
@@ -52,42 +52,36 @@ def learn_kinds(graphs: Iterable[SceneGraph]) -> Kinds:
             names[operation.name] += 1
             _watch_stages(operation, stages)
     least = 2 if len(counts) >= 20 else 1
-    often = sorted((key for key in seen if len(seen[key].per_scene) >= least), key=lambda key: _order(seen, key))
+    often = sorted((-len(one.per_scene), key) for key, one in seen.items() if len(one.per_scene) >= least)
     return Kinds(
         categories=tuple(sorted(set().union(*counts))),
-        kinds=tuple(_kind(key, seen[key], counts) for key in often[:MOST_KINDS]),
+        kinds=tuple(_kind(key, seen[key], counts) for _, key in often[:MOST_KINDS]),
         stages=tuple(_stage(name, found) for name, found in sorted(stages.items())),
         groups={name: modes.most_common(1)[0][0] for name, modes in sorted(groups.items())},
         operation=names.most_common(1)[0][0] if names else "Operation",
     )
 
 
-def _order(seen: dict[Key, _Seen], key: Key) -> tuple[float, Key]:
-    return -len(seen[key].per_scene), key
-
-
 def _watch(graph: SceneGraph, seen: dict[Key, _Seen]) -> None:
-    roled = read_roled_actions(graph)
-    for key, number in Counter(roled_action.key for roled_action in roled).items():
+    roled_actions = read_roled_actions(graph)
+    for key, number in Counter(roled.key for roled in roled_actions).items():
         empty = Counter[str](), Counter[str](), Counter[str]()
         seen.setdefault(key, _Seen([], [], [], empty, [], [])).per_scene.append(number)
-    for roled_action in roled:
-        one = seen[roled_action.key]
-        one.roled.append(roled_action)
-        for counter, row in zip(one.slots, roled_action.slots, strict=True):
+    for roled in roled_actions:
+        one = seen[roled.key]
+        one.roled_actions.append(roled)
+        for counter, row in zip(one.slots, roled.slots, strict=True):
             if row >= 0:
                 counter[graph.category_name(row)] += 1
-        if roled_action.stage is not None and roled_action.order >= 0:
-            one.ranks.append((roled_action.order + 0.5) / len(roled_action.stage.children))
-        if roled_action.action.reference is not None and len(one.poses) < SAMPLES:
-            one.poses.append(sample_of(graph, roled_action))
-        if roled_action.action.type == "Question" and len(one.asked) < SAMPLES:
-            one.asked.append(asked_of(graph, roled_action))
+        if roled.stage is not None and roled.order >= 0:
+            one.ranks.append((roled.order + 0.5) / len(roled.stage.children))
+        if roled.action.reference is not None and len(one.poses) < SAMPLES:
+            one.poses.append(sample_of(graph, roled))
+        if roled.action.type == "Question" and len(one.asked) < SAMPLES:
+            one.asked.append(asked_of(graph, roled))
 
 
-def _watch_stages(
-    operation: LessonNode, stages: dict[str, list[tuple[LessonNode, tuple[str, ...], float, tuple[str, ...]]]]
-) -> None:
+def _watch_stages(operation: LessonNode, stages: dict[str, list[SeenStage]]) -> None:
     name_of = {node.uid: node.name for node in operation.walk()}
     found: list[tuple[LessonNode, tuple[str, ...]]] = []
 
@@ -100,12 +94,12 @@ def _watch_stages(
                 walk(child, (*above, child.name))
 
     walk(operation, ())
-    for place, (stage, above) in enumerate(found):
+    for position, (stage, above) in enumerate(found):
         needs = tuple(name_of[uid] for uid in stage.requires if uid in name_of)
-        stages[stage.name].append((stage, above, (place + 0.5) / len(found), needs))
+        stages[stage.name].append((stage, above, (position + 0.5) / len(found), needs))
 
 
-def _stage(name: str, found: Sequence[tuple[LessonNode, tuple[str, ...], float, tuple[str, ...]]]) -> StageKind:
+def _stage(name: str, found: Sequence[SeenStage]) -> StageKind:
     needs = Counter(need for _, _, _, requires in found for need in set(requires))
     return StageKind(
         name,
@@ -118,26 +112,25 @@ def _stage(name: str, found: Sequence[tuple[LessonNode, tuple[str, ...], float, 
 
 def _kind(key: Key, one: _Seen, counts: Sequence[Counter[str]]) -> Kind:
     kind, name, stage, group = key
-    slots: Slots = (dict(one.slots[0]), dict(one.slots[1]), dict(one.slots[2]))
+    target, tool, frame = map(dict, one.slots)
     total = sum(counts, Counter[str]())
-    first = one.roled[0]
     return Kind(
-        type=kind, name=name, stage=stage, group=group, slots=slots,
+        type=kind, name=name, stage=stage, group=group, slots=(target, tool, frame),
         roles={
             f"{slot}|{category}": round(number / total[category], 4)
-            for slot, found in zip(SLOTS, slots, strict=True)
+            for slot, found in zip(SLOTS, one.slots, strict=True)
             for category, number in found.items()
             if total[category]
         },
         chance=_chance(one, counts),
         most=max(one.per_scene),
         rank=round(float(np.mean(one.ranks)), 4) if one.ranks else 0.5,
-        thresholds=_limits(one.roled),
-        optional=_mostly([roled_action.leaf is not None and roled_action.leaf.optional for roled_action in one.roled]),
-        trigger=_mostly([roled_action.action.trigger for roled_action in one.roled]),
+        thresholds=_limits(one.roled_actions),
+        optional=_mostly([roled.leaf is not None and roled.leaf.optional for roled in one.roled_actions]),
+        trigger=_mostly([roled.action.trigger for roled in one.roled_actions]),
         reference=learn_reference(one.poses),
-        answers=first.action.answers,
-        right=learn_answer_rule(one.asked),
+        answers=one.roled_actions[0].action.answers,
+        answer_rule=learn_answer_rule(one.asked),
     )  # fmt: skip
 
 
@@ -146,19 +139,17 @@ def _mostly(flags: Sequence[bool]) -> bool:
 
 
 def _chance(one: _Seen, counts: Sequence[Counter[str]]) -> float:
-    """Share of the scenes with an object for each part in which the kind occurs."""
-    parts = [set(found) for found in one.slots if found]
-    able = sum(all(any(count[name] for name in part) for part in parts) for count in counts)
+    """Share of the scenes with an object for each role in which the kind occurs."""
+    able = sum(all(any(count[name] for name in role) for role in one.slots if role) for count in counts)
     return round(min(len(one.per_scene) / max(able, 1), 1.0), 4)
 
 
-def _limits(roled: Sequence[RoledAction]) -> dict[str, float]:
-    found = {}
-    for name in LIMITS:
-        values = [
-            value for roled_action in roled if (value := getattr(roled_action.action.thresholds, name)) is not None
-        ]
-        if len(values) * 2 >= len(roled):
-            middle = float(np.median(values))
-            found[name] = float(round(middle)) if name == "hits" else round(middle, 6)
-    return found
+def _limits(roled_actions: Sequence[RoledAction]) -> dict[str, float]:
+    limits = {}
+    for name in (item.name for item in fields(Thresholds)):
+        values = [getattr(roled.action.thresholds, name) for roled in roled_actions]
+        known = [value for value in values if value is not None]
+        if len(known) * 2 >= len(values):
+            middle = float(np.median(known))
+            limits[name] = float(round(middle)) if name == "hits" else round(middle, 6)
+    return limits

@@ -1,4 +1,4 @@
-"""Which answer of a question is right: rules that held in all training scenes, and their answers in a new one."""
+"""Which answer of a question is correct: rules that held in all training scenes, and their answers in a new one."""
 
 from __future__ import annotations
 
@@ -14,30 +14,27 @@ from .action_kinds import AnswerRule, Kind
 from .roled_actions import RoledAction, relation_kinds, support_rows
 
 HOLDS = 0.99
-"""Share of the training scenes in which a rule has to be right."""
+"""Share of the training scenes in which a rule has to give the correct answer."""
 
 AXES = "xyz"
 
 
 @dataclass(frozen=True, eq=False)
 class Asked:
-    """A question of a training scene: the right answer, the objects there, and where the target is in what holds it."""
+    """A question of a training scene: the one ``correct`` answer ("" if there is not one), how many objects there are,
+    and the target's ``position`` (3,) in what holds it."""
 
     answers: tuple[str, ...]
-    right: str
+    correct: str
     counts: Counter[str]
-    place: Floats
+    position: Floats
 
 
-def asked_of(graph: SceneGraph, roled_action: RoledAction) -> Asked:
-    """What there is to learn from a question with one right answer ("" for the right one otherwise)."""
-    correct = roled_action.action.correct
-    right = (
-        roled_action.action.answers[correct[0]]
-        if len(correct) == 1 and correct[0] < len(roled_action.action.answers)
-        else ""
-    )
-    return Asked(roled_action.action.answers, right, object_counts(graph), _place(graph, roled_action.slots[0]))
+def asked_of(graph: SceneGraph, roled: RoledAction) -> Asked:
+    """What there is to learn from a question."""
+    answers, correct = roled.action.answers, roled.action.correct
+    one = answers[correct[0]] if len(correct) == 1 and correct[0] < len(answers) else ""
+    return Asked(answers, one, object_counts(graph), _position(graph, roled.slots[0]))
 
 
 def object_counts(graph: SceneGraph) -> Counter[str]:
@@ -51,7 +48,7 @@ def object_counts(graph: SceneGraph) -> Counter[str]:
     return counts
 
 
-def _place(graph: SceneGraph, row: int) -> Floats:
+def _position(graph: SceneGraph, row: int) -> Floats:
     """Where a row is in the frame of what holds it, (3,)."""
     if row < 0:
         return np.zeros(3)
@@ -61,34 +58,38 @@ def _place(graph: SceneGraph, row: int) -> Floats:
 
 def learn_answer_rule(asked: Sequence[Asked]) -> AnswerRule | None:
     """The first rule that is right in (nearly) all training scenes; None if none is."""
-    if not asked or not all(question.right for question in asked):
+    if not asked or not all(question.correct for question in asked):
         return None
-    always = Counter(question.right for question in asked).most_common(1)[0]
-    if always[1] >= HOLDS * len(asked) and all(always[0] in question.answers for question in asked):
-        return AnswerRule("always", always[0], asked[0].answers)
+    correct = [question.correct for question in asked]
+    always, times = Counter(correct).most_common(1)[0]
+    if times >= HOLDS * len(asked) and all(always in question.answers for question in asked):
+        return AnswerRule("always", always, asked[0].answers)
     names = sorted(set().union(*(question.counts for question in asked)))
     for name in sorted(names, key=lambda name: ("|" in name, name)):
-        if np.mean([str(question.counts[name]) == question.right for question in asked]) >= HOLDS:
+        if _agree([str(question.counts[name]) for question in asked], correct):
             return AnswerRule("count", name)
     answers = tuple(sorted(set().union(*(question.answers for question in asked))))
     for axis in range(3) if len(answers) == 2 else ():
         for first, second in (answers, answers[::-1]):
-            said = [first if question.place[axis] > 0 else second for question in asked]
-            if np.mean([one == question.right for one, question in zip(said, asked, strict=True)]) >= HOLDS:
+            if _agree([first if question.position[axis] > 0 else second for question in asked], correct):
                 return AnswerRule("side", AXES[axis], (first, second))
     return None
 
 
+def _agree(said: Sequence[str], correct: Sequence[str]) -> bool:
+    return bool(np.mean([one == other for one, other in zip(said, correct, strict=True)]) >= HOLDS)
+
+
 def answers_of(kind: Kind, graph: SceneGraph, target: int) -> tuple[tuple[str, ...], int] | None:
-    """Answers of a question in a scene and the position of the right one; None where no rule tells."""
-    right = kind.right
-    if right is None:
+    """Answers of a question in a scene and the position of the correct one; None where no rule tells."""
+    rule = kind.answer_rule
+    if rule is None:
         return None
-    if right.rule == "always":
-        return kind.answers, kind.answers.index(right.of) if right.of in kind.answers else 0
-    if right.rule == "side":
-        first = right.answers[0] if _place(graph, target)[AXES.index(right.of)] > 0 else right.answers[1]
+    if rule.rule == "always":
+        return kind.answers, kind.answers.index(rule.of) if rule.of in kind.answers else 0
+    if rule.rule == "side":
+        first = rule.answers[0] if _position(graph, target)[AXES.index(rule.of)] > 0 else rule.answers[1]
         return kind.answers, kind.answers.index(first)
-    count = object_counts(graph)[right.of]
+    count = object_counts(graph)[rule.of]
     low = max(count - 1, 0)
     return tuple(str(number) for number in range(low, low + max(len(kind.answers), 2))), count - low

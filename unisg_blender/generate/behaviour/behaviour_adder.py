@@ -11,20 +11,21 @@ import numpy as np
 from ...behaviour import check_scene, operations
 from ...geometry.arrays import Floats
 from ...scene import ActionData, LessonNode, SceneGraph
-from .action_policy import ActionChoice, ActionPolicy, Casting
+from .action_policy import ActionChoice, ActionPolicy, RoleMasks
 from .feasibility import unperformed
 from .lesson_draft import LessonDraft, UidMaker
 from .new_actions import NewAction, make_action, with_actions, with_operation
-from .observation import Slots, observe_behaviour
-from .roled_actions import read_roled_actions
+from .observation import observe_behaviour
+from .roled_actions import Slots, read_roled_actions
 
 MOST = 500
 """Actions made in one call, at most."""
 
 ROUNDS = 12
-"""Times that it is begun anew without the casts that did not stand the checks."""
+"""Times that it is begun anew without the role assignments that did not stand the checks."""
 
-Cast = tuple[int, Slots]
+Assignment = tuple[int, Slots]
+"""A kind of action, and which objects take part."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,82 +46,78 @@ def add_behaviour(
     Nothing that was there is changed: an action belongs to a new object, an existing
     lesson is extended by leaves and stages, a scene without one gets a lesson of its own. An action is only made if
     it adds no complaint to ``check_scene`` and can be performed (rehearsed with the
-    other new ones, in the order of the lesson); else the next best cast is tried, at
+    other new ones, in the order of the lesson); else the next best role assignment is tried, at
     last none, and a note says so. What is done in some scenes only is made if ``rng`` draws it, without
     one only if it is done more often than not.
     """
-    limits = Casting(policy.kinds).limits(rng)
-    banned: dict[Cast, str] = {}
+    limits = RoleMasks(policy.kinds).limits(rng)
+    banned: dict[Assignment, str] = {}
     for _ in range(ROUNDS):
-        work = _Work(graph, new, policy, make_uid, limits, banned)
+        work = _Round(graph, new, policy, make_uid, limits, banned)
         work.choose()
         scene, bad = work.checked()
         if not bad:
             return Behaviour(scene, work.names(), work.notes)
         banned |= bad
-    everyone = {uid: ["no actions: none could be performed"] for uid in new}
-    return Behaviour(graph, {}, everyone)
+    return Behaviour(graph, {}, {uid: ["no actions: none could be performed"] for uid in new})
 
 
-class _Work:
-    """One round of :func:`add_behaviour`."""
+class _Round:
+    """One round of :func:`add_behaviour`: the actions ``made`` with their assignments, groups of them, and a lesson."""
 
     def __init__(
-        self, graph: SceneGraph, new: Collection[str], policy: ActionPolicy, make_uid: UidMaker,
-        limits: Floats, banned: Mapping[Cast, str],
+        self, graph: SceneGraph, new: Collection[str], policy: ActionPolicy, make_uid: UidMaker, limits: Floats,
+        banned: Mapping[Assignment, str],
     ) -> None:  # fmt: skip
         self.graph, self.policy, self.make_uid = graph, policy, make_uid
-        self.limits, self.banned = limits, banned
-        self.kinds, self.casting = policy.kinds, Casting(policy.kinds)
-        roled = read_roled_actions(graph)
-        self.play = observe_behaviour(graph, self.kinds, new, roled)
+        self.limits, self.banned, self.kinds = limits, banned, policy.kinds
+        roled_actions = read_roled_actions(graph)
+        self.observed = observe_behaviour(graph, self.kinds, new, roled_actions)
         self.draft = LessonDraft(_operation(graph, self.kinds.stage_number), self.kinds, make_uid)
-        self.leaf_uids = ["" if roled_action.leaf is None else roled_action.leaf.uid for roled_action in roled]
+        self.leaf_uids = ["" if roled.leaf is None else roled.leaf.uid for roled in roled_actions]
         self.made: list[NewAction] = []
         self.groups: list[NewAction] = []
-        self.casts: list[Cast] = []
+        self.assignments: list[Assignment] = []
         self.notes: dict[str, list[str]] = defaultdict(list)
 
     def choose(self) -> None:
-        """Make actions until the chooser wants no more."""
+        """Make actions until the policy wants no more."""
+        masks = RoleMasks(self.kinds)
         blocked: set[int] = set()
-        while len(self.made) < MOST and self.casting.anybody(self.play):
-            scores = self.policy.scores(self.play)
+        while len(self.made) < MOST and masks.any_new(self.observed):
+            scores = self.policy.scores(self.observed)
             scores.wanted[list(blocked)] = 0.0
-            choices = self.casting.choices(self.play, scores, self.limits)
+            choices = masks.choices(self.observed, scores, self.limits)
             if not choices:
                 break
-            casts = [choice for choice in choices if choice.kind == choices[0].kind]
-            if not any(self._make(choice) for choice in casts):
-                blocked.add(casts[0].kind)
+            if not any(self._make(choice) for choice in choices):
+                blocked.add(choices[0].kind)
         self._add_groups()
 
     def _make(self, choice: ActionChoice) -> bool:
         """Make the action of a choice unless it is known not to do."""
-        kind, rows = self.kinds.kinds[choice.kind], self._rows(choice.slots)
-        if (choice.kind, choice.slots) in self.banned:
-            return self._note(choice.slots, f"no {kind.name!r}: {self.banned[choice.kind, choice.slots]}")
+        kind, slots = self.kinds.kinds[choice.kind], choice.slots
+        if (choice.kind, slots) in self.banned:
+            return self._note(slots, f"no {kind.name!r}: {self.banned[choice.kind, slots]}")
+        target, tool, frame = (int(self.observed.rows[slot]) if slot >= 0 else -1 for slot in slots)
         uid = self.make_uid(kind.name)
-        action = make_action(kind, self.graph, rows, uid)
+        action = make_action(kind, self.graph, (target, tool, frame), uid)
         if action is None:
-            return self._note(choice.slots, f"no {kind.name!r}: no rule tells the right answer")
+            return self._note(slots, f"no {kind.name!r}: no rule tells the correct answer")
         leaf, after = "", None
         if kind.stage and not kind.group:
-            after = self.policy.after(self.play, choice)
+            after = self.policy.after(self.observed, choice)
             leaf = self.make_uid("leaf")
             node = LessonNode("action", leaf, action.name, action=uid, optional=kind.optional)
             self.draft.add_leaf(node, kind.stage, self.leaf_uids[after] if after >= 0 else "")
-        owner = next(row for row, slot in zip(rows, choice.slots, strict=True) if slot >= 0 and self.play.new[slot])
+        rows = zip((target, tool, frame), slots, strict=True)
+        owner = next(row for row, slot in rows if slot >= 0 and self.observed.new[slot])
         self.made.append(NewAction(kind, owner, action, leaf))
-        self.casts.append((choice.kind, choice.slots))
+        self.assignments.append((choice.kind, slots))
         self.leaf_uids.append(leaf)
         stage = self.kinds.stage_number.get(kind.stage, -1)
-        self.play = self.play.with_act(choice.kind, choice.slots, stage, after)
+        self.observed = self.observed.with_action(choice.kind, slots, stage, after)
         return True
-
-    def _rows(self, slots: Slots) -> Slots:
-        target, tool, frame = (int(self.play.rows[slot]) if slot >= 0 else -1 for slot in slots)
-        return target, tool, frame
 
     def _note(self, slots: Slots, text: str) -> bool:
         for uid in self._new_of(slots):
@@ -129,39 +126,35 @@ class _Work:
         return False
 
     def _new_of(self, slots: Slots) -> list[str]:
-        """Uids of the new objects that play."""
-        return [self.graph.uid[self.play.rows[slot]] for slot in slots if slot >= 0 and self.play.new[slot]]
+        """Uids of the new objects that take part."""
+        return [self.graph.uid[self.observed.rows[slot]] for slot in slots if slot >= 0 and self.observed.new[slot]]
 
     def names(self) -> dict[str, list[str]]:
-        """Names of the actions by uid of the new objects that play in them."""
+        """Names of the actions by uid of the new objects that take part in them."""
         found: dict[str, list[str]] = defaultdict(list)
-        for roled_action, (_, slots) in zip(self.made, self.casts, strict=True):
+        for new, (_, slots) in zip(self.made, self.assignments, strict=True):
             for uid in self._new_of(slots):
-                found[uid].append(roled_action.action.name)
+                found[uid].append(new.action.name)
         return dict(found)
 
     def _add_groups(self) -> None:
         """Members of Parallel groups: one new group for all of a name, or leaves beside a group that is there."""
         members: dict[tuple[str, str], list[int]] = defaultdict(list)
-        for place, roled_action in enumerate(self.made):
-            if roled_action.kind.group:
-                members[roled_action.kind.stage, roled_action.kind.group].append(place)
-        for (stage, group), places in members.items():
-            actions = [self.made[place].action for place in places]
-            if len(places) > 1 and not self._has_leaf(stage, group):
+        for number, new in enumerate(self.made):
+            if new.kind.group:
+                members[new.kind.stage, new.kind.group].append(number)
+        for (stage, group), numbers in members.items():
+            actions, holder = [self.made[number].action for number in numbers], self.draft.stage_of(stage)
+            if len(numbers) > 1 and not (holder and any(leaf.name == group for leaf in holder.children)):
                 action = ActionData(
                     self.make_uid(group), "Parallel", group, members=tuple(action.uid for action in actions),
                     mode=self.kinds.groups.get(group, "all"), names={action.uid: action.name for action in actions},
                 )  # fmt: skip
-                first = self.made[places[0]]
+                first = self.made[numbers[0]]
                 self.groups.append(NewAction(first.kind, first.owner, action, self._last_leaf(stage, action)))
                 continue
-            for place, action in zip(places, actions, strict=True):
-                self.made[place] = replace(self.made[place], leaf=self._last_leaf(stage, action))
-
-    def _has_leaf(self, stage: str, name: str) -> bool:
-        found = self.draft.stage_of(stage)
-        return found is not None and any(leaf.name == name for leaf in found.children)
+            for number, action in zip(numbers, actions, strict=True):
+                self.made[number] = replace(self.made[number], leaf=self._last_leaf(stage, action))
 
     def _last_leaf(self, stage: str, action: ActionData) -> str:
         """Put a leaf at the end of a stage; returns its uid."""
@@ -170,29 +163,27 @@ class _Work:
         self.draft.add_leaf(LessonNode("action", uid, action.name, action=action.uid), stage, last)
         return uid
 
-    def checked(self) -> tuple[SceneGraph, dict[Cast, str]]:
-        """The scene with the new actions and the lesson, and the casts that the checks complain about, with why."""
+    def checked(self) -> tuple[SceneGraph, dict[Assignment, str]]:
+        """The scene with the new actions and the lesson, and the assignments that the checks complain about, with
+        why."""
         if not self.made:
             return self.graph, {}
-        scene = with_actions(self.graph, [*self.made, *self.groups])
-        tree = self.draft.finished()
+        scene, tree = with_actions(self.graph, [*self.made, *self.groups]), self.draft.finished()
         if tree is not None:
             scene = with_operation(scene, tree, self.make_uid("Operation"))
         before = {(problem.uid, problem.message) for problem in check_scene(self.graph)}
         found = [item for item in check_scene(scene) if (item.uid, item.message) not in before]
         why = {item.uid: item.message for item in found if item.severe or tree is not None}
-        order = {} if tree is None else {node.action: place for place, node in enumerate(tree.walk())}
-        ordered = sorted(
-            (roled_action.action for roled_action in self.made), key=lambda action: order.get(action.uid, len(order))
-        )
-        why = why or unperformed(scene, ordered)
+        order = {} if tree is None else {node.action: position for position, node in enumerate(tree.walk())}
+        actions = sorted((new.action for new in self.made), key=lambda action: order.get(action.uid, len(order)))
+        why = why or unperformed(scene, actions)
         bad = {
-            cast: why.get(roled_action.action.uid, why.get(roled_action.leaf, ""))
-            for roled_action, cast in zip(self.made, self.casts, strict=True)
-            if roled_action.action.uid in why or (roled_action.leaf and roled_action.leaf in why)
+            assignment: why.get(new.action.uid, why.get(new.leaf, ""))
+            for new, assignment in zip(self.made, self.assignments, strict=True)
+            if new.action.uid in why or (new.leaf and new.leaf in why)
         }
         if why and not bad:  # the complaint is about a stage or group: begin without the last action
-            bad = {self.casts[-1]: next(iter(why.values()))}
+            bad = {self.assignments[-1]: next(iter(why.values()))}
         return scene, bad
 
 

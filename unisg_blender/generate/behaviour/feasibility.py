@@ -28,7 +28,7 @@ def unperformed(graph: SceneGraph, actions: Sequence[ActionData]) -> dict[str, s
 
 
 def _stage_for(graph: SceneGraph, actions: Sequence[ActionData]) -> SceneGraph:
-    """The entities that play, with what is below and above them."""
+    """The entities that take part, with what is below and above them."""
     uids = {uid for action in actions for uid in (*action.targets, *action.tools, action.frame)}
     keep = np.zeros(len(graph), bool)
     for uid in uids & graph.row_of_uid.keys():

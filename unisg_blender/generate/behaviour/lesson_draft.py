@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...behaviour.lesson.edit import find, insert, parent_of
+from ...behaviour.lesson.edit import change, find, insert
 from ...scene import LessonNode
 from .action_kinds import Kinds, StageKind
 
@@ -24,11 +24,9 @@ class LessonDraft:
 
     def add_leaf(self, leaf: LessonNode, stage: str, after: str) -> None:
         """Put a leaf into the stage of that name behind the leaf with the uid ``after`` ("" for the first place)."""
-        holder = self._stage(stage)
+        operation, holder = self._with_stage(stage)
         order = [child.uid for child in holder.children]
-        place = order.index(after) + 1 if after in order else 0
-        assert self.operation is not None
-        self.operation = insert(self.operation, holder.uid, leaf, place)
+        self.operation = insert(operation, holder.uid, leaf, order.index(after) + 1 if after in order else 0)
 
     def stage_of(self, name: str) -> LessonNode | None:
         """The first stage of a name."""
@@ -38,68 +36,48 @@ class LessonDraft:
     def finished(self) -> LessonNode | None:
         """The tree, in which the new stages require what such stages usually do, as far as it is there."""
         tree = self.operation
-        for uid in sorted(self._new):
-            assert tree is not None
-            stage = find(tree, uid)
-            if stage is not None and stage.kind == "stage":
+        for stage in [] if tree is None else [node for node in tree.walk() if node.uid in self._new]:
+            if tree is not None and stage.kind == "stage":
                 tree = self._with_requires(tree, stage)
         return tree
 
     def _with_requires(self, tree: LessonNode, stage: LessonNode) -> LessonNode:
-        above, node = {stage.uid}, parent_of(tree, stage.uid)
-        while node is not None:
-            above.add(node.uid)
-            node = parent_of(tree, node.uid)
         known: dict[str, str] = {}
         for node in tree.walk():
-            if node.uid not in above:
+            if find(node, stage.uid) is None:  # not itself, and nothing above it
                 known.setdefault(node.name, node.uid)
         needs = tuple(known[name] for name in self._record(stage.name).requires if name in known)
-        return _changed(tree, stage.uid, requires=needs)
+        return change(tree, stage.uid, lambda node: replace(node, requires=needs))
 
     def _record(self, name: str) -> StageKind:
         return self._kinds.stages[self._kinds.stage_number[name]]
 
-    def _stage(self, name: str) -> LessonNode:
-        """The stage of that name, made with the lessons above it if it is not there."""
-        found = self.stage_of(name)
-        if found is not None:
-            return found
+    def _with_stage(self, name: str) -> tuple[LessonNode, LessonNode]:
+        """The tree with the stage of that name, made with the lessons above it if it is not there, and the stage."""
+        stage, tree = self.stage_of(name), self.operation
+        if stage is not None and tree is not None:
+            return tree, stage
         record = self._record(name)
-        if self.operation is None:
-            self.operation = LessonNode("operation", self._make_uid("operation"), self._kinds.operation)
-        holder = self.operation
+        tree = holder = tree or LessonNode("operation", self._make_uid("operation"), self._kinds.operation)
         for lesson in record.lessons or ("Lesson",):
             below = next((node for node in holder.children if node.kind == "lesson" and node.name == lesson), None)
-            holder = below or self._put(holder, LessonNode("lesson", self._make_uid("lesson"), lesson), record.rank)
+            if below is None:
+                below = LessonNode("lesson", self._make_uid("lesson"), lesson)
+                tree = self._put(tree, holder.uid, below, record.rank)
+            holder = below
         stage = LessonNode("stage", self._make_uid("stage"), name, ordered=record.ordered)
-        return self._put(holder, stage, record.rank)
+        return self._put(tree, holder.uid, stage, record.rank), stage
 
-    def _put(self, holder: LessonNode, node: LessonNode, rank: float) -> LessonNode:
-        """Put a part among its sisters where its rank belongs."""
-        assert self.operation is not None
-        here = find(self.operation, holder.uid)
-        assert here is not None
-        ranks = [self._rank(child) for child in here.children]
-        before = [place for place, other in enumerate(ranks) if other is not None and other <= rank]
-        later = [place for place, other in enumerate(ranks) if other is not None and other > rank]
-        place = before[-1] + 1 if before else later[0] if later else len(ranks)
-        self.operation = insert(self.operation, here.uid, node, place)
+    def _put(self, tree: LessonNode, holder: str, node: LessonNode, rank: float) -> LessonNode:
+        """The tree with a part put among its sisters where its rank belongs."""
+        here = find(tree, holder)
+        ranks = [] if here is None else [self._rank(child) for child in here.children]
+        before = [position for position, other in enumerate(ranks) if other is not None and other <= rank]
+        later = [position for position, other in enumerate(ranks) if other is not None and other > rank]
         self._new.add(node.uid)
-        return node
+        return insert(tree, holder, node, before[-1] + 1 if before else later[0] if later else len(ranks))
 
     def _rank(self, node: LessonNode) -> float | None:
-        ranks = [
-            self._record(each.name).rank
-            for each in node.walk()
-            if each.kind == "stage" and each.name in self._kinds.stage_number
-        ]
+        stages = (each for each in node.walk() if each.kind == "stage" and each.name in self._kinds.stage_number)
+        ranks = [self._record(each.name).rank for each in stages]
         return float(np.mean(ranks)) if ranks else None
-
-
-def _map(node: LessonNode, edit: Callable[[LessonNode], LessonNode]) -> LessonNode:
-    return replace(edit(node), children=tuple(_map(child, edit) for child in node.children))
-
-
-def _changed(tree: LessonNode, uid: str, **values: object) -> LessonNode:
-    return _map(tree, lambda node: replace(node, **values) if node.uid == uid else node)  # type: ignore[arg-type]

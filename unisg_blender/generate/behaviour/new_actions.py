@@ -1,4 +1,4 @@
-"""From choices to data: ActionData of a kind for a cast, and the scene with new actions and their lesson."""
+"""From choices to data: ActionData of a kind for those that take part, and the scene with new actions and a lesson."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...scene import ActionData, LessonNode, SceneGraph, Thresholds, canonical, table
-from ...scene.graph import TYPE_INDEX, Table
+from ...scene.graph import TYPE_INDEX
 from .action_kinds import Kind
 from .answer_rules import answers_of
 from .reference_poses import reference_pose, surroundings
-from .roled_actions import with_names
+from .roled_actions import Slots, with_names
 
 OPERATION = "Operation"
 
@@ -27,8 +27,8 @@ class NewAction:
     leaf: str = ""
 
 
-def make_action(kind: Kind, graph: SceneGraph, slots: tuple[int, int, int], uid: str) -> ActionData | None:
-    """An action of a kind played by entities (rows, -1: nobody); None for a question whose answer no rule tells."""
+def make_action(kind: Kind, graph: SceneGraph, slots: Slots, uid: str) -> ActionData | None:
+    """An action of a kind for entities (rows, -1: nobody); None for a question whose answer no rule tells."""
     target, tool, frame = slots
     names = {graph.uid[row]: graph.name[row] for row in slots if row >= 0}
     answers: tuple[str, ...] = ()
@@ -53,18 +53,12 @@ def make_action(kind: Kind, graph: SceneGraph, slots: tuple[int, int, int], uid:
     )  # fmt: skip
 
 
-def with_actions(graph: SceneGraph, roled: Sequence[NewAction]) -> SceneGraph:
+def with_actions(graph: SceneGraph, made: Sequence[NewAction]) -> SceneGraph:
     """The scene with further actions, each entity's own ones first."""
-    if not roled:
-        return graph
     before = graph.components.get("actions")
-    rows = [] if before is None else before.rows.tolist()
-    data = [] if before is None else list(before.columns["data"])
-    added = table(
-        [*rows, *(roled_action.owner for roled_action in roled)],
-        data=[*data, *(roled_action.action for roled_action in roled)],
-    )
-    return graph.with_component("actions", added)
+    rows, data = ([], []) if before is None else (before.rows.tolist(), list(before.columns["data"]))
+    rows, data = [*rows, *(new.owner for new in made)], [*data, *(new.action for new in made)]
+    return graph.with_component("actions", table(rows, data=data))
 
 
 def with_operation(graph: SceneGraph, operation: LessonNode, uid: str) -> SceneGraph:
@@ -82,8 +76,7 @@ def with_operation(graph: SceneGraph, operation: LessonNode, uid: str) -> SceneG
         parent=np.append(graph.parent, np.int32(-1)), category=np.append(graph.category, np.int32(-1)),
         local=np.concatenate([graph.local, np.eye(4)[None]]), mesh=np.append(graph.mesh, np.int32(-1)),
     )  # fmt: skip
-    made: Table = table(rows, data=trees)
-    return canonical(grown.with_component("lsa", made))
+    return canonical(grown.with_component("lsa", table(rows, data=trees)))
 
 
 def _free(name: str, graph: SceneGraph) -> str:

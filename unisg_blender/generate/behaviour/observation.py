@@ -11,17 +11,15 @@ from numpy.typing import NDArray
 from ...geometry.arrays import Bools, Floats, Ints
 from ...scene import SceneGraph, world_matrices
 from .action_kinds import Kinds
-from .roled_actions import RoledAction, read_roled_actions, relation_kinds, support_rows
+from .roled_actions import RoledAction, Slots, read_roled_actions, relation_kinds, support_rows
 
 RELATIONS = ("", "on_top_of", "inside", "hangs_from")
 """How an object is held; others count as the first."""
 
-Slots = tuple[int, int, int]
-
 
 @dataclass(frozen=True, eq=False)
 class BehaviourObservation:
-    """The objects that may play in actions and what holds them, E of them, and the actions, A of them.
+    """The objects that may take part in actions and what holds them, E of them, and the actions, A of them.
 
     Attributes
     ----------
@@ -33,7 +31,7 @@ class BehaviourObservation:
         bool (E,): whether an action is wanted for it.
     support, relation
         int64 (E,): which of the objects holds it (-1: none), and how, as in :data:`RELATIONS`.
-    place
+    position
         (E, 3): origins in the world, metres.
     below
         bool (E, E): the second hangs below the first in the hierarchy, or is the same.
@@ -48,22 +46,22 @@ class BehaviourObservation:
     new: Bools
     support: Ints
     relation: Ints
-    place: Floats
+    position: Floats
     below: Bools
     kind: Ints
     slots: Ints
     leaf_stage: Ints
     leaf_order: Ints
 
-    def with_acts(self, keep: NDArray[np.integer] | Bools) -> BehaviourObservation:
+    def keep_actions(self, keep: NDArray[np.integer] | Bools) -> BehaviourObservation:
         """The same with some of the actions."""
         return replace(
             self, kind=self.kind[keep], slots=self.slots[keep], leaf_stage=self.leaf_stage[keep],
             leaf_order=self.leaf_order[keep],
         )  # fmt: skip
 
-    def with_act(self, kind: int, slots: Slots, stage: int, after: int | None) -> BehaviourObservation:
-        """The same with one action more, whose leaf stands behind that of act ``after`` (-1: first; None: no leaf)."""
+    def with_action(self, kind: int, slots: Slots, stage: int, after: int | None) -> BehaviourObservation:
+        """The same with one action more, its leaf behind that of action ``after`` (-1: first; None: no leaf)."""
         order, orders = -1, self.leaf_order
         if after is not None:
             order = 0 if after < 0 else int(self.leaf_order[after]) + 1
@@ -75,51 +73,39 @@ class BehaviourObservation:
 
 
 def observe_behaviour(
-    graph: SceneGraph, kinds: Kinds, new: Collection[str] = (), roled: Iterable[RoledAction] | None = None
+    graph: SceneGraph, kinds: Kinds, new: Collection[str] = (), roled_actions: Iterable[RoledAction] | None = None
 ) -> BehaviourObservation:
     """The objects and actions of a scene; ``new`` are the uids of the objects that actions are wanted for."""
-    above = support_rows(graph)
-    rows = _cast(graph, kinds, above)
+    above, held, wanted = support_rows(graph), relation_kinds(graph), set(new)
+    rows = _participants(graph, kinds, above)
     number = np.full(len(graph) + 1, -1, np.int64)
     number[rows] = np.arange(len(rows))
-    known = {name: place for place, name in enumerate(kinds.categories)}
+    known = {name: position for position, name in enumerate(kinds.categories)}
     codes = np.array([known.get(name, -1) for name in graph.vocabulary] + [-1], np.int64)
-    support = number[above[rows]]
-    held = relation_kinds(graph)
-    relation = np.array([_relation(held.get(row, "")) for row in rows.tolist()], np.int64)
-    found = read_roled_actions(graph) if roled is None else list(roled)
-    stage = [
-        -1 if roled_action.stage is None else kinds.stage_number.get(roled_action.stage.name, -1)
-        for roled_action in found
-    ]
-    wanted = set(new)
+    actions = list(read_roled_actions(graph) if roled_actions is None else roled_actions)
+    relation = [RELATIONS.index(kind) if (kind := held.get(row)) in RELATIONS else 0 for row in rows.tolist()]
+    stage = [-1 if roled.stage is None else kinds.stage_number.get(roled.stage.name, -1) for roled in actions]
     return BehaviourObservation(
         rows=rows,
         category=codes[graph.category[rows]],
         new=np.array([graph.uid[row] in wanted for row in rows.tolist()], bool),
-        support=support,
-        relation=relation,
-        place=world_matrices(graph)[rows, :3, 3],
+        support=number[above[rows]],
+        relation=np.array(relation, np.int64),
+        position=world_matrices(graph)[rows, :3, 3],
         below=_below(graph)[np.ix_(rows, rows)],
-        kind=np.array([kinds.number_of.get(roled_action.key, -1) for roled_action in found], np.int64),
-        slots=number[np.array([roled_action.slots for roled_action in found], np.int64).reshape(-1, 3)],
+        kind=np.array([kinds.number_of.get(roled.key, -1) for roled in actions], np.int64),
+        slots=number[np.array([roled.slots for roled in actions], np.int64).reshape(-1, 3)],
         leaf_stage=np.array(stage, np.int64),
-        leaf_order=np.array(
-            [roled_action.order if roled_action.leaf is not None else -1 for roled_action in found], np.int64
-        ),
+        leaf_order=np.array([-1 if roled.leaf is None else roled.order for roled in actions], np.int64),
     )
 
 
-def _cast(graph: SceneGraph, kinds: Kinds, above: Ints) -> Ints:
-    """Rows of what may play in some kind of action, and of what holds these."""
+def _participants(graph: SceneGraph, kinds: Kinds, above: Ints) -> Ints:
+    """Rows of what may take part in some kind of action, and of what holds these."""
     names = {name for kind in kinds.kinds for slot in kind.slots for name in slot}
     may = np.array([name in names for name in graph.vocabulary] + [False], bool)[graph.category]
     may[above[may & (above >= 0)]] = True
     return np.flatnonzero(may)
-
-
-def _relation(kind: str) -> int:
-    return RELATIONS.index(kind) if kind in RELATIONS else 0
 
 
 def _below(graph: SceneGraph) -> Bools:
@@ -129,8 +115,3 @@ def _below(graph: SceneGraph) -> Bools:
         if above >= 0:
             below[:, row] |= below[:, above]
     return below
-
-
-def distances(play: BehaviourObservation) -> Floats:
-    """Distances (E, E) between the objects' origins, metres."""
-    return np.linalg.norm(play.place[:, None] - play.place[None], axis=2)

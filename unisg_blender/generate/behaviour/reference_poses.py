@@ -17,37 +17,35 @@ RULES = ("own", "frame", "high", "low", "share")
 TURNED = 0.01
 """Radians within which a turn counts as the target's own."""
 
-Array = Floats
-
 
 @dataclass(frozen=True, eq=False)
 class PoseSample:
     """A ``reference`` pose (4, 4), the target's ``own`` pose (4, 4) in the same frame, and the ``middle`` and
     ``half`` extents (3,) of the frame's box, metres."""
 
-    reference: Array
-    own: Array
-    middle: Array
-    half: Array
+    reference: Floats
+    own: Floats
+    middle: Floats
+    half: Floats
 
 
-def sample_of(graph: SceneGraph, roled_action: RoledAction) -> PoseSample:
+def sample_of(graph: SceneGraph, roled: RoledAction) -> PoseSample:
     """What there is to learn from an action with a reference pose."""
-    target, tool, frame = roled_action.slots
-    reference = roled_action.action.reference_matrix
+    target, tool, frame = roled.slots
+    reference = roled.action.reference_matrix
     assert reference is not None
-    own, middle, half = surroundings(graph, tool if roled_action.action.type == "Tool" else target, frame)
+    own, middle, half = surroundings(graph, tool if roled.action.type == "Tool" else target, frame)
     return PoseSample(reference, own, middle, half)
 
 
-def surroundings(graph: SceneGraph, target: int, frame: int) -> tuple[Array, Array, Array]:
+def surroundings(graph: SceneGraph, target: int, frame: int) -> tuple[Floats, Floats, Floats]:
     """The target's pose (4, 4) in the frame (rows; -1: the world), and middle and half (3,) of the frame's box."""
     world = world_matrices(graph)
-    place = world[target] if target >= 0 else np.eye(4)
+    pose = world[target] if target >= 0 else np.eye(4)
     if frame < 0:
-        return place, np.zeros(3), np.zeros(3)
+        return pose, np.zeros(3), np.zeros(3)
     box = body_bounds(graph, np.array([frame]))[:, 0]
-    return np.linalg.pinv(world[frame]) @ place, box[:3], box[3:]
+    return np.linalg.pinv(world[frame]) @ pose, box[:3], box[3:]
 
 
 def learn_reference(samples: Sequence[PoseSample]) -> Reference | None:
@@ -78,7 +76,7 @@ def learn_reference(samples: Sequence[PoseSample]) -> Reference | None:
     )
 
 
-def reference_pose(rule: Reference, own: Array, middle: Array, half: Array) -> Array:
+def reference_pose(rule: Reference, own: Floats, middle: Floats, half: Floats) -> Floats:
     """The reference pose (4, 4) for a target at ``own`` (4, 4) in a frame with the box ``middle``, ``half`` (3,)."""
     pose = np.eye(4)
     base = {"own": own[:3, 3], "frame": np.zeros(3), "high": middle + half, "low": middle - half, "share": middle}
@@ -88,22 +86,19 @@ def reference_pose(rule: Reference, own: Array, middle: Array, half: Array) -> A
     return pose
 
 
-def unit_axes(linear: Array) -> Array:
+def unit_axes(linear: Floats) -> Floats:
     """The rotation nearest to a linear part (3, 3)."""
     u, _, v = np.linalg.svd(linear)
-    turn: Array = u @ np.diag([1.0, 1.0, np.sign(np.linalg.det(u @ v)) or 1.0]) @ v
-    return turn
+    return u @ np.diag([1.0, 1.0, np.sign(np.linalg.det(u @ v)) or 1.0]) @ v
 
 
-def angles(one: Array, two: Array) -> Array:
+def angles(one: Floats, two: Floats) -> Floats:
     """Angles in radians between rotations (..., 3, 3)."""
     trace = np.einsum("...ij,...ij->...", one, two)
-    angle: Array = np.arccos(np.clip((trace - 1) / 2, -1, 1))
-    return angle
+    return np.asarray(np.arccos(np.clip((trace - 1) / 2, -1, 1)))
 
 
-def _middle_turn(turns: Array) -> Array:
+def _middle_turn(turns: Floats) -> Floats:
     """The rotation among up to 100 with the least mean angle to the others."""
     some = turns[:: max(1, len(turns) // 100)]
-    middle: Array = some[int(angles(some[:, None], some[None]).mean(axis=1).argmin())]
-    return middle
+    return some[int(angles(some[:, None], some[None]).mean(axis=1).argmin())]

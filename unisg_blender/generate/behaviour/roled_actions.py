@@ -1,8 +1,8 @@
-"""The actions of a scene as a model of behaviour sees them: who plays in them, and where a lesson performs them."""
+"""The actions of a scene as a model of behaviour sees them: who takes part, and where a lesson performs them."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,7 +12,10 @@ from ...geometry.arrays import Ints
 from ...scene import ActionData, LessonNode, SceneGraph
 
 SLOTS = ("target", "tool", "frame")
-"""The parts that an entity can play in an action."""
+"""The roles that an entity can have in an action."""
+
+Slots = tuple[int, int, int]
+"""Who has which role in an action, by the order of :data:`SLOTS`; -1 for nobody."""
 
 Key = tuple[str, str, str, str]
 """Type, name, stage and group: actions of all scenes that agree in these are of one kind."""
@@ -20,7 +23,7 @@ Key = tuple[str, str, str, str]
 
 @dataclass(frozen=True, eq=False)
 class RoledAction:
-    """An action with its place.
+    """An action with its roles and its place in a lesson.
 
     Attributes
     ----------
@@ -35,12 +38,14 @@ class RoledAction:
     group
         Name of the Parallel group that it is a member of, "" for none.
     order
-        Place of the leaf in its stage, -1 for none.
+        Position of the leaf in its stage, -1 for none.
+    name
+        The action's name with "{target}" ... for the names of the entities that take part.
     """
 
     action: ActionData
     owner: int
-    slots: tuple[int, int, int]
+    slots: Slots
     stage: LessonNode | None
     leaf: LessonNode | None
     group: str
@@ -58,30 +63,30 @@ def read_roled_actions(graph: SceneGraph) -> list[RoledAction]:
     found = graph.components.get("actions")
     actions = all_actions(graph)
     places = _places(graph, {action.uid: action for action in reversed(actions)})
-    roled = []
+    roled_actions = []
     for owner, action in zip([] if found is None else found.rows.tolist(), actions, strict=True):
         if action.type != "Parallel":
             stage, leaf, order, group = places.get(action.uid, (None, None, -1, ""))
             slots = slots_of(graph, action)
-            roled.append(
-                RoledAction(action, owner, slots, stage, leaf, group, order, _without_names(graph, action, slots))
-            )
-    return roled
+            name = _without_names(graph, action, slots)
+            roled_actions.append(RoledAction(action, owner, slots, stage, leaf, group, order, name))
+    return roled_actions
 
 
-def slots_of(graph: SceneGraph, action: ActionData) -> tuple[int, int, int]:
+def slots_of(graph: SceneGraph, action: ActionData) -> Slots:
     """Rows of the first target, the first tool and the frame, -1 for none."""
-    first = (*action.targets[:1], *[""] * (not action.targets)), (*action.tools[:1], *[""] * (not action.tools))
-    target, tool, frame = (graph.row_of_uid.get(uid, -1) for uid in (*first[0], *first[1], action.frame))
+    uids = next(iter(action.targets), ""), next(iter(action.tools), ""), action.frame
+    target, tool, frame = (graph.row_of_uid.get(uid, -1) for uid in uids)
     return target, tool, frame
 
 
 def _places(
     graph: SceneGraph, by_uid: Mapping[str, ActionData]
 ) -> dict[str, tuple[LessonNode, LessonNode | None, int, str]]:
-    """Stage, leaf, order and group of each action, the first place where it has several."""
+    """Stage, leaf, order and group of each action, the first where it has several."""
     places: dict[str, tuple[LessonNode, LessonNode | None, int, str]] = {}
-    for stage, order, leaf in (place for operation in operations(graph) for place in leaves(operation)):
+    stages = [node for operation in operations(graph) for node in operation.walk() if node.kind == "stage"]
+    for stage, order, leaf in ((holder, *each) for holder in stages for each in enumerate(holder.children)):
         places.setdefault(leaf.action, (stage, leaf, order, ""))
         group = by_uid.get(leaf.action)
         for uid in group.members if group is not None and group.type == "Parallel" else ():
@@ -89,16 +94,7 @@ def _places(
     return places
 
 
-def leaves(operation: LessonNode) -> Iterator[tuple[LessonNode, int, LessonNode]]:
-    """Stage, place in the stage, and leaf, for all leaves of an operation."""
-    for stage in operation.walk():
-        if stage.kind == "stage":
-            for order, leaf in enumerate(stage.children):
-                yield stage, order, leaf
-
-
-def _without_names(graph: SceneGraph, action: ActionData, slots: tuple[int, int, int]) -> str:
-    """The action's name with "{target}" ... for the names of the entities that play in it."""
+def _without_names(graph: SceneGraph, action: ActionData, slots: Slots) -> str:
     name = action.name
     for slot, row in sorted(zip(SLOTS, slots, strict=True), key=lambda pair: -len(graph.name[pair[1]])):
         if row >= 0:
@@ -106,7 +102,7 @@ def _without_names(graph: SceneGraph, action: ActionData, slots: tuple[int, int,
     return name
 
 
-def with_names(name: str, graph: SceneGraph, slots: tuple[int, int, int]) -> str:
+def with_names(name: str, graph: SceneGraph, slots: Slots) -> str:
     """The name of a kind with the entities' names put in."""
     for slot, row in zip(SLOTS, slots, strict=True):
         name = name.replace(f"{{{slot}}}", graph.name[row] if row >= 0 else "")
@@ -125,8 +121,6 @@ def support_rows(graph: SceneGraph) -> Ints:
 def relation_kinds(graph: SceneGraph) -> dict[int, str]:
     """The relation of rows to what holds them ("on_top_of" ...), the first one where there are several."""
     held = graph.components.get("relations")
-    kinds: dict[int, str] = {}
-    if held is not None:
-        for row, kind in zip(held.rows.tolist(), held.columns["kind"], strict=True):
-            kinds.setdefault(row, str(kind))
-    return kinds
+    if held is None:
+        return {}
+    return {row: str(kind) for row, kind in reversed([*zip(held.rows.tolist(), held.columns["kind"], strict=True)])}

@@ -1,8 +1,8 @@
 """In which order objects are placed: what holds others first, large before small, and rows from one end to the other.
 
 What holds others is placed first, level by level. Within a level the supports of
-all objects are chosen, and then support by support is filled: the floor with what
-leads others and then large objects first, others along their length, objects of one category together, as one
+all objects are chosen, and then support by support is filled: the floor with reference
+objects and then large objects first, others along their length, objects of one category together, as one
 lays a row of instruments.
 """
 

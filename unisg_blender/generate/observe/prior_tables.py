@@ -25,7 +25,7 @@ class PriorTables:
     overlaps, held_overlaps
         (C + 1, C + 1): metres that two categories may reach into each other, apart and where the second holds the
         first.
-    spans, structural
+    spanning, structural
         bool (C + 1,): what reaches from holder to holder, and what is part of the building.
     level, rank
         int64 (C + 1,), see :func:`~.placement_order.groups` and :func:`~.placement_order.ranks`.
@@ -42,7 +42,7 @@ class PriorTables:
     usual: Bools
     overlaps: Floats
     held_overlaps: Floats
-    spans: Bools
+    spanning: Bools
     structural: Bools
     level: Ints
     rank: Ints
@@ -70,13 +70,12 @@ class PriorTables:
                 held[first, second] = depth
             else:
                 overlaps[first, second] = overlaps[second, first] = depth
-        spans, structural, carriers = (
-            np.array([name in kinds for name in number]) for kinds in (priors.spans, STRUCTURE, holders(priors) - {""})
-        )
+        known = priors.spanning, STRUCTURE, holders(priors) - {""}
+        spanning, structural, carriers = (np.array([name in names for name in number]) for names in known)
         orders = {
             tuple(number.get(name, -2) for name in key.split(">", 1)): seen for key, seen in priors.orders.items()
         }
+        level, rank = groups(vocabulary, priors), ranks(vocabulary, priors)
         return PriorTables(
-            usual, overlaps, held, spans, structural, groups(vocabulary, priors), ranks(vocabulary, priors), carriers,
-            number.get(FLOOR, -2), supports, orders,
-        )  # fmt: skip
+            usual, overlaps, held, spanning, structural, level, rank, carriers, number.get(FLOOR, -2), supports, orders
+        )

@@ -1,6 +1,6 @@
 """Reference objects, from which one can tell where others are, such as an operating table or a sofa; they come first.
 
-A category leads another as far as the other's places spread less in its frame than
+A category is a reference for another as far as the other's places spread less in its frame than
 in the room: the logarithm of the ratio of the spreads, nats, times how often the two
 are found together. Reference objects are chosen greedily by what they add.
 """
@@ -25,7 +25,7 @@ Offsets = dict[tuple[int, int], list[Floats]]
 
 
 def find_reference_objects(scenes: Iterable[SceneObjects], vocabulary: Sequence[str]) -> list[str]:
-    """The leading categories of what stands on the floor, the most telling one first."""
+    """The reference categories of what stands on the floor, the most telling one first."""
     offsets: Offsets = defaultdict(list)
     count = 0
     for objects in scenes:

@@ -23,7 +23,7 @@ RARE = 0.01
 OVERLAP_SCENES = 150
 """Scenes in which overlaps are measured: a tenth of a second each."""
 
-SPANS = 0.9
+SPANNING = 0.9
 """A category reaches from holder to holder if at least this share of its objects touches two of the same kind."""
 
 FAR_END = (-0.05, 0.15)
@@ -66,9 +66,9 @@ class CategoryPriors:
         Counts of the categories (in vocabulary order) in some of the scenes.
     orders
         By "Support>Category": where along such a support the category was found, see :mod:`.placement_order`.
-    reference objects
+    references
         Categories that come first on the floor, see :mod:`.reference_objects`.
-    spans
+    spanning
         Categories that reach from one holder to another, see :mod:`..place.spanning_objects`.
     """
 
@@ -78,12 +78,12 @@ class CategoryPriors:
     rooms: list[list[int]]
     orders: dict[str, list[float]] = field(default_factory=dict)
     references: list[str] = field(default_factory=list)
-    spans: list[str] = field(default_factory=list)
+    spanning: list[str] = field(default_factory=list)
 
     def to_record(self) -> dict[str, Any]:
         """Plain data for JSON."""
         record = asdict(self)
-        return record | {"leaders": record.pop("references")}
+        return record | {"leaders": record.pop("references"), "spans": record.pop("spanning")}
 
     @staticmethod
     def from_record(record: dict[str, Any]) -> CategoryPriors:
@@ -124,7 +124,7 @@ def learn_priors(scenes: Iterable[SceneObjects], vocabulary: Sequence[str], room
         overlaps={pair: round(limit, 4) for pair, values in depths.items() if (limit := _tolerance(values)) > _SHALLOW},
         rooms=counts[:: max(1, len(counts) // rooms)][:rooms],
         references=find_reference_objects(scenes, vocabulary),
-        spans=[name for name in vocabulary if across[name] >= SPANS * max(1, len(sizes[name]))],
+        spanning=[name for name in vocabulary if across[name] >= SPANNING * max(1, len(sizes[name]))],
     )
 
 

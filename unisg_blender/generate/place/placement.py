@@ -31,7 +31,7 @@ class Placement:
     note
         What should be known: why it was refused, which usual support is missing, which actions could not be made.
     actions
-        Names of the new actions that it plays in.
+        Names of the new actions that it takes part in.
     """
 
     category: str

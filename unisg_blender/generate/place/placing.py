@@ -87,9 +87,9 @@ class Placing:
         return self._add(found, names, make_uid, note, spent)
 
     def _target(self, category: int) -> Target:
-        """An object of a shape at random; of what spans, one that reaches across in this room, if there is any."""
+        """An object of a shape at random; of what spans a room, one that reaches across this one, if any does."""
         fits = None
-        if self.scene.tables.spans[category]:
+        if self.scene.tables.spanning[category]:
             holders = self.scene.holders(category)[0]
             fits = lambda placeable: reaches(self.scene.observed, holders, placeable.half)  # noqa: E731
         return Target(category, self.library.placeable(category, self.graph, self.rng, fits))

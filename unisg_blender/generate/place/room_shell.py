@@ -39,7 +39,7 @@ def add_shell(
     best = np.flatnonzero(missing == missing.min())
     drawn = rng.permutation(best)
     contract = library.model.contract
-    spanning = [contract.vocabulary.index(name) for name in contract.priors.spans if name in counts]
+    spanning = [contract.vocabulary.index(name) for name in contract.priors.spanning if name in counts]
     rooms = [shells[int(number)].graph for number in drawn]
     graph = next((room for room in rooms if _is_reached_across(room, spanning, library)), rooms[0])
     rows = _chosen(graph, wanted)

@@ -19,7 +19,7 @@ def fit_for(category: int, half: Floats, scene: ObservedScene, allowed: Bools, t
 
     Where what spans reaches across from none of them, all may.
     """
-    found = reached(scene, allowed, half) if tables.spans[category] else allowed
+    found = reached(scene, allowed, half) if tables.spanning[category] else allowed
     return found if found.any() else allowed
 
 

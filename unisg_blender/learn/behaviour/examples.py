@@ -13,7 +13,7 @@ from torch import Tensor
 from torch.utils.data import Dataset
 
 from ...generate.behaviour.action_kinds import Kinds
-from ...generate.behaviour.action_policy import Casting
+from ...generate.behaviour.action_policy import RoleMasks
 from ...generate.behaviour.network_policy import observation_arrays
 from ...generate.behaviour.observation import BehaviourObservation
 from ..padding import padded_stack
@@ -27,7 +27,7 @@ class BehaviourExamples(Dataset[dict[str, Any]]):
 
     def __init__(self, plays: Sequence[BehaviourObservation], kinds: Kinds, count: int, seed: int, fresh: bool) -> None:
         self.plays, self.kinds, self.count = plays, kinds, count
-        self.casting = Casting(kinds)
+        self.casting = RoleMasks(kinds)
         self.rng = np.random.default_rng(seed)
         self.fixed = None if fresh else [self._draw() for _ in range(count)]
 
@@ -57,7 +57,7 @@ def without_some(play: BehaviourObservation, rng: np.random.Generator) -> Behavi
     support = play.support[keep]
     return replace(
         play, rows=play.rows[keep], category=play.category[keep], new=play.new[keep],
-        support=np.where(support >= 0, number[support], -1), relation=play.relation[keep], place=play.place[keep],
+        support=np.where(support >= 0, number[support], -1), relation=play.relation[keep], position=play.position[keep],
         below=play.below[np.ix_(keep, keep)], kind=play.kind[roled], slots=slots[roled],
         leaf_stage=play.leaf_stage[roled], leaf_order=play.leaf_order[roled],
     )  # fmt: skip
@@ -79,7 +79,7 @@ def draw_new(play: BehaviourObservation, rng: np.random.Generator) -> NDArray[np
 
 
 def example(
-    play: BehaviourObservation, new: NDArray[np.bool_], kinds: Kinds, casting: Casting, rng: np.random.Generator
+    play: BehaviourObservation, new: NDArray[np.bool_], kinds: Kinds, casting: RoleMasks, rng: np.random.Generator
 ) -> dict[str, Any]:
     """One example: some of the actions in which something new plays are there, the others are to be made."""
     mine = np.append(new, False)[play.slots].any(axis=1)
@@ -89,7 +89,7 @@ def example(
         kept = ~gone & ~(stages[play.leaf_stage] & ~mine)
     else:
         kept = ~gone
-    context = replace(play.with_acts(kept), new=new)
+    context = replace(play.keep_actions(kept), new=new)
     column = np.cumsum(kept) - 1
     made: Made = []
     for roled_action in np.flatnonzero(gone & (play.kind >= 0)).tolist():
@@ -111,7 +111,7 @@ def _follows(play: BehaviourObservation, roled_action: int, kept: NDArray[np.boo
     return int(column[before[play.leaf_order[before].argmax()]]) if len(before) else int(kept.sum() + stage)
 
 
-def feasible(casting: Casting, play: BehaviourObservation, kind: int) -> bool:
+def feasible(casting: RoleMasks, play: BehaviourObservation, kind: int) -> bool:
     """Is there somebody for each part, and somebody new for one?"""
     parts = [casting.candidates(play, kind, slot) for slot in range(3)]
     fresh = np.append(play.new, False)

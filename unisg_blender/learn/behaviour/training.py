@@ -18,7 +18,7 @@ from ...dataset.format.reader import Dataset
 from ...dataset.shaped_scenes import scenes_with_shapes
 from ...errors import UniSGError
 from ...generate.behaviour.action_kinds import Kinds, behaviour_path
-from ...generate.behaviour.action_policy import Casting
+from ...generate.behaviour.action_policy import RoleMasks
 from ...generate.behaviour.action_statistics import learn_kinds
 from ...generate.behaviour.network_policy import INPUTS, OUTPUTS, observation_arrays
 from ...generate.behaviour.observation import BehaviourObservation, observe_behaviour
@@ -86,7 +86,7 @@ def export(prepared: Prepared, source: dict[str, Any], out: Path) -> None:
 def make_network(kinds: Kinds) -> BehaviourNet:
     """An untrained network for these kinds."""
     sizes = BehaviourSizes(len(kinds.categories), len(kinds.kinds), len(kinds.stages))
-    return BehaviourNet(sizes, torch.from_numpy(Casting(kinds).allowed))
+    return BehaviourNet(sizes, torch.from_numpy(RoleMasks(kinds).allowed))
 
 
 def terms(network: nn.Module, batch: Mapping[str, Tensor]) -> dict[str, Tensor]:
@@ -149,7 +149,7 @@ def example_inputs(kinds: Kinds, objects: int = 7, roled: int = 5) -> dict[str, 
     slots = np.stack([rng.permutation(objects)[:3] for _ in range(roled)])
     play = BehaviourObservation(
         rows=np.arange(objects), category=np.arange(objects) % len(kinds.categories), new=np.arange(objects) == 0,
-        support=np.arange(objects) - 1, relation=np.zeros(objects, np.int64), place=rng.random((objects, 3)),
+        support=np.arange(objects) - 1, relation=np.zeros(objects, np.int64), position=rng.random((objects, 3)),
         below=np.eye(objects, dtype=bool), kind=np.arange(roled) % len(kinds.kinds), slots=slots,
         leaf_stage=np.zeros(roled, np.int64), leaf_order=np.arange(roled),
     )  # fmt: skip
