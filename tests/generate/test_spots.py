@@ -12,7 +12,7 @@ from unisg_blender.generate.observe.placeable import Placeable
 from unisg_blender.generate.observe.placement_order import DEEPEST, along, groups, learn_orders, levels
 from unisg_blender.generate.observe.prior_tables import PriorTables
 from unisg_blender.generate.observe.reference_objects import find_reference_objects
-from unisg_blender.generate.observe.scene_tokens import room_of, tokens_for
+from unisg_blender.generate.observe.scene_tokens import tokens_for
 from unisg_blender.generate.observe.support_candidates import (
     Proximity,
     SupportCandidates,
@@ -194,11 +194,11 @@ def test_tokens_begin_with_the_support_and_its_things() -> None:
 
 def test_walls_know_on_which_side_the_room_is() -> None:
     scene = scene_of(4)
-    found = room_of(scene)
+    found = scene.room
     walls = scene.category == 4
     assert (np.abs(found.inner[walls]) == 1).all()
     assert not found.inner[~walls].any()
-    assert room_of(scene) is found
+    assert scene.room is found
 
 
 def test_places_behind_a_wall_are_told_from_places_in_the_room() -> None:

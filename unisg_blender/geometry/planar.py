@@ -33,6 +33,17 @@ def turned(points: NDArray[np.float64], angle: NDArray[np.float64] | float) -> N
     return result
 
 
+def outside_rectangle(
+    points: NDArray[np.float64], yaw: NDArray[np.float64] | float, half: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """How far points (..., 2) are outside of rectangles around the origin, turned by angles (...,), metres (...,).
+
+    ``half`` (..., 2) are half extents.
+    """
+    beyond = np.maximum(np.abs(turned(points, -yaw)) - half, 0)
+    return np.hypot(beyond[..., 0], beyond[..., 1])
+
+
 def footprints(half: NDArray[np.float64], places: NDArray[np.float64]) -> NDArray[np.float64]:
     """Corners (T, 4, 2) of the box's footprint at places (T, 4), world metres."""
     cos, sin = np.cos(places[:, 3]), np.sin(places[:, 3])

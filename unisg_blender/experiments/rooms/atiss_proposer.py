@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 
 from ...generate import Generator
 from ...generate.observe.contract import KINDS
-from ...generate.observe.scene_tokens import ground_of, room_middle
 from ...generate.propose.proposer import Proposals, Proposer, Query
 from ...generate.propose.trained_model import TrainedModel, load_model
 from .baselines import carrier_of
@@ -41,7 +40,7 @@ class AtissProposer(Proposer):
     def propose(self, query: Query, count: int, rng: np.random.Generator) -> Proposals:
         """See :class:`~unisg_blender.generate.propose.proposer.Proposer`."""
         scene = query.scene
-        origin = np.array([*room_middle(scene), ground_of(scene)])
+        origin = np.array([*scene.room.middle, scene.room.ground])
         position, _ = self._mixtures(query, np.zeros((1, 3)))
         drawn = np.column_stack([_draw(position[0, axis], count, rng) for axis in range(3)])
         _, heading = self._mixtures(query, drawn)
@@ -51,7 +50,7 @@ class AtissProposer(Proposer):
 
     def log_density(self, query: Query, support: int, place: NDArray[np.float64]) -> float:
         """Of a position (x, y) and heading, whatever the support, nats (metres, radians)."""
-        where = place[:3] - np.array([*room_middle(query.scene), ground_of(query.scene)])
+        where = place[:3] - np.array([*query.scene.room.middle, query.scene.room.ground])
         position, heading = self._mixtures(query, where[None])
         around = place[3] + 2 * np.pi * np.arange(-1, 2)
         turn = np.logaddexp.reduce([_log_logistics(heading[0], value) for value in around])
@@ -60,7 +59,7 @@ class AtissProposer(Proposer):
     def _mixtures(self, query: Query, places: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Mixtures of position (T, 3, 3, M) and heading (T, 3, M) for the new object at each of places (T, 3)."""
         scene, count, seen = query.scene, len(places), slice(TOKENS)
-        center = scene.center[seen] - np.array([*room_middle(scene), ground_of(scene)])
+        center = scene.center[seen] - np.array([*scene.room.middle, scene.room.ground])
         yaw, kind = scene.yaw[seen], scene.category[seen]
         box = np.column_stack([center, scene.half[seen], np.cos(yaw), np.sin(yaw)])
         kind = np.where(kind < 0, self.unknown, kind)

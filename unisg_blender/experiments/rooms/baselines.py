@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...generate.observe.observed_scene import ObservedScene
-from ...generate.observe.scene_tokens import ground_of, room_middle
 from ...generate.propose.proposer import Proposals, Proposer, Query
 from ...scene import SceneGraph
 from ...spatial.floor_plan import FLOOR, room_outline
@@ -86,7 +85,7 @@ class WorldGaussianProposer(Proposer):
     def __init__(self, scenes: Sequence[ObservedScene]) -> None:
         found: dict[int, list[NDArray[np.float64]]] = defaultdict(list)
         for scene in scenes:
-            origin = np.array([*room_middle(scene), ground_of(scene)])
+            origin = np.array([*scene.room.middle, scene.room.ground])
             bottom = scene.center - scene.half * (0, 0, 1)
             for obj in np.flatnonzero(scene.category >= 0):
                 found[int(scene.category[obj])].append(np.append(bottom[obj] - origin, scene.yaw[obj]))
@@ -97,13 +96,13 @@ class WorldGaussianProposer(Proposer):
         scene, allowed = query.scene, query.allowed
         mean, deviation = self.fits.get(query.category, _NOWHERE)
         places = mean + deviation * rng.standard_normal((count, 4))
-        places[:, :3] += (*room_middle(scene), ground_of(scene))
+        places[:, :3] += (*scene.room.middle, scene.room.ground)
         return Proposals(np.array([carrier_of(scene, place, allowed) for place in places], np.int64), places)
 
     def log_density(self, query: Query, support: int, place: NDArray[np.float64]) -> float:
         """Of a position and heading, whatever the support, nats (metres, radians)."""
         mean, deviation = self.fits.get(query.category, _NOWHERE)
-        return _log_normal(place[:2] - room_middle(query.scene), place[3], mean, deviation)
+        return _log_normal(place[:2] - query.scene.room.middle, place[3], mean, deviation)
 
 
 def carrier_of(scene: ObservedScene, place: NDArray[np.float64], allowed: NDArray[np.bool_]) -> int:

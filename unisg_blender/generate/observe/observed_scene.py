@@ -12,6 +12,7 @@ from ...scene import Boxes
 from ...spatial.objects import SceneObjects
 from ...spatial.support_surfaces import support_surfaces, surface_at
 from .placeable import Placeable
+from .room_shape import RoomShape
 
 
 @dataclass(eq=False)
@@ -30,8 +31,6 @@ class ObservedScene:
         int64 (K,): which of its support's surfaces each stands on, -1 for none of them.
     parts
         Gives the world boxes of an object's parts by its number.
-    room
-        What :func:`~.scene_tokens.room_of` found out about the scene, None when that is to be done again.
     """
 
     category: Ints
@@ -42,7 +41,7 @@ class ObservedScene:
     yaw: Floats
     surface: Ints
     parts: Callable[[int], Boxes]
-    room: object = None
+    _room: RoomShape | None = None
     _surfaces: dict[int, Floats] = field(default_factory=dict)
     _placeables: dict[int, Placeable] = field(default_factory=dict)
 
@@ -56,6 +55,13 @@ class ObservedScene:
         held = np.flatnonzero(objects.support >= 0)
         none[held] = [scene.surface_of(objects.bottom[obj], objects.support[obj]) for obj in held]
         return scene
+
+    @property
+    def room(self) -> RoomShape:
+        """The room around the objects, found once until something is added."""
+        if self._room is None:
+            self._room = RoomShape.of(self.support, self.center, self.half, self.yaw)
+        return self._room
 
     @property
     def local(self) -> Floats:
@@ -77,7 +83,7 @@ class ObservedScene:
 
     def add(self, category: int, support: int, world: Floats, placeable: Placeable, place: Floats) -> int:
         """A further object at a place (4,); returns its number."""
-        number, self.room = len(self.category), None
+        number, self._room = len(self.category), None
         center = place[:3] + np.array([0, 0, placeable.half[2]])
         surface = self.surface_of(float(place[2]), support) if support >= 0 else -1
         self.category = np.append(self.category, category)

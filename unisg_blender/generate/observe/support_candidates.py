@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry.arrays import Bools, Floats, Ints
+from ...geometry.planar import outside_rectangle
 from .observed_scene import ObservedScene
-from .scene_tokens import TINY, Arrays, room_of
+from .scene_tokens import TINY, Arrays
 
 OCCUPANCY_WIDTH = 14
 
@@ -105,16 +106,9 @@ class Proximity:
         obj = held[scene.support[scene.support[held]] < 0]
         obj = obj[np.argsort(scene.category[obj], kind="stable")]
         offset = scene.center[obj, None, :2] - scene.center[:, :2]
-        gaps = []
-        for yaw, half in (
-            (scene.yaw[None], scene.half[None, :, :2]),
-            (scene.yaw[obj, None], scene.half[obj, None, :2]),
-        ):
-            cos, sin = np.cos(yaw), np.sin(yaw)
-            along = np.abs(cos * offset[..., 0] + sin * offset[..., 1]) - half[..., 0]
-            across = np.abs(cos * offset[..., 1] - sin * offset[..., 0]) - half[..., 1]
-            gaps.append(np.hypot(along.clip(0), across.clip(0)))
-        share = np.exp(-np.minimum(*gaps) / NEARBY)
+        here = outside_rectangle(offset, scene.yaw, scene.half[:, :2])
+        there = outside_rectangle(offset, scene.yaw[obj, None], scene.half[obj, None, :2])
+        share = np.exp(-np.minimum(here, there) / NEARBY)
         share[np.arange(len(obj)), obj] = 0
         return Proximity(obj, share.T.astype(np.float32))
 
@@ -157,7 +151,7 @@ def support_arrays(
     features[4:6] = np.minimum(np.stack([covered, covered + footprint]) / np.maximum(area, TINY), 2)
     features[6:9] = candidates.surface < 0, height, np.log(area + TINY) / 4
     features[9:11] = headroom.clip(0, 1), np.tanh(4 * (headroom - 2 * half[2]))
-    features[11:] = rank, room_of(scene).level[candidates.obj] / 4, np.tanh(4 * np.minimum(narrow - slim, long - wide))
+    features[11:] = rank, scene.room.level[candidates.obj] / 4, np.tanh(4 * np.minimum(narrow - slim, long - wide))
     kinds = np.append(np.where(scene.category < 0, unknown, scene.category), unknown)
     return {
         "support_category": kinds[candidates.obj].astype(np.int64),

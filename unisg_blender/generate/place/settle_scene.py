@@ -17,7 +17,7 @@ from ...spatial.objects import SceneObjects, scene_objects
 from ...spatial.structure import STRUCTURE
 from ..observe.placeable import Placeable
 from ..observe.prior_tables import PriorTables
-from ..observe.scene_tokens import levels_of
+from ..observe.room_shape import levels_of
 from ..observe.support_priors import AT_SIDE, HANGS, RESTS, CategoryPriors, SupportPrior, contact
 from .free_space import FreeSpace, find_outline
 from .settling import Support, fitting, rest, search

@@ -9,7 +9,7 @@ import numpy as np
 
 from ...geometry.arrays import Bools, Floats
 from ..observe.observed_scene import ObservedScene
-from ..observe.scene_tokens import Arrays, coming_vector, context_arrays, plan_vector, room_of, tokens_for
+from ..observe.scene_tokens import Arrays, coming_vector, context_arrays, plan_vector, tokens_for
 from ..observe.support_candidates import Proximity, SupportCandidates, SupportOccupancy, support_arrays
 from .mixture import OUT, behind_walls, draw_places, log_density, snapped
 from .proposer import NOTHING_ELSE, Proposals, Proposer, Query, SupportChoice, Upcoming
@@ -113,7 +113,7 @@ class AnchorProposer(Proposer):
             **_batch(context_arrays(scene, tokens, category, support, surface, self.unknown)),
             "target_category": np.array([category], np.int64),
             "target_half": half[None].astype(np.float32),
-            "target_bottom": np.array([bottom - room_of(scene).ground], np.float32),
+            "target_bottom": np.array([bottom - scene.room.ground], np.float32),
             "plan": plan[None],
             "row": coming_vector(row.counts, self.unknown)[None],
             "mask": np.ones((1, len(tokens)), np.float32),
@@ -143,7 +143,7 @@ class AnchorProposer(Proposer):
             return Proposals(np.full(count, support), _around_origin(bottoms, rng))
         mixture = self._mixture(inputs, rng)
         floor = support >= 0 and scene.support[support] < 0
-        drawn = MANY if floor or (support >= 0 and room_of(scene).inner[support]) else DRAWN
+        drawn = MANY if floor or (support >= 0 and scene.room.inner[support]) else DRAWN
         places, axis, kappa = draw_places(inputs["box"][0], mixture, max(drawn, count + DRAWN // 2), rng)
         ratio = self._ratios(inputs, mixture[-1], places)
         kept = np.argsort(-(ratio + rng.gumbel(size=len(ratio))))[:count]
@@ -162,7 +162,7 @@ class AnchorProposer(Proposer):
         """Heights (T,) of the target's bottom on a candidate: the surface's, or drawn where it hangs or leans."""
         support, surface = candidate
         if support < 0:
-            return np.full(count, room_of(scene).ground)
+            return np.full(count, scene.room.ground)
         above = float(scene.center[support, 2] - scene.half[support, 2])
         if surface >= 0:
             return np.full(count, above + scene.surfaces(support)[surface, 0])

@@ -14,7 +14,7 @@ from torch.utils.data import Dataset
 
 from ...generate.observe.observed_scene import ObservedScene
 from ...generate.observe.placement_order import along, groups, holders, middles, ranks
-from ...generate.observe.scene_tokens import chain, coming_vector, context_arrays, plan_vector, room_of, tokens_for
+from ...generate.observe.scene_tokens import chain, coming_vector, context_arrays, plan_vector, tokens_for
 from ...generate.observe.support_candidates import Proximity, SupportCandidates, SupportOccupancy, support_arrays
 from ...generate.observe.support_priors import CategoryPriors
 from ...spatial.structure import STRUCTURE
@@ -103,7 +103,7 @@ class RoomLayout:
         self.row = np.empty(count, np.int64)
         self.row[np.lexsort((share, category, block, ~order.holds[category]))] = np.arange(count)
         self.away = _away(self.scene, order.leads[category])
-        room_of(self.scene)
+        _ = self.scene.room  # found once, before the scene is copied with objects moved
         self.group, self.rank = order.group[category], order.rank[category]
 
 
@@ -203,7 +203,7 @@ def example(layout: RoomLayout, target: int, order: Order, rng: np.random.Genera
     return {
         "target_category": category,
         "target_half": half.astype(np.float32),
-        "target_bottom": np.float32(bottom - room_of(scene).ground),
+        "target_bottom": np.float32(bottom - scene.room.ground),
         "plan": plan_vector(scene, placed, category, parent, surface, half, coming, area, whole),
         "row": coming_vector(coming, unknown),
         "whole": np.float32(whole),

@@ -18,7 +18,6 @@ from ...dataset.format.reader import Dataset
 from ...generate.observe.contract import Contract
 from ...generate.observe.observed_scene import ObservedScene
 from ...generate.observe.placement_order import ranks
-from ...generate.observe.scene_tokens import ground_of, room_middle
 from ..losses.mixtures import logistics_nll
 from ..onnx_export import export_onnx
 from ..settings import Settings
@@ -74,7 +73,7 @@ def rows_of(scene: TrainingScene) -> NDArray[np.float64]:
     The level of objects that are told and never asked for (of no known category, or roots) is 0.
     """
     seen = ObservedScene.of(scene.objects, scene.world)
-    center = seen.center - np.array([*room_middle(seen), ground_of(seen)])
+    center = seen.center - np.array([*seen.room.middle, seen.room.ground])
     asked = (seen.category >= 0) & (seen.support >= 0)
     return np.column_stack([seen.category, center, seen.half, seen.yaw, asked])
 
