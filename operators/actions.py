@@ -9,7 +9,7 @@ import bpy
 
 from ..unisg_blender.errors import UniSGError
 from .action_properties import ANSWERS, active_action, active_place, readable_actions, type_items
-from .base import Operator, redraw_views
+from .base import Operator, SearchOperator, redraw_views
 
 if TYPE_CHECKING:
     from ..unisg_blender.scene.action_data import ActionData
@@ -202,7 +202,7 @@ def _other_actions(self: object, context: bpy.types.Context) -> list[tuple[str, 
     return _choices  # Blender needs the strings kept alive
 
 
-class UNISG_OT_action_member(EditOperator):
+class UNISG_OT_action_member(SearchOperator, EditOperator):
     """Add an action of the scene to the group"""
 
     bl_idname = "unisg.action_member"
@@ -210,10 +210,6 @@ class UNISG_OT_action_member(EditOperator):
     bl_property = "member"
 
     member: bpy.props.EnumProperty(name="Action", items=_other_actions)
-
-    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        context.window_manager.invoke_search_popup(self)
-        return {"RUNNING_MODAL"}
 
     def edited(self, action: ActionData) -> ActionData:
         name = {uid: name for uid, name, _ in _choices}.get(self.member, "")

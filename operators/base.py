@@ -65,6 +65,14 @@ class FileOperator(Operator):
         return {"RUNNING_MODAL"}
 
 
+class SearchOperator(Operator):
+    """An operator that asks first which item of its ``bl_property`` is meant."""
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        context.window_manager.invoke_search_popup(self)
+        return {"RUNNING_MODAL"}
+
+
 class SteppedOperator(Operator):
     """An operator that goes on between redraws until it is done, or Esc stops it; scripts get all of it at once."""
 

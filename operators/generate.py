@@ -10,10 +10,10 @@ import bpy
 
 from ..unisg_blender.errors import UniSGError
 from .base import SteppedOperator, Steps
-from .generation_settings import load_generator, shipped_models
+from .generation_settings import GenerationChoices, load_generator, shipped_models
 
 
-class UNISG_OT_generate(SteppedOperator):
+class UNISG_OT_generate(GenerationChoices, SteppedOperator):
     """Add objects where the model thinks they belong; nothing that is there already is moved"""
 
     bl_idname = "unisg.generate"
@@ -24,18 +24,9 @@ class UNISG_OT_generate(SteppedOperator):
         name="Model", description="ONNX file or name of a shipped model; that of operating rooms when empty"
     )
     add: bpy.props.StringProperty(name="Add", description='Categories and numbers, such as "Scalpel=2,Monitor=1"')
-    seed: bpy.props.IntProperty(name="Seed", description="-1: another result each time", default=-1, min=-1)
-    bulk: bpy.props.BoolProperty(name="All at once", description="Propose all places together: faster, less tidy")
-
     on: bpy.props.StringProperty(name="On", description="Name of an object on which all are wanted; empty: anywhere")
     beside: bpy.props.StringProperty(
         name="Beside", description="Name of an object beside which all are wanted; empty: anywhere"
-    )
-
-    behaviour: bpy.props.BoolProperty(
-        name="With actions",
-        description="Give the objects the actions that the lesson lacks, and extend it by them; spare things get none",
-        default=True,
     )
 
     @classmethod

@@ -59,7 +59,26 @@ class UNISG_CategoryCount(bpy.types.PropertyGroup):
     count: bpy.props.IntProperty(name="Count", description="How many to add", min=0, soft_max=20, max=1000)
 
 
-class UNISG_GenerationSettings(bpy.types.PropertyGroup):
+class GenerationChoices:
+    """What the operator and the panel both ask for."""
+
+    seed: bpy.props.IntProperty(
+        name="Seed",
+        description="The same seed gives the same result; -1 gives another one each time",
+        default=-1,
+        min=-1,
+    )
+    bulk: bpy.props.BoolProperty(
+        name="All at once", description="Propose all places together instead of one after another: faster, less tidy"
+    )
+    behaviour: bpy.props.BoolProperty(
+        name="With actions",
+        description="Give the objects the actions that the lesson lacks, and extend it by them; spare things get none",
+        default=True,
+    )
+
+
+class UNISG_GenerationSettings(GenerationChoices, bpy.types.PropertyGroup):
     """The choices in the Generate panel."""
 
     model: bpy.props.EnumProperty(
@@ -72,16 +91,6 @@ class UNISG_GenerationSettings(bpy.types.PropertyGroup):
     active: bpy.props.IntProperty()
     listed: bpy.props.StringProperty(description="The model whose categories are listed")
     problem: bpy.props.StringProperty(description="Why there is no list")
-    seed: bpy.props.IntProperty(
-        name="Seed",
-        description="The same seed gives the same result; -1 gives another one each time",
-        default=-1,
-        min=-1,
-    )
-    bulk: bpy.props.BoolProperty(
-        name="All at once", description="Propose all places together instead of one after another: faster, less tidy"
-    )
-
     where: bpy.props.EnumProperty(
         name="Where",
         description="Where the new objects are wanted",
@@ -90,12 +99,6 @@ class UNISG_GenerationSettings(bpy.types.PropertyGroup):
             ("ON", "On", "On the active object"),
             ("BESIDE", "Beside", "Beside the active object, within half a metre if there is room"),
         ),
-    )
-
-    behaviour: bpy.props.BoolProperty(
-        name="With actions",
-        description="Give the objects the actions that the lesson lacks, and extend it by them; spare things get none",
-        default=True,
     )
 
     def model_file(self) -> str:

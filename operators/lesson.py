@@ -9,7 +9,7 @@ import bpy
 
 from ..unisg_blender.errors import UniSGError
 from .action_properties import active_action, readable_actions
-from .base import Operator, redraw_views
+from .base import Operator, SearchOperator, redraw_views
 from .lesson_properties import active_node, lesson_object
 
 if TYPE_CHECKING:
@@ -193,7 +193,7 @@ def _other_nodes(self: object, context: bpy.types.Context) -> list[tuple[str, st
     return _choices  # Blender needs the strings kept alive
 
 
-class UNISG_OT_lesson_require(LessonOperator):
+class UNISG_OT_lesson_require(SearchOperator, LessonOperator):
     """Something that has to be done before the active node"""
 
     bl_idname = "unisg.lesson_require"
@@ -201,10 +201,6 @@ class UNISG_OT_lesson_require(LessonOperator):
     bl_property = "node"
 
     node: bpy.props.EnumProperty(name="Before", items=_other_nodes)
-
-    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        context.window_manager.invoke_search_popup(self)
-        return {"RUNNING_MODAL"}
 
     def edit(self, context: bpy.types.Context, root: LessonNode, node: LessonNode) -> LessonNode:
         from ..unisg_blender.behaviour.lesson.edit import change

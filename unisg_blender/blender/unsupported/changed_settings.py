@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Sequence
 from functools import cache
 from typing import Any
 
@@ -74,6 +74,12 @@ def changed_settings(owner: bpy.types.bpy_struct, held: Collection[str] = (), *,
         elif not _same(value, default):
             found.append(label)
     return list(dict.fromkeys(found))
+
+
+def listed(text: str, names: Sequence[str]) -> Iterator[str]:
+    """The text with the names behind it; nothing without names."""
+    if names:
+        yield f"{text}: {', '.join(names)}"
 
 
 def changed_by_row(owners: bpy.types.bpy_prop_collection, held: Collection[str] = ()) -> dict[int, list[str]]:

@@ -12,7 +12,7 @@ import bpy
 
 from ..id_properties import addon_settings, property_names
 from ..materials import PLAIN_NODES, surface_inputs
-from .changed_settings import changed_by_row, changed_settings
+from .changed_settings import changed_by_row, changed_settings, listed
 
 HELD = {
     "CAMERA": frozenset((
@@ -44,15 +44,9 @@ def data_losses(item: bpy.types.Object, evaluated: bool) -> Iterator[str]:
     data = item.data
     held = HELD.get(item.type)
     if held is not None:
-        changed = changed_settings(data, held)
-        if changed:
-            yield f"settings of its data that are not read: {', '.join(changed)}"
-    addons = addon_settings(data)
-    if addons:
-        yield f"settings of add-ons in its data are not read: {', '.join(addons)}"
-    own = property_names(data)
-    if own:
-        yield f"custom properties of its data are not read: {', '.join(own)}"
+        yield from listed("settings of its data that are not read", changed_settings(data, held))
+    yield from listed("settings of add-ons in its data are not read", addon_settings(data))
+    yield from listed("custom properties of its data are not read", property_names(data))
     moved = getattr(data, "animation_data", None)
     if moved is not None and (moved.action or moved.drivers or len(moved.nla_tracks)):
         yield "animation and drivers of its data: only their present result is kept"
@@ -91,14 +85,12 @@ def _mesh_losses(item: bpy.types.Object, evaluated: bool) -> Iterator[str]:
     if "sharp_edge" in names:
         names.remove("sharp_edge")
         yield "sharp edges: only the normals that they make are kept"
-    if names:
-        yield f"mesh attributes that are not read: {', '.join(names)}"
+    yield from listed("mesh attributes that are not read", names)
 
 
 def _point_losses(item: bpy.types.Object, evaluated: bool) -> Iterator[str]:
     names = [layer.name for layer in item.data.attributes if layer.name != "position" and layer.name[0] != "."]
-    if names:
-        yield f"attributes of points that are not read: {', '.join(names)}"
+    yield from listed("attributes of points that are not read", names)
 
 
 def _armature_losses(item: bpy.types.Object, evaluated: bool) -> Iterator[str]:
@@ -114,8 +106,7 @@ def _armature_losses(item: bpy.types.Object, evaluated: bool) -> Iterator[str]:
     changed: dict[str, None] = {}
     for found in (changed_by_row(item.data.bones, HELD_BONE), changed_by_row(bones, HELD_POSE)):
         changed |= dict.fromkeys(label for labels in found.values() for label in labels)
-    if changed:
-        yield f"settings of bones that are not read: {', '.join(changed)}"
+    yield from listed("settings of bones that are not read", list(changed))
     if any(property_names(bone) for part in (item.data.bones, bones) for bone in part):
         yield "custom properties of bones are not read"
 
@@ -135,13 +126,9 @@ def material_losses(material: bpy.types.Material) -> Iterator[str]:
     nodes = [] if tree is None else list(tree.nodes)
     if any(node.type not in PLAIN_NODES for node in nodes):
         yield "materials keep one colour: textures and shader nodes are not read"
-    others = surface_inputs(material)
-    if others:
-        yield f"surface properties of materials that are not read: {', '.join(others)}"
+    yield from listed("surface properties of materials that are not read", surface_inputs(material))
     held = ("diffuse_color", "metallic", "roughness", "active_texture_index", "grease_pencil", "texture_paint_images")
-    changed = changed_settings(material, held, inner=False)
-    if changed:
-        yield f"settings of materials that are not read: {', '.join(changed)}"
+    yield from listed("settings of materials that are not read", changed_settings(material, held, inner=False))
     animated = (material.animation_data, None if tree is None else tree.animation_data)
     if any(found is not None and (found.action or found.drivers) for found in animated):
         yield "animation of materials: only its present result is kept"

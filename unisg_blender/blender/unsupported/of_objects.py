@@ -14,7 +14,7 @@ from ..depsgraph import is_evaluated
 from ..fcurves import curves_of
 from ..helper_objects import HELPER, TYPE
 from ..id_properties import addon_settings, property_names
-from .changed_settings import changed_by_row
+from .changed_settings import changed_by_row, listed
 from .of_object_data import data_losses, material_losses
 from .read_report import ReadReport
 
@@ -120,17 +120,14 @@ def _setting_losses(item: bpy.types.Object, changed: list[str]) -> Iterator[str]
     linking = item.light_linking
     if linking is not None and (linking.receiver_collection is not None or linking.blocker_collection is not None):
         changed.append("Light Linking")
-    if changed:
-        yield f"settings that are not read: {', '.join(changed)}"
+    yield from listed("settings that are not read", changed)
     field = item.field is not None and item.field.type != "NONE"
     collides = item.collision is not None and item.collision.use
     if field or collides or item.rigid_body or item.rigid_body_constraint or item.soft_body:
         yield "physics settings are not read"
     if item.asset_data is not None:
         yield "that it is an asset is not kept"
-    addons = addon_settings(item)
-    if addons:
-        yield f"settings of add-ons are not read: {', '.join(addons)}"
+    yield from listed("settings of add-ons are not read", addon_settings(item))
     if any(_has_limits(item, key) for key in property_names(item) if key not in (HELPER, TYPE)):
         yield "custom properties: limits and descriptions are not read"
 
@@ -161,6 +158,4 @@ def _animation_losses(item: bpy.types.Object, sampled: bool) -> Iterator[str]:
         yield "animation of bones: only the present pose is kept"
     if moves and not sampled:
         yield "animation: only the place at the present frame is kept"
-    others = sorted(paths - bones - moves)
-    if others:
-        yield f"animation that is not read: {', '.join(others)}"
+    yield from listed("animation that is not read", sorted(paths - bones - moves))

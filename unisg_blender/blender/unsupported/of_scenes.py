@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import bpy
 
 from ..id_properties import property_names
-from .changed_settings import changed_settings
+from .changed_settings import changed_settings, listed
 from .read_report import ReadReport
 
 HELD = frozenset((
@@ -22,41 +24,34 @@ def report_scene_losses(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer,
     _report_collections(view_layer.layer_collection, report)
 
 
-def _scene_texts(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> list[str]:
-    texts = []
+def _scene_texts(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> Iterator[str]:
     if scene.world is not None:
-        texts.append(f"the world {scene.world.name!r} is not read")
-    if getattr(scene, "compositing_node_group", None) or (scene.node_tree if hasattr(scene, "node_tree") else None):
-        texts.append("compositing nodes are not read")
+        yield f"the world {scene.world.name!r} is not read"
+    if getattr(scene, "compositing_node_group", None) or getattr(scene, "node_tree", None):
+        yield "compositing nodes are not read"
     if len(scene.view_layers) > 1:
         others = ", ".join(repr(layer.name) for layer in scene.view_layers if layer != view_layer)
-        texts.append(f"only the view layer {view_layer.name!r} is read, not {others}")
+        yield f"only the view layer {view_layer.name!r} is read, not {others}"
     sequence = scene.sequence_editor
     if sequence is not None and len(sequence.strips_all if hasattr(sequence, "strips_all") else sequence.sequences_all):
-        texts.append("the video sequence is not read")
+        yield "the video sequence is not read"
     if len(scene.timeline_markers):
-        texts.append("timeline markers are not read")
+        yield "timeline markers are not read"
     if scene.rigidbody_world is not None:
-        texts.append("the rigid body world is not read")
+        yield "the rigid body world is not read"
     if len(scene.keying_sets):
-        texts.append("keying sets are not read")
-    own = property_names(scene)
-    if own:
-        texts.append(f"custom properties of the scene are not read: {', '.join(own)}")
-    changed = changed_settings(scene, HELD, inner=False)
-    if changed:
-        texts.append(f"scene settings that are not read: {', '.join(changed)}")
+        yield "keying sets are not read"
+    yield from listed("custom properties of the scene are not read", property_names(scene))
+    yield from listed("scene settings that are not read", changed_settings(scene, HELD, inner=False))
     if scene.unit_settings.scale_length != 1.0:
-        texts.append("the unit scale is not applied: one Blender unit is read as one metre")
+        yield "the unit scale is not applied: one Blender unit is read as one metre"
     for name, word in GROUPS.items():
         changed = changed_settings(getattr(scene, name), HELD.union(UNREAD_VIEWS), inner=False)
-        if changed:
-            texts.append(f"{word} settings that are not read: {', '.join(changed)}")
+        yield from listed(f"{word} settings that are not read", changed)
     if scene.animation_data is not None and (scene.animation_data.action or scene.animation_data.drivers):
-        texts.append("animation of the scene's settings is not read")
+        yield "animation of the scene's settings is not read"
     if len(bpy.data.texts):
-        texts.append("text blocks are not read")
-    return texts
+        yield "text blocks are not read"
 
 
 def _report_collections(top: bpy.types.LayerCollection, report: ReadReport) -> None:
@@ -72,7 +67,7 @@ def _report_collections(top: bpy.types.LayerCollection, report: ReadReport) -> N
             *changed_settings(layer, ("exclude", "hide_viewport", "collection"), inner=False),
             *changed_settings(collection, ("instance_offset", "active_exporter_index"), inner=False),
         ]
-        if found:
-            report.add(collection.name, f"settings of the collection that are not read: {', '.join(found)}")
+        for text in listed("settings of the collection that are not read", found):
+            report.add(collection.name, text)
         if property_names(collection):
             report.add(collection.name, "custom properties of the collection are not read")

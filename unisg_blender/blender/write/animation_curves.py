@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import bpy
 import mathutils
 import numpy as np
@@ -14,11 +12,12 @@ from ...scene.graph import SceneGraph
 from ..fcurves import continuous_signs, new_curves
 from ..trs import split
 from ..unsupported.read_report import ReadReport
+from .component_entries import Objects, entries
 
 
 def write_animation(
     graph: SceneGraph,
-    objects: Mapping[int, bpy.types.Object],
+    objects: Objects,
     scene: bpy.types.Scene,
     report: ReadReport,
     component: str = ANIMATION,
@@ -27,15 +26,9 @@ def write_animation(
 
     ``component`` may also be ``recording``.
     """
-    found = graph.components.get(component)
-    if found is None:
-        return
     rate = scene.render.fps / scene.render.fps_base
     parts = graph.components.get(PARENTING)
-    for place, row in enumerate(found.rows.tolist()):
-        item = objects.get(row)
-        if item is None:
-            continue
+    for row, item, entry in entries(graph, component, objects):
         above = np.eye(4)
         if parts is not None and item.parent_type != "OBJECT" and row in parts.rows:
             above = parts.of(row)["frame"][0]
@@ -44,8 +37,8 @@ def write_animation(
         if abs(np.linalg.det(above)) < 1e-12:
             report.add(item.name, "its motion is lost: what it hangs on has no size")
             continue
-        inner = np.linalg.inv(above) @ found.columns["matrices"][place]
-        if _key(item, found.columns["times"][place] * rate, inner):
+        inner = np.linalg.inv(above) @ entry["matrices"]
+        if _key(item, entry["times"] * rate, inner):
             report.add(item.name, "shear in its motion is lost")
 
 

@@ -20,10 +20,8 @@ Entry = dict[str, NDArray]
 def write_bones(graph: SceneGraph, objects: Mapping[int, bpy.types.Object], report: ReadReport) -> None:
     """Give new armatures their bones and poses."""
     found = graph.components.get(BONES)
-    if found is None:
-        return
-    for row in dict.fromkeys(found.rows.tolist()):
-        item, entry = objects.get(row), found.of(row)
+    for row, entry in () if found is None else found.groups():
+        item = objects.get(row)
         if item is None or item.type != "ARMATURE":
             continue
         if not item.data.bones:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 
 import bpy
 import mathutils
@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 from ...scene.components import INSTANCES
 from ...scene.graph import SceneGraph
 from ..helper_objects import new_helper
-
-Objects = Mapping[int, bpy.types.Object]
+from .component_entries import Objects
 
 
 def write_instances(
@@ -36,10 +35,8 @@ def write_instances(
     """
     found = graph.components.get(INSTANCES)
     helpers: list[tuple[bpy.types.Object, bpy.types.Object]] = []
-    if found is None:
-        return helpers
-    for row in dict.fromkeys(found.rows.tolist()):
-        item, entries = objects.get(row), found.of(row)
+    for row, entries in () if found is None else found.groups():
+        item = objects.get(row)
         if item is None:
             continue
         alone = len(entries["matrix"]) == 1 and item.type == "EMPTY"

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import bpy
-import numpy as np
 
 from ...scene.components import COLLECTIONS, VISIBILITY
 from ...scene.graph import SceneGraph
-
-Objects = Mapping[int, bpy.types.Object]
+from .component_entries import Objects, entries
 
 
 def link_objects(graph: SceneGraph, objects: Objects, default: bpy.types.Collection, top: bpy.types.Collection) -> None:
@@ -18,11 +16,9 @@ def link_objects(graph: SceneGraph, objects: Objects, default: bpy.types.Collect
 
     Paths of collections begin under ``top``.
     """
-    found = graph.components.get(COLLECTIONS)
     members: dict[tuple[str, ...], dict[int, None]] = {}
-    for row, path in () if found is None else zip(found.rows.tolist(), found.columns["path"], strict=True):
-        if row in objects:
-            members.setdefault(tuple(path), {})[row] = None
+    for row, _, entry in entries(graph, COLLECTIONS, objects):
+        members.setdefault(tuple(entry["path"]), {})[row] = None
     made: dict[tuple[str, ...], bpy.types.Collection] = {(): top}
     new: list[tuple[bpy.types.Collection, bpy.types.Collection]] = []
     for path, rows in members.items():
@@ -60,20 +56,13 @@ def link_helpers(helpers: Sequence[tuple[bpy.types.Object, bpy.types.Object]]) -
 
 def set_visibility(graph: SceneGraph, objects: Objects, scene: bpy.types.Scene | None) -> None:
     """Hide what is hidden: by the eye (of a scene), in viewports, in renders."""
-    found = graph.components.get(VISIBILITY)
-    if found is None:
-        return
-    columns = found.columns
-    hides = scene is not None and bool(columns["hidden"][np.isin(found.rows, list(objects))].any())
+    found = list(entries(graph, VISIBILITY, objects))
+    hides = scene is not None and any(entry["hidden"] for _, _, entry in found)
     layers = list(scene.view_layers) if scene is not None and hides else []
     for layer in layers:
         layer.update()  # else it does not know the new objects
-    for place, row in enumerate(found.rows.tolist()):
-        item = objects.get(row)
-        if item is None:
-            continue
-        item.hide_viewport = bool(columns["viewport"][place])
-        item.hide_render = bool(columns["render"][place])
-        for layer in layers if columns["hidden"][place] else ():
+    for _, item, entry in found:
+        item.hide_viewport, item.hide_render = bool(entry["viewport"]), bool(entry["render"])
+        for layer in layers if entry["hidden"] else ():
             if item.name in layer.objects:
                 item.hide_set(True, view_layer=layer)

@@ -13,6 +13,7 @@ from ...scene.graph import TYPES, SceneGraph
 from ...scene.mesh import Mesh
 from ..data_fields import ABSENT, BLENDER_NAME, CAMERA_NUMBERS, FOCUS, LIGHT_NUMBERS, LIGHT_SWITCHES
 from ..unsupported.read_report import ReadReport
+from .component_entries import Objects, entries
 from .mesh_data import write_mesh
 
 Made = dict[object, bpy.types.ID | None]
@@ -35,7 +36,8 @@ def object_data(
         return _shared(made, id(mesh), lambda: write_mesh(mesh, materials))
     if kind in ("EMPTY", "OTHER"):
         return None
-    entry = _entry(graph, kind.lower(), row)
+    table = graph.components.get(kind.lower())
+    entry = {} if table is None else {key: column[0] for key, column in table.of(row).items() if len(column)}
     name = str(entry.get("data", graph.name[row]))
     key = (kind, name) if "data" in entry else (id(graph), row)
     if kind == "CAMERA":
@@ -57,14 +59,6 @@ def _point_cloud(mesh: Mesh) -> bpy.types.PointCloud:
     if len(mesh.points):
         cloud.attributes["position"].data.foreach_set("vector", np.ascontiguousarray(mesh.points).ravel())
     return cloud
-
-
-def _entry(graph: SceneGraph, component: str, row: int) -> dict[str, Any]:
-    found = graph.components.get(component)
-    if found is None:
-        return {}
-    columns = found.of(row)
-    return {name: column[0] for name, column in columns.items() if len(column)}
 
 
 def _grease_pencil(name: str) -> bpy.types.ID:
@@ -118,35 +112,23 @@ def _light(name: str, entry: Mapping[str, Any], report: ReadReport) -> bpy.types
     return light
 
 
-def set_empties(graph: SceneGraph, objects: Mapping[int, bpy.types.Object]) -> None:
+def set_empties(graph: SceneGraph, objects: Objects) -> None:
     """How empties are drawn."""
-    found = graph.components.get(EMPTY)
-    if found is None:
-        return
-    for row, item in objects.items():
-        entry = found.of(row)
-        if item.data is None and len(entry["size"]):
-            item.empty_display_type, item.empty_display_size = str(entry["display"][0]), float(entry["size"][0])
+    for _, item, entry in entries(graph, EMPTY, objects):
+        if item.data is None:
+            item.empty_display_type, item.empty_display_size = str(entry["display"]), float(entry["size"])
 
 
-def set_materials(
-    graph: SceneGraph, objects: Mapping[int, bpy.types.Object], materials: Mapping[str, bpy.types.Material]
-) -> None:
+def set_materials(graph: SceneGraph, objects: Objects, materials: Mapping[str, bpy.types.Material]) -> None:
     """Materials that belong to the object and not to its mesh."""
-    found = graph.components.get(MATERIALS)
-    if found is None:
-        return
-    for row, slot, name in zip(found.rows, found.columns["slot"], found.columns["material"], strict=True):
-        item = objects.get(int(row))
-        if item is not None and slot < len(item.material_slots):
-            item.material_slots[int(slot)].link = "OBJECT"
-            item.material_slots[int(slot)].material = materials.get(str(name))
+    for _, item, entry in entries(graph, MATERIALS, objects):
+        if entry["slot"] < len(item.material_slots):
+            slot = item.material_slots[int(entry["slot"])]
+            slot.link, slot.material = "OBJECT", materials.get(str(entry["material"]))
 
 
-def set_active_camera(graph: SceneGraph, objects: Mapping[int, bpy.types.Object], scene: bpy.types.Scene) -> None:
+def set_active_camera(graph: SceneGraph, objects: Objects, scene: bpy.types.Scene) -> None:
     """The scene's camera, unless it has one."""
-    found = graph.components.get(CAMERA)
-    if found is None or scene.camera is not None:
-        return
-    for row in found.rows[np.asarray(found.columns["active"], bool)]:
-        scene.camera = objects.get(int(row))
+    if scene.camera is None:
+        active = [item for _, item, entry in entries(graph, CAMERA, objects) if entry["active"]]
+        scene.camera = active[-1] if active else None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
 
 import bpy
 import mathutils
@@ -15,9 +16,9 @@ from ...scene.hierarchy import world_matrices
 from ..helper_objects import new_helper
 from ..trs import differ, split
 from ..unsupported.read_report import ReadReport
+from .component_entries import Objects, entries
 
 SAME = 1e-6  # channels spell a matrix if they agree with it to this, relative
-Objects = Mapping[int, bpy.types.Object]
 
 
 def place_objects(
@@ -85,47 +86,32 @@ def _hang(
         above = int(graph.parent[row])
         if above >= 0:
             item.parent = objects[above] if above in objects else standing[above]
-    found = graph.components.get(PARENTING)
     frames: dict[int, NDArray[np.float64]] = {}
-    if found is None:
-        return frames
-    columns = found.columns
-    for place, row in enumerate(found.rows.tolist()):
-        item = objects.get(row)
-        if item is None or item.parent is None:
+    for row, item, entry in entries(graph, PARENTING, objects):
+        if item.parent is None:
             continue
-        frame = columns["frame"][place]
-        if abs(np.linalg.det(frame)) < 1e-12 or not _has_part(item.parent, columns, place):
+        if abs(np.linalg.det(entry["frame"])) < 1e-12 or not _has_part(item.parent, entry):
             report.add(item.name, "hangs on its parent as a whole, not on a bone or vertex")
             continue
-        item.parent_type = str(columns["kind"][place])
-        item.parent_bone = str(columns["bone"][place])
+        item.parent_type, item.parent_bone = str(entry["kind"]), str(entry["bone"])
         if item.parent_type.startswith("VERTEX"):
-            item.parent_vertices = columns["vertices"][place].tolist()
-        frames[row] = frame
+            item.parent_vertices = entry["vertices"].tolist()
+        frames[row] = entry["frame"]
     return frames
 
 
-def _has_part(parent: bpy.types.Object, columns: Mapping[str, NDArray], place: int) -> bool:
-    kind = columns["kind"][place]
-    if kind == "BONE":
-        return parent.type == "ARMATURE" and str(columns["bone"][place]) in parent.data.bones
-    if kind.startswith("VERTEX"):
-        return parent.type == "MESH" and int(columns["vertices"][place].max()) < len(parent.data.vertices)
+def _has_part(parent: bpy.types.Object, entry: Mapping[str, Any]) -> bool:
+    if entry["kind"] == "BONE":
+        return parent.type == "ARMATURE" and str(entry["bone"]) in parent.data.bones
+    if entry["kind"].startswith("VERTEX"):
+        return parent.type == "MESH" and int(entry["vertices"].max()) < len(parent.data.vertices)
     return True
 
 
 def _spell(graph: SceneGraph, objects: Objects, inner: Mapping[int, NDArray[np.float64]]) -> set[int]:
     """Set the channels as they were read, where they still say the local matrix; rows that are done."""
-    found = graph.components.get(CHANNELS)
-    if found is None:
-        return set()
     done = set()
-    for place, row in enumerate(found.rows.tolist()):
-        item = objects.get(row)
-        if item is None:
-            continue
-        entry = {name: column[place] for name, column in found.columns.items()}
+    for row, item, entry in entries(graph, CHANNELS, objects):
         before = item.rotation_mode
         set_channels(item, entry)
         said = np.array(item.matrix_basis, np.float64)

@@ -25,10 +25,7 @@ def write_instances(prims: Sequence[Any], graph: SceneGraph, prototype_path: Cal
     ``prototype_path`` gives where a prototype stands, and writes it the first time.
     """
     found = graph.components.get(components.INSTANCES)
-    if found is None:
-        return
-    for row in dict.fromkeys(found.rows.tolist()):
-        entries = found.of(row)
+    for row, entries in () if found is None else found.groups():
         identifiers = Identifiers(child.name for child in prims[row].nameChildren)
         groups: dict[tuple[int, str], list[int]] = {}
         for item, (prototype, source) in enumerate(zip(entries["prototype"], entries["source"], strict=True)):

@@ -67,10 +67,7 @@ def _sample(spec: Any, times: Any, poses: Any) -> None:
 
 
 def _write_events(prims: Sequence[Any], events: Table | None) -> None:
-    if events is None:
-        return
-    for row in dict.fromkeys(events.rows.tolist()):
-        found = events.of(row)
+    for row, found in () if events is None else events.groups():
         spec = custom(prims[row], schema.EVENTS, Types.StringArray, None, uniform=False)
         for moment in dict.fromkeys(found["time"].tolist()):
             now = np.flatnonzero(found["time"] == moment)
