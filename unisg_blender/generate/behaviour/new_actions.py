@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...scene import ActionData, LessonNode, SceneGraph, Thresholds, canonical, table
-from ...scene.graph import TYPE_INDEX, Table
+from ...scene.component_table import Table
+from ...scene.graph import TYPE_INDEX
 from .action_kinds import Kind
 from .answer_rules import answers_of
 from .reference_poses import reference_pose, surroundings
