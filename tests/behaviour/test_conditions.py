@@ -59,7 +59,7 @@ class Bench:
         self.state = start(self.checks)
 
     def at(self, time, trigger=(), force=None, answers=None, **where):
-        world = world_matrices(self.graph)
+        world = world_matrices(self.graph).copy()
         for name, matrix in where.items():
             world[self.graph.row(name.capitalize())] = matrix
         self.state = step(self.checks, self.state, moment(self.graph, time, world, trigger, force, answers))
@@ -193,7 +193,7 @@ def test_parallel(mode, expected):
     builder.add("Target", uid="target", mesh=CUBE, actions=(group, insert(distance=0.1), question))
     graph = builder.build()
     checks = compile_actions(graph)
-    state, world = start(checks), world_matrices(graph)
+    state, world = start(checks), world_matrices(graph).copy()
     done = []
     for chosen, pose in [({}, at(0)), ({"q": (0,)}, at(0)), ({}, at(1))]:
         world[0] = pose

@@ -294,7 +294,7 @@ def test_the_scalpel_is_placed_on_the_knee():
     small[:2, :2] = [[math.cos(0.1), -math.sin(0.1)], [math.sin(0.1), math.cos(0.1)]]
 
     def now(time, patient, scalpel, mask, answers=None):
-        world = world_matrices(graph.replace(local=_moved(graph, patient)))
+        world = world_matrices(graph.replace(local=_moved(graph, patient))).copy()
         knee, face = world[graph.row("Knee")], world[graph.row("Face")]
         world[graph.row("Scalpel")], world[graph.row("Mask")] = knee @ scalpel, face @ mask
         return moment(graph, time, world, answers=answers)
@@ -343,7 +343,7 @@ def two_inserts(**fields):
 
 
 def places(graph, time, a, b):
-    world = world_matrices(graph)
+    world = world_matrices(graph).copy()
     world[graph.row("A")], world[graph.row("B")] = shifted(a), shifted(b)
     return moment(graph, time, world)
 

@@ -10,7 +10,7 @@ import pytest
 
 from unisg_blender.behaviour import moments, prepare, rehearse
 from unisg_blender.cli import main
-from unisg_blender.scene.graph import table
+from unisg_blender.scene.component_table import table
 from unisg_blender.usd import write_usd
 
 spec = importlib.util.spec_from_file_location("surgery", Path(__file__).with_name("test_simulate.py"))

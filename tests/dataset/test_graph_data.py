@@ -17,7 +17,7 @@ from torch_geometric.transforms import ToUndirected  # noqa: E402
 from unisg_blender.dataset import UniSGDataset, open_dataset, to_heterodata, write_dataset  # noqa: E402
 from unisg_blender.dataset.format import writer  # noqa: E402
 from unisg_blender.poses import FORMS  # noqa: E402
-from unisg_blender.scene import SceneBuilder, SceneGraph, info  # noqa: E402
+from unisg_blender.scene import SceneBuilder, SceneGraph  # noqa: E402
 
 Make = Callable[..., SceneGraph]
 
@@ -47,7 +47,7 @@ def test_nodes_and_edges_mean_the_scene(make_scene: Make) -> None:
     row = graph.row
     assert data["entity"].num_nodes == len(graph)
     assert_array_equal(data["entity"].category, graph.category)
-    assert_array_equal(data["info"].x, info(graph))
+    assert_array_equal(data["info"].x, graph.info)
     poses = FORMS["dual_quaternion"].decode(data["trs"].x.numpy().astype(float), stretch=True)
     assert_allclose(poses, graph.local, atol=1e-5)
     assert sorted(data["entity", "parent_of", "entity"].edge_index.T.tolist()) == sorted(

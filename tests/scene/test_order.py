@@ -8,7 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from unisg_blender import UniSGError
-from unisg_blender.scene.order import canonical_order, depths, natural_key, natural_ranks
+from unisg_blender.scene.order import canonical_order, natural_key, natural_ranks
+from unisg_blender.scene.parents import depths
 
 NAMES = st.lists(
     st.one_of(st.text("aAb12.", max_size=5), st.text("é٣1 ", max_size=4), st.text(max_size=3)), max_size=30

@@ -13,8 +13,9 @@ from __future__ import annotations
 import bpy
 import numpy as np
 
+from ..scene.component_table import Table, table
 from ..scene.components import INSTANCES
-from ..scene.graph import SceneGraph, Table, table
+from ..scene.graph import SceneGraph
 from ..scene.hierarchy import take
 
 HELPER = "unisg_helper"

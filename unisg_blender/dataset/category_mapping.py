@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import tomllib
 from collections.abc import Iterable, Mapping, Sequence
@@ -11,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import UniSGError
+from ..runtime.json_records import parse_json
 from ..scene import SceneGraph, Table
 from ..scene.assembly import index_categories
 from ..scene.components import COLLECTIONS, INSTANCES
@@ -36,11 +36,11 @@ def read_mapping(path: str | os.PathLike[str]) -> dict[str, dict[str, str]]:
     path = Path(path)
     try:
         text = path.read_text("utf-8")
-        content = tomllib.loads(text) if path.suffix.lower() == ".toml" else json.loads(text)
+        content = tomllib.loads(text) if path.suffix.lower() == ".toml" else parse_json(text, f"the mapping {path}")
     except OSError as error:
         raise UniSGError(f"cannot read the mapping {path}: {error.strerror}") from None
-    except ValueError as error:
-        raise UniSGError(f"the mapping {path} is not valid JSON or TOML: {error}") from None
+    except (ValueError, RecursionError) as error:
+        raise UniSGError(f"the mapping {path} is not valid TOML: {error}") from None
     return checked_mapping(content, str(path))
 
 

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from ..scene import Mesh, SceneGraph, mesh_from_faces, table
 from ..scene.action_data import actions_from_json
-from ..scene.graph import Table
+from ..scene.component_table import Table
 from ..scene.lesson_node import lesson_from_json
 from .format.reader import Scene
 
@@ -48,7 +48,7 @@ def to_scenegraph(scene: Scene) -> SceneGraph:
         meshes=tuple(map(_box, scene.strings("mesh.name"), scene["mesh.bounds"])),
         components={name: value for name, value in tables.items() if len(value.rows)},
         title=scene.title,
-    )
+    ).validate()
 
 
 def _box(name: str, bounds: NDArray[np.float32]) -> Mesh:

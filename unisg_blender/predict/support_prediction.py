@@ -12,7 +12,8 @@ from ..errors import UniSGError
 from ..geometry.arrays import Ints
 from ..geometry.boxes import Boxes
 from ..scene import components
-from ..scene.graph import SceneGraph, table
+from ..scene.component_table import table
+from ..scene.graph import SceneGraph
 from .object_pairs import PAIR_CHANNELS, candidate_pairs, in_chunks, object_boxes, pair_features
 from .prediction_session import load_network
 

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import UniSGError
+from ..runtime.json_records import check_version, from_record, parse_json, to_record
 
 VERSION = 1
 TYPES = ("Insert", "Remove", "Use", "Tool", "Question", "Parallel")
@@ -90,12 +90,10 @@ class ActionData:
         return None if self.reference is None else np.array(self.reference).reshape(4, 4)
 
 
-_OPTIONAL = tuple(item.name for item in fields(ActionData) if item.name not in ("uid", "type", "thresholds", "extra"))
-
-
 def actions_to_json(actions: Sequence[ActionData]) -> str:
     """The value of the custom property ``unisg_actions``: a JSON list, defaults left out."""
-    return json.dumps([_to_record(action) for action in actions], ensure_ascii=False, sort_keys=True)
+    records = [to_record(action) | {"version": VERSION} for action in actions]
+    return json.dumps(records, ensure_ascii=False, sort_keys=True)
 
 
 def actions_from_json(text: str) -> tuple[ActionData, ...]:
@@ -106,91 +104,27 @@ def actions_from_json(text: str) -> tuple[ActionData, ...]:
     UniSGError
         If the text is no JSON list of actions, or was written by a newer version.
     """
-    try:
-        records = json.loads(text)
-    except ValueError as error:
-        raise UniSGError(f"unisg_actions is not valid JSON: {error}") from None
+    records = parse_json(text, "unisg_actions")
     if not isinstance(records, list):
         raise UniSGError("unisg_actions must be a JSON list of actions")
-    return tuple(_from_record(record) for record in records)
+    return tuple(map(_action, records))
 
 
-def _to_record(action: ActionData) -> dict[str, Any]:
-    record: dict[str, Any] = dict(action.extra) | {"version": VERSION, "uid": action.uid, "type": action.type}
-    blank = ActionData("", "")
-    for name in _OPTIONAL:
-        value = getattr(action, name)
-        if value != getattr(blank, name):
-            record[name] = _plain(value)
-    limits = {item.name: getattr(action.thresholds, item.name) for item in fields(Thresholds)}
-    limits = {name: value for name, value in limits.items() if value is not None}
-    return record | ({"thresholds": limits} if limits else {})
-
-
-def _plain(value: Any) -> Any:
-    if isinstance(value, Mapping):
-        return dict(value)
-    return list(value) if isinstance(value, tuple) else value
-
-
-def _from_record(record: Any) -> ActionData:
-    if (
-        not isinstance(record, dict)
-        or not isinstance(record.get("uid"), str)
-        or not isinstance(record.get("type"), str)
-    ):
-        raise UniSGError("an action needs at least the strings 'uid' and 'type'")
-    record = dict(record)
-    version = record.pop("version", VERSION)
-    if not isinstance(version, int) or version > VERSION:
-        raise UniSGError(
-            f"action {record['uid']!r} has version {version}; this software reads up to {VERSION}: update it"
-        )
-    known = {item.name for item in fields(ActionData)} - {"extra"}
-    values = {name: record.pop(name) for name in list(record) if name in known}
-    values["thresholds"] = _thresholds(values.get("thresholds", {}), values["uid"])
-    for name in ("targets", "tools", "answers", "members", "correct"):
-        values[name] = _tuple_of(values.get(name, ()), int if name == "correct" else str, name, values["uid"])
-    for name, kind in (("name", str), ("frame", str), ("mode", str), ("trigger", bool)):
-        if name in values and not isinstance(values[name], kind):
-            raise UniSGError(f"action {values['uid']!r}: {name!r} must be a {kind.__name__}")
-    if values.get("mode", "all") not in MODES:
-        raise UniSGError(f"action {values['uid']!r}: 'mode' must be 'all' or 'any'")
-    values["reference"] = _reference(values.get("reference"), values["uid"])
-    values["names"] = _names(values.get("names", {}), values["uid"])
-    return ActionData(**values, extra=record)
-
-
-def _tuple_of(value: Any, kind: type, name: str, uid: str) -> tuple[Any, ...]:
-    if not isinstance(value, list | tuple) or not all(
-        isinstance(item, kind) and not isinstance(item, bool) for item in value
-    ):
-        raise UniSGError(f"action {uid!r}: {name!r} must be a list of {kind.__name__} values")
-    return tuple(value)
-
-
-def _reference(value: Any, uid: str) -> tuple[float, ...] | None:
-    if value is None:
-        return None
-    numbers = value if isinstance(value, list | tuple) else ()
-    if len(numbers) != 16 or not all(isinstance(item, int | float) and math.isfinite(item) for item in numbers):
-        raise UniSGError(f"action {uid!r}: 'reference' must be 16 finite numbers, a 4x4 matrix row by row")
-    if tuple(numbers[12:]) != (0, 0, 0, 1):
-        raise UniSGError(f"action {uid!r}: the last row of 'reference' must be 0 0 0 1")
-    return tuple(float(item) for item in numbers)
-
-
-def _names(value: Any, uid: str) -> dict[str, str]:
-    if not isinstance(value, dict) or not all(isinstance(name, str) for name in value.values()):
-        raise UniSGError(f"action {uid!r}: 'names' must map uids to names")
-    return value
-
-
-def _thresholds(value: Any, uid: str) -> Thresholds:
-    names = {item.name for item in fields(Thresholds)}
-    if not isinstance(value, dict) or not set(value) <= names:
-        raise UniSGError(f"action {uid!r}: 'thresholds' may have {', '.join(sorted(names))}")
-    for name, number in value.items():
-        if not isinstance(number, int | float) or isinstance(number, bool) or not 0 <= number < math.inf:
-            raise UniSGError(f"action {uid!r}: threshold {name!r} must be a number that is not negative")
-    return Thresholds(**value)
+def _action(record: Any) -> ActionData:
+    if isinstance(record, dict):
+        record = dict(record)
+        check_version(record.pop("version", VERSION), f"action {record.get('uid')!r} has", VERSION)
+    action = from_record(ActionData, record, "action")
+    where, reference = f"action {action.uid!r}", action.reference
+    if action.mode not in MODES:
+        raise UniSGError(f"{where}: 'mode' must be 'all' or 'any'")
+    if reference is not None:
+        if len(reference) != 16:
+            raise UniSGError(f"{where}: 'reference' must be 16 finite numbers, a 4x4 matrix row by row")
+        if reference[12:] != (0, 0, 0, 1):
+            raise UniSGError(f"{where}: the last row of 'reference' must be 0 0 0 1")
+        reference = tuple(map(float, reference))
+    for name, limit in vars(action.thresholds).items():
+        if limit is not None and limit < 0:
+            raise UniSGError(f"{where}: threshold {name!r} must be a number that is not negative")
+    return replace(action, reference=reference)

@@ -8,12 +8,14 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from .component_table import Table
 from .copied_behaviour import retarget_properties
-from .graph import TYPE_INDEX, SceneGraph, Table
-from .hierarchy import compose_world, take
+from .graph import TYPE_INDEX, SceneGraph
+from .hierarchy import take
 from .identity import resolve_uids
 from .mesh import Material, Mesh
 from .order import canonical_order
+from .parents import compose_world
 from .properties import ObjectProperties, property_tables
 
 
@@ -45,7 +47,7 @@ def assemble(columns: Columns) -> SceneGraph:
     Raises
     ------
     UniSGError
-        If the parents form a cycle.
+        If the parents form a cycle, or a column is not sound: see :meth:`~.graph.SceneGraph.validate`.
     """
     names = tuple(columns.name)
     properties = list(columns.properties) or [ObjectProperties()] * len(names)
@@ -70,7 +72,7 @@ def assemble(columns: Columns) -> SceneGraph:
         components={**columns.components, **property_tables(properties)},
         title=columns.title,
     )
-    return canonical(graph)
+    return canonical(graph).validate()
 
 
 def canonical(graph: SceneGraph) -> SceneGraph:

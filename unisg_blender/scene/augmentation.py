@@ -18,7 +18,8 @@ from numpy.typing import NDArray
 from ..errors import UniSGError
 from ..poses import exp
 from .action_data import ActionData
-from .graph import SceneGraph, Table
+from .component_table import Table, table
+from .graph import SceneGraph
 from .hierarchy import subtree, take
 from .mesh import Mesh
 
@@ -172,15 +173,16 @@ def _moved(graph: SceneGraph, motion: NDArray[np.float64]) -> SceneGraph:
 
 def _with_references(graph: SceneGraph, change: Callable[[ActionData, Matrix], Matrix]) -> dict[str, Table]:
     """The table of actions with changed reference poses; an empty dict where there is none."""
-    table = graph.components.get("actions")
-    if table is None:
+    actions = graph.components.get("actions")
+    if actions is None:
         return {}
-    data = np.empty(len(table.rows), object)
-    for index, action in enumerate(table.columns["data"]):
+
+    def changed(action: ActionData) -> ActionData:
+        """The action with its reference pose changed, if it has one."""
         pose = action.reference_matrix
-        changed = None if pose is None else tuple(change(action, pose).reshape(-1).tolist())
-        data[index] = action if pose is None else replace(action, reference=changed)
-    return {"actions": Table(table.rows, {**table.columns, "data": data})}
+        return action if pose is None else replace(action, reference=tuple(change(action, pose).reshape(-1).tolist()))
+
+    return {"actions": table(actions.rows, data=[*map(changed, actions.columns["data"])])}
 
 
 def _rows_of(graph: SceneGraph, categories: Collection[str]) -> NDArray[np.int64]:

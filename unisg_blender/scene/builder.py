@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from ..errors import UniSGError
 from .action_data import ActionData
 from .assembly import Columns, assemble
 from .graph import SceneGraph
@@ -49,11 +50,19 @@ class SceneBuilder:
         ``local`` is the 4x4 child-to-parent matrix in metres (identity when
         omitted); the same ``mesh`` object given twice is stored once; ``kind`` is
         the object type, by default "MESH" with a mesh and "EMPTY" without.
+
+        Raises
+        ------
+        UniSGError
+            If ``local`` has another shape.
         """
+        local = np.eye(4) if local is None else np.asarray(local, np.float64)
+        if local.shape != (4, 4):
+            raise UniSGError(f"the local matrix of {name!r} must have the shape (4, 4), not {local.shape}")
         self._names.append(name)
         self._types.append(kind or ("MESH" if mesh is not None else "EMPTY"))
         self._parents.append(parent)
-        self._locals.append(np.eye(4) if local is None else np.asarray(local, np.float64))
+        self._locals.append(local)
         if mesh is not None:
             self._mesh_table.setdefault(id(mesh), (len(self._mesh_table), mesh))
         self._meshes.append(-1 if mesh is None else self._mesh_table[id(mesh)][0])

@@ -1,19 +1,20 @@
-"""The UniSG scenegraph: a structure of arrays with sparse component tables."""
+"""The UniSG scenegraph: a structure of arrays with sparse component tables, and its entities as views on the rows."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..errors import UniSGError
+from .action_data import ActionData
+from .component_table import Table
 from .mesh import Material, Mesh
-
-if TYPE_CHECKING:
-    from .entity import Entity
+from .parents import compose_world, subtree_rows
 
 TYPES = (
     "MESH", "EMPTY", "CAMERA", "LIGHT", "ARMATURE", "CURVE", "CURVES", "SURFACE", "META", "FONT", "LATTICE",
@@ -23,62 +24,16 @@ TYPES = (
 
 TYPE_INDEX = {name: index for index, name in enumerate(TYPES)}
 
-
-@dataclass(frozen=True, eq=False)
-class Table:
-    """A sparse component: some rows of the scenegraph have values, most have none.
-
-    ``rows`` is int32 (K,) in ascending order and may repeat (an entity with two
-    actions has two rows). Every column has length K along its first axis.
-    References to other entities are uids, never row numbers, so that rows can be
-    reordered and removed freely.
-    """
-
-    rows: NDArray[np.int32]
-    columns: Mapping[str, NDArray[Any]]
-
-    def of(self, row: int) -> dict[str, NDArray[Any]]:
-        """The values of one row: every column cut to the entries of ``row``."""
-        start, stop = np.searchsorted(self.rows, (row, row + 1))
-        return {name: column[start:stop] for name, column in self.columns.items()}
-
-    def groups(self) -> Iterator[tuple[int, dict[str, NDArray[Any]]]]:
-        """Every row that has values, once, with what :meth:`of` gives for it."""
-        rows, starts = np.unique(self.rows, return_index=True)
-        for row, start, stop in zip(
-            rows.tolist(), starts.tolist(), [*starts[1:].tolist(), len(self.rows)], strict=True
-        ):
-            yield row, {name: column[start:stop] for name, column in self.columns.items()}
-
-    def take(self, rows: NDArray[np.integer], count: int) -> Table:
-        """The table after the scenegraph kept ``rows`` (of ``count``) in that order."""
-        place = np.full(count, -1, np.int64)
-        place[rows] = np.arange(len(rows))
-        moved = place[self.rows]
-        order = np.argsort(moved, kind="stable")
-        order = order[moved[order] >= 0]
-        return Table(moved[order].astype(np.int32), {name: column[order] for name, column in self.columns.items()})
-
-
-def table(rows: Sequence[int] | NDArray[np.integer], **columns: Sequence[Any] | NDArray[Any]) -> Table:
-    """A table from rows in any order and columns; lists become object arrays."""
-    order = np.argsort(np.asarray(rows, np.int64), kind="stable")
-    arrays = {name: _column(values)[order] for name, values in columns.items()}
-    return Table(np.asarray(rows, np.int32)[order], arrays)
-
-
-def _column(values: Sequence[Any] | NDArray[Any]) -> NDArray[Any]:
-    if isinstance(values, np.ndarray):
-        return values
-    column = np.empty(len(values), object)
-    for place, value in enumerate(values):  # one by one: numpy would unpack tuples and arrays of equal length
-        column[place] = value
-    return column
+_COLUMNS: dict[str, tuple[type[np.generic], tuple[int, ...]]] = {
+    "type": (np.integer, ()), "parent": (np.integer, ()), "category": (np.integer, ()), "mesh": (np.integer, ()),
+    "local": (np.floating, (4, 4)),
+}  # fmt: skip
+"""Kind of number and shape of one entity's entry, by column."""
 
 
 @dataclass(frozen=True, eq=False)
 class SceneGraph:
-    """One scene; N entities, parents before their children.
+    """One scene; N entities, parents before their children. It is never changed: what is derived is computed once.
 
     Attributes
     ----------
@@ -110,6 +65,11 @@ class SceneGraph:
         move away from ``local``), and others.
     title
         Name of the scene.
+
+    Raises
+    ------
+    UniSGError
+        If a column is not of the length, the shape or the kind that it should be.
     """
 
     name: tuple[str, ...]
@@ -125,14 +85,80 @@ class SceneGraph:
     components: Mapping[str, Table] = field(default_factory=dict)
     title: str = "Scene"
 
+    def __post_init__(self) -> None:
+        """Refuse columns that do not belong together; :meth:`validate` looks at what they hold."""
+        count = len(self.name)
+        if len(self.uid) != count:
+            raise UniSGError(f"the column 'uid' has {len(self.uid)} entries for {count} names")
+        for key, (kind, shape) in _COLUMNS.items():
+            column = np.asanyarray(getattr(self, key))
+            if column.shape != (count, *shape) or not issubclass(column.dtype.type, kind):
+                wanted = f"{kind.__name__} {(count, *shape)}"
+                raise UniSGError(f"the column {key!r} must be {wanted}, not {column.dtype} {column.shape}")
+
+    def validate(self) -> SceneGraph:
+        """This scenegraph, if what its columns hold is sound.
+
+        Raises
+        ------
+        UniSGError
+            Naming the column: a uid that is given twice, parents that do not come before their
+            children (so also a cycle), a number beyond its vocabulary, meshes or types, a component
+            table whose rows are not ascending rows of this scene.
+        """
+        count = len(self)
+        if len(self.row_of_uid) != count:
+            twice = next(uid for row, uid in enumerate(self.uid) if self.row_of_uid[uid] != row)
+            raise UniSGError(f"the column 'uid' has {twice!r} more than once")
+        wrong = np.flatnonzero(self.parent >= np.arange(count))
+        if len(wrong):
+            row = int(wrong[0])
+            raise UniSGError(f"the column 'parent' has {self.parent[row]} in row {row}: parents must come first")
+        lengths = {"type": (0, len(TYPES)), "parent": (-1, count), "category": (-1, len(self.vocabulary))}
+        for key, (low, stop) in (lengths | {"mesh": (-1, len(self.meshes))}).items():
+            column = getattr(self, key)
+            if count and not (low <= column.min() and column.max() < stop):
+                row = int(np.flatnonzero((column < low) | (column >= stop))[0])
+                raise UniSGError(f"the column {key!r} has {column[row]} in row {row}: it goes from {low} to {stop - 1}")
+        for key, component in self.components.items():
+            rows = component.rows
+            if len(rows) and (rows[0] < 0 or rows[-1] >= count or (np.diff(rows) < 0).any()):
+                raise UniSGError(f"the component {key!r} must have ascending rows from 0 to {count - 1}")
+        return self
+
     def __len__(self) -> int:
         return len(self.name)
 
     def __getitem__(self, key: int | str) -> Entity:
         """The entity at a row, or the first one with that name (KeyError if there is none)."""
-        from .entity import Entity
-
         return Entity(self, self.row(key) if isinstance(key, str) else range(len(self))[key])
+
+    @cached_property
+    def world(self) -> NDArray[np.float64]:
+        """World matrices, float64 (N, 4, 4), column vectors, metres; read-only.
+
+        Entities that constraints move have their evaluated matrix, and what hangs
+        under them follows.
+        """
+        local, parent, moved = self.local, self.parent, self.components.get("world")
+        if moved is not None:
+            local, parent = local.copy(), parent.copy()
+            local[moved.rows], parent[moved.rows] = moved.columns["matrix"], -1
+        return _frozen(compose_world(local, parent))
+
+    @cached_property
+    def info(self) -> NDArray[np.int64]:
+        """The info component, int64 (N, 4): how many (entity, TRS, mesh, ActionData) nodes each entity has; read-only.
+
+        In the UniSG graph an entity's children are its child entities and its own
+        components. Source: UniSG^GA, section 3 (info node).
+        """
+        actions = self.components.get("actions")
+        counts = np.ones((len(self), 4), np.int64)
+        counts[:, 0] = np.bincount(self.parent[self.parent >= 0], minlength=len(self))
+        counts[:, 2] = self.mesh >= 0
+        counts[:, 3] = 0 if actions is None else np.bincount(actions.rows, minlength=len(self))
+        return _frozen(counts)
 
     @cached_property
     def row_of_uid(self) -> dict[str, int]:
@@ -159,3 +185,84 @@ class SceneGraph:
         """A copy with a component table added, replaced, or (if it is empty) removed."""
         others = {key: value for key, value in self.components.items() if key != name}
         return self.replace(components=others | ({name: component} if len(component.rows) else {}))
+
+
+def _frozen(array: NDArray[Any]) -> NDArray[Any]:
+    array.flags.writeable = False
+    return array
+
+
+@dataclass(frozen=True)
+class Entity:
+    """One row of a scenegraph, as an object: ``scene["Scalpel"].parent.children``."""
+
+    scene: SceneGraph = field(repr=False)
+    row: int
+
+    @property
+    def name(self) -> str:
+        """Name, which other entities may share."""
+        return self.scene.name[self.row]
+
+    @property
+    def uid(self) -> str:
+        """Unique identifier."""
+        return self.scene.uid[self.row]
+
+    @property
+    def type(self) -> str:
+        """Object type as Blender names it ("MESH", "EMPTY" ...)."""
+        return TYPES[self.scene.type[self.row]]
+
+    @property
+    def category(self) -> str:
+        """What the object is, "" if that is not known."""
+        return self.scene.category_name(self.row)
+
+    @property
+    def parent(self) -> Entity | None:
+        """The parent, None for a root."""
+        row = int(self.scene.parent[self.row])
+        return Entity(self.scene, row) if row >= 0 else None
+
+    @property
+    def children(self) -> tuple[Entity, ...]:
+        """Direct children in entity order."""
+        return tuple(Entity(self.scene, row) for row in np.flatnonzero(self.scene.parent == self.row).tolist())
+
+    @property
+    def descendants(self) -> tuple[Entity, ...]:
+        """Everything below this entity."""
+        return tuple(Entity(self.scene, row) for row in subtree_rows(self.scene.parent, self.row)[1:].tolist())
+
+    @property
+    def local(self) -> NDArray[np.float64]:
+        """The TRS component: float64 (4, 4), this frame to the parent's."""
+        return self.scene.local[self.row]
+
+    @property
+    def world(self) -> NDArray[np.float64]:
+        """float64 (4, 4), this frame to the world."""
+        return self.scene.world[self.row]
+
+    @property
+    def mesh(self) -> Mesh | None:
+        """The mesh component."""
+        index = int(self.scene.mesh[self.row])
+        return self.scene.meshes[index] if index >= 0 else None
+
+    @property
+    def info(self) -> NDArray[np.int64]:
+        """The info component: counts of (entity, TRS, mesh, ActionData) nodes among the children."""
+        return self.scene.info[self.row]
+
+    @property
+    def actions(self) -> tuple[ActionData, ...]:
+        """The ActionData components that belong to this entity."""
+        found = self.component("actions").get("data")
+        return () if found is None else tuple(found)
+
+    def component(self, name: str) -> dict[str, NDArray[Any]]:
+        """This entity's entries of a component table; an empty dict if there is no such table."""
+        found = self.scene.components.get(name)
+        return {} if found is None else found.of(self.row)

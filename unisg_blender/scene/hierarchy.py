@@ -2,41 +2,16 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
-
 import numpy as np
 from numpy.typing import NDArray
 
 from .graph import SceneGraph
-from .order import depths
-
-
-def compose_world(local: NDArray[np.float64], parent: NDArray[np.integer]) -> NDArray[np.float64]:
-    """World matrices (N, 4, 4) from child-to-parent ones, one product per level of the hierarchy."""
-    world = np.array(local, np.float64)
-    depth = depths(parent)
-    if not depth.any():
-        return world
-    by_level = np.argsort(depth, kind="stable")
-    ends = np.searchsorted(depth[by_level], np.arange(1, depth.max(initial=0) + 2))
-    for start, stop in pairwise(ends):
-        rows = by_level[start:stop]
-        world[rows] = world[parent[rows]] @ local[rows]
-    return world
+from .parents import subtree_rows
 
 
 def world_matrices(graph: SceneGraph) -> NDArray[np.float64]:
-    """World matrices, float64 (N, 4, 4), column vectors, metres.
-
-    Entities that constraints move have their evaluated matrix, and what hangs
-    under them follows.
-    """
-    moved = graph.components.get("world")
-    if moved is None:
-        return compose_world(graph.local, graph.parent)
-    local, parent = graph.local.copy(), graph.parent.copy()
-    local[moved.rows], parent[moved.rows] = moved.columns["matrix"], -1
-    return compose_world(local, parent)
+    """World matrices, float64 (N, 4, 4), read-only: :attr:`.graph.SceneGraph.world`, computed once per scenegraph."""
+    return graph.world
 
 
 def children(graph: SceneGraph, row: int) -> NDArray[np.int64]:
@@ -46,12 +21,7 @@ def children(graph: SceneGraph, row: int) -> NDArray[np.int64]:
 
 def subtree(graph: SceneGraph, row: int) -> NDArray[np.int64]:
     """Rows of an entity and all its descendants, in entity order."""
-    inside = np.zeros(len(graph), bool)
-    level = np.array([row])
-    while len(level):
-        inside[level] = True
-        level = np.flatnonzero(np.isin(graph.parent, level))
-    return np.flatnonzero(inside)
+    return subtree_rows(graph.parent, row)
 
 
 def take(graph: SceneGraph, rows: NDArray[np.integer]) -> SceneGraph:
@@ -67,7 +37,7 @@ def take(graph: SceneGraph, rows: NDArray[np.integer]) -> SceneGraph:
     local = graph.local[rows].copy()
     cut = (parent < 0) & (graph.parent[rows] >= 0)
     if cut.any():
-        local[cut] = world_matrices(graph)[rows[cut]]
+        local[cut] = graph.world[rows[cut]]
     return graph.replace(
         name=tuple(map(graph.name.__getitem__, rows.tolist())),
         uid=tuple(map(graph.uid.__getitem__, rows.tolist())),

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
 from typing import Any
 
 from ..errors import UniSGError
+from ..runtime.json_records import check_version, from_record, parse_json, to_record
 
 VERSION = 1
 KINDS = ("operation", "lesson", "stage", "action")
@@ -57,7 +58,7 @@ class LessonNode:
 
 def lesson_to_json(operation: LessonNode) -> str:
     """The value of the custom property ``unisg_lsa``: a JSON object, defaults left out."""
-    return json.dumps({"version": VERSION} | _to_record(operation), ensure_ascii=False, sort_keys=True)
+    return json.dumps(to_record(operation) | {"version": VERSION}, ensure_ascii=False, sort_keys=True)
 
 
 def lesson_from_json(text: str) -> LessonNode:
@@ -68,43 +69,15 @@ def lesson_from_json(text: str) -> LessonNode:
     UniSGError
         If the text is no JSON object of that form, or was written by a newer version.
     """
-    try:
-        record = json.loads(text)
-    except (ValueError, RecursionError) as error:
-        raise UniSGError(f"unisg_lsa is not valid JSON: {error}") from None
+    record = parse_json(text, "unisg_lsa")
     if not isinstance(record, dict) or record.get("kind") != "operation":
         raise UniSGError("unisg_lsa must be a JSON object whose kind is 'operation'")
-    version = record.pop("version", VERSION)
-    if not isinstance(version, int) or version > VERSION:
-        raise UniSGError(f"this lesson has version {version}; this software reads up to {VERSION}: update it")
-    return _from_record(record)
-
-
-def _to_record(node: LessonNode) -> dict[str, Any]:
-    record: dict[str, Any] = dict(node.extra) | {"kind": node.kind, "uid": node.uid}
-    blank = LessonNode("", "")
-    for name in ("name", "action", "requires", "optional", "ordered"):
-        value = getattr(node, name)
-        if value != getattr(blank, name):
-            record[name] = list(value) if isinstance(value, tuple) else value
-    return record | ({"children": [_to_record(child) for child in node.children]} if node.children else {})
-
-
-def _from_record(record: Any) -> LessonNode:
-    if not isinstance(record, dict) or record.get("kind") not in KINDS or not isinstance(record.get("uid"), str):
-        raise UniSGError(f"a node of the lesson needs a 'uid' and a 'kind' out of {', '.join(KINDS)}")
-    record = dict(record)
-    known = {item.name for item in fields(LessonNode)} - {"extra"}
-    values = {name: record.pop(name) for name in list(record) if name in known}
-    for name, kind in (("name", str), ("action", str), ("optional", bool), ("ordered", bool)):
-        if name in values and not isinstance(values[name], kind):
-            raise UniSGError(f"lesson node {values['uid']!r}: {name!r} must be a {kind.__name__}")
-    for name in ("children", "requires"):
-        if not isinstance(values.get(name, []), list):
-            raise UniSGError(f"lesson node {values['uid']!r}: {name!r} must be a list")
-    values["children"] = tuple(_from_record(child) for child in values.get("children", ()))
-    values["requires"] = tuple(str(uid) for uid in values.get("requires", ()))
-    for child in values["children"]:
-        if child.kind not in MAY_HOLD[values["kind"]]:
-            raise UniSGError(f"a {values['kind']} cannot hold the {child.kind} {child.name or child.uid!r}")
-    return LessonNode(**values, extra=record)
+    check_version(record.pop("version", VERSION), "this lesson has", VERSION)
+    operation = from_record(LessonNode, record, "lesson node")
+    for node in operation.walk():
+        for child in node.children:
+            if child.kind not in KINDS:
+                raise UniSGError(f"lesson node {child.uid!r}: 'kind' must be one of {', '.join(KINDS)}")
+            if child.kind not in MAY_HOLD[node.kind]:
+                raise UniSGError(f"{node.kind} {node.uid!r} cannot hold the {child.kind} {child.name or child.uid!r}")
+    return operation

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import UniSGError
+from .parents import depths
 
 _DIGITS = re.compile(r"(\d+)")
 LONGEST = 18  # digits that surely fit into 64 bits
@@ -19,28 +19,6 @@ def natural_key(name: str) -> tuple[list[str | int], str]:
     parts: list[str | int] = list(_DIGITS.split(name.casefold()))
     parts[1::2] = [int(digits) for digits in parts[1::2]]
     return parts, name
-
-
-def depths(parent: NDArray[np.integer]) -> NDArray[np.int64]:
-    """int64 (N,): steps from each row up to its root, in any row order.
-
-    Raises
-    ------
-    UniSGError
-        If the parents form a cycle or point outside the rows.
-    """
-    count = len(parent)
-    if count and (parent.max() >= count or parent.min() < -1):
-        raise UniSGError("a parent is not in the scene: the hierarchy is damaged")
-    depth = (parent >= 0).astype(np.int64)
-    above = parent.astype(np.int64)
-    for _ in range(count.bit_length() + 1):  # pointer doubling: after k rounds `above` is 2^k ancestors up
-        inside = above >= 0
-        if not inside.any():
-            return depth
-        depth[inside] += depth[above[inside]]
-        above[inside] = above[above[inside]]
-    raise UniSGError("the parents form a cycle: an object is its own ancestor")
 
 
 def natural_ranks(names: Sequence[str]) -> NDArray[np.int64]:

@@ -14,7 +14,8 @@ from typing import Any
 from ..errors import UniSGError
 from . import recording_tables as recording
 from .action_data import ActionData, actions_from_json
-from .graph import SceneGraph, table
+from .component_table import table
+from .graph import SceneGraph
 from .lesson_node import LessonNode, lesson_from_json
 from .relation import Relation, relations_from_json
 

@@ -12,8 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import UniSGError
+from ..runtime.json_records import check_version, parse_json
+from .component_table import Table, table
 from .components import EVENTS, RECORDING
-from .graph import SceneGraph, Table, table
+from .graph import SceneGraph
 
 VERSION = 1
 KEY = "unisg_recording"
@@ -53,16 +55,15 @@ def recorded_from_json(text: str) -> Recorded:
     UniSGError
         If the text is no JSON object of that form, or was written by a newer version.
     """
+    record = parse_json(text, KEY)
     try:
-        record = json.loads(text)
         version = record.get("version", VERSION)
         times, poses = np.array(record.get("times", []), np.float64), np.array(record.get("poses", []), np.float64)
         events = tuple((float(when), str(word), str(uid)) for when, word, uid in record.get("events", []))
         poses = poses.reshape(len(times), 3, 4)
-    except (ValueError, TypeError, AttributeError, RecursionError) as error:
+    except (ValueError, TypeError, AttributeError) as error:
         raise UniSGError(f"{KEY} is not of the form that docs/behaviour.md describes: {error}") from None
-    if not isinstance(version, int) or version > VERSION:
-        raise UniSGError(f"this recording has version {version}; this software reads up to {VERSION}: update it")
+    check_version(version, "this recording has", VERSION)
     finite = np.isfinite(times).all() and np.isfinite(poses).all() and all(math.isfinite(when) for when, _, _ in events)
     if not finite or (np.diff(times) <= 0).any():
         raise UniSGError(f"{KEY} must have finite numbers and ascending times")

@@ -6,6 +6,7 @@ import json
 from dataclasses import dataclass
 
 from ..errors import UniSGError
+from ..runtime.json_records import check_version, parse_json
 
 VERSION = 1
 
@@ -20,8 +21,11 @@ class Relation:
 
 def relations_to_json(relations: tuple[Relation, ...]) -> str:
     """The value of the custom property ``unisg_relations``."""
-    pairs = [{"kind": relation.kind, "target": relation.target} for relation in relations]
-    return json.dumps({"version": VERSION, "relations": pairs}, ensure_ascii=False, sort_keys=True)
+    return json.dumps(
+        {"version": VERSION, "relations": [vars(relation) for relation in relations]},
+        ensure_ascii=False,
+        sort_keys=True,
+    )
 
 
 def relations_from_json(text: str) -> tuple[Relation, ...]:
@@ -32,13 +36,11 @@ def relations_from_json(text: str) -> tuple[Relation, ...]:
     UniSGError
         If the text is not of that form, or was written by a newer version.
     """
+    record = parse_json(text, "unisg_relations")
     try:
-        record = json.loads(text)
-        version, pairs = record["version"], record["relations"]
-        relations = tuple(Relation(str(pair["kind"]), str(pair["target"])) for pair in pairs)
-    except (ValueError, KeyError, TypeError):
+        relations = tuple(Relation(str(pair["kind"]), str(pair["target"])) for pair in record["relations"])
+        check_version(record["version"], "these relations have", VERSION)
+    except (KeyError, TypeError):
         form = '{"version": 1, "relations": [{"kind": ..., "target": ...}]}'
         raise UniSGError(f"unisg_relations must be {form}") from None
-    if not isinstance(version, int) or version > VERSION:
-        raise UniSGError(f"these relations have version {version}; this software reads up to {VERSION}: update it")
     return relations

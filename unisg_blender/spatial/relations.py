@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from ..geometry.box_overlap import nearby_pairs, penetration
 from ..geometry.surface_contact import MeshSurfaces, contact_heights, surface_gap, walls_around, within
 from ..scene import components
-from ..scene.graph import SceneGraph, table
+from ..scene.component_table import table
+from ..scene.graph import SceneGraph
 from .directions import directions
 from .part_boxes import part_boxes
 from .relation_objects import RelationObjects, find_relation_objects

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from ...errors import UniSGError
 from ...poses import FORMS
+from ...runtime.json_records import check_version, parse_json
 from ...scene.graph import SceneGraph
 from ...scene.hierarchy import world_matrices
 from ..lesson.action_places import all_actions
@@ -52,14 +53,10 @@ def motion_from_json(graph: SceneGraph, text: str) -> Motion:
     UniSGError
         If the text is not of that form, or names what is not in the scene.
     """
-    try:
-        record = json.loads(text)
-    except (ValueError, RecursionError) as error:
-        raise UniSGError(f"the motion is not valid JSON: {error}") from None
-    if not isinstance(record, dict) or not isinstance(record.get("version", VERSION), int):
+    record = parse_json(text, "the motion")
+    if not isinstance(record, dict):
         raise UniSGError("a motion must be a JSON object with tracks and inputs")
-    if record.get("version", VERSION) > VERSION:
-        raise UniSGError(f"this motion has version {record['version']}; this software reads up to {VERSION}: update it")
+    check_version(record.get("version", VERSION), "this motion has", VERSION)
     try:
         rate = float(record.get("rate", 30.0))
         tracks = tuple(_track(graph, each) for each in record.get("tracks", ()))

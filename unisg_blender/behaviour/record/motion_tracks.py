@@ -12,7 +12,8 @@ from ...errors import UniSGError
 from ...poses import FORMS
 from ...poses.reduction import rebuild
 from ...scene import components
-from ...scene.graph import SceneGraph, Table
+from ...scene.component_table import Table
+from ...scene.graph import SceneGraph
 from ...scene.hierarchy import world_matrices
 from ..play.snapshot import Moment, moment
 

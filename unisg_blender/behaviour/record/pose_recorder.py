@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 from ...poses import FORMS, convert
 from ...poses.motion import PIVOT
 from ...poses.reduction import reduce_keyframes
+from ...scene.component_table import table
 from ...scene.components import RECORDING
-from ...scene.graph import SceneGraph, table
+from ...scene.graph import SceneGraph
 
 STILL = 1e-7
 """Matrices that differ less, relative to their size, have not moved."""

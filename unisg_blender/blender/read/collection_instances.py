@@ -8,8 +8,9 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+from ...scene.component_table import Table, table
 from ...scene.components import INSTANCES
-from ...scene.graph import TYPE_INDEX, SceneGraph, Table, table
+from ...scene.graph import TYPE_INDEX, SceneGraph
 from ...scene.identity import derived_uid
 from ...scene.mesh import Mesh
 from ..unsupported.read_report import ReadReport

@@ -8,6 +8,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+from ...scene.component_table import Table, table
 from ...scene.components import (  # fmt: skip
     BONES,
     CAMERA,
@@ -20,7 +21,6 @@ from ...scene.components import (  # fmt: skip
     PARENTING,
     VISIBILITY,
 )
-from ...scene.graph import Table, table
 from .object_data import bone_table, camera_table, empty_table, light_table
 from .object_hierarchy import Hierarchy, read_matrices
 

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import bpy
 import numpy as np
 
-from ...scene.graph import Table, table
+from ...scene.component_table import Table, table
 from ..data_fields import ABSENT, BLENDER_NAME, CAMERA_NUMBERS, FOCUS, LIGHT_NUMBERS, LIGHT_SWITCHES
 
 Items = Sequence[bpy.types.Object]

@@ -9,7 +9,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ...scene.hierarchy import compose_world
+from ...scene.parents import compose_world
 from ..depsgraph import is_evaluated
 from ..trs import differ
 

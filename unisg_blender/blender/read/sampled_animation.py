@@ -8,8 +8,9 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+from ...scene.component_table import table
 from ...scene.components import ANIMATION
-from ...scene.graph import SceneGraph, table
+from ...scene.graph import SceneGraph
 from ..depsgraph import updated_depsgraph
 from ..lookup import objects_by_uid
 from .object_hierarchy import read_hierarchy

@@ -11,8 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...scene.assembly import Columns, assemble
+from ...scene.component_table import table
 from ...scene.components import WORLD
-from ...scene.graph import SceneGraph, table
+from ...scene.graph import SceneGraph
 from ...scene.mesh import Material
 from ...scene.properties import ObjectProperties, decode_properties
 from ...scene.realize_instances import realize

@@ -12,7 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from ...scene.graph import SceneGraph, table
+from ...scene.component_table import table
+from ...scene.graph import SceneGraph
 from ...scene.hierarchy import take
 from ...scene.properties import NAMES
 from ..helper_objects import HELPER, TYPE

@@ -154,7 +154,7 @@ class Assets:
         if record["actions"]:
             rows, text = record["actions"]
             graph = graph.with_component("actions", table(rows, data=actions_from_json(text)))
-        return Asset(record["category"], graph, record["targets"])
+        return Asset(record["category"], graph.validate(), record["targets"])
 
     def _mesh(self, number: int) -> Mesh:
         if number not in self._meshes:

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from ...scene import components
-from ...scene.graph import Table, table
+from ...scene.component_table import Table, table
 from .. import cameras, lights, schema
 from ..names import true_name
 from .mesh_topology import NOW

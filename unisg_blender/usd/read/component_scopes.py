@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...scene.graph import Table, table
+from ...scene.component_table import Table, table
 from .. import schema
 from ..names import true_name
 

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from pxr import Usd, UsdGeom
 
 from ...scene import components
-from ...scene.graph import SceneGraph, Table, table
+from ...scene.component_table import Table, table
+from ...scene.graph import SceneGraph
 from .. import schema
 from .mesh_topology import array
 from .prim_entities import Entities

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from pxr import Usd, UsdGeom
 
 from ...scene import components
-from ...scene.graph import Table, table
+from ...scene.component_table import Table, table
 from .. import schema
 from .prim_entities import Entities
 from .xforms import Frames, from_usd

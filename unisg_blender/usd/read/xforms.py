@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from pxr import Gf, Usd, UsdGeom, Vt
 
 from ...scene import components
-from ...scene.graph import Table, table
-from ...scene.hierarchy import compose_world
+from ...scene.component_table import Table, table
+from ...scene.parents import compose_world
 from .. import schema
 from .prim_entities import Entities
 

@@ -11,7 +11,8 @@ from pxr import Sdf
 
 from ...scene import components
 from ...scene.action_data import ActionData, actions_to_json
-from ...scene.graph import SceneGraph, Table
+from ...scene.component_table import Table
+from ...scene.graph import SceneGraph
 from ...scene.lesson_node import lesson_to_json
 from ...scene.relation import Relation, relations_to_json
 from .. import schema

@@ -6,7 +6,8 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from ...scene import components
-from ...scene.graph import SceneGraph, Table
+from ...scene.component_table import Table
+from ...scene.graph import SceneGraph
 from .. import lights
 from ..cameras import camera_attributes
 from ..names import Identifiers

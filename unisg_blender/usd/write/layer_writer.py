@@ -10,9 +10,9 @@ import numpy as np
 from pxr import Sdf, Vt
 
 from ...scene import components
-from ...scene.graph import TYPE_INDEX, TYPES, SceneGraph, Table
+from ...scene.component_table import Table
+from ...scene.graph import TYPE_INDEX, TYPES, SceneGraph
 from ...scene.hierarchy import world_matrices
-from ...scene.info_component import info
 from ...scene.mesh import Mesh
 from .. import schema
 from ..names import Identifiers, clean
@@ -124,7 +124,7 @@ def _write_shared_meshes(scene: Any, graph: SceneGraph, materials: dict[str, Any
 def _write_entities(parent: Any, graph: SceneGraph, writer: LayerWriter, top: Identifiers) -> list[Any]:
     moved = _moved(graph)
     cameras, lights = (graph.components.get(name) for name in (components.CAMERA, components.LIGHT))
-    local, counts = matrices(graph.local), info(graph).tolist()
+    local, counts = matrices(graph.local), graph.info.tolist()
     hidden_names: dict[int, Identifiers] = {-1: top}
     prims: list[Any] = []
     for row, (name, above) in enumerate(zip(graph.name, graph.parent.tolist(), strict=True)):

@@ -9,7 +9,8 @@ import numpy as np
 from pxr import Vt
 
 from ...scene import components
-from ...scene.graph import SceneGraph, Table
+from ...scene.component_table import Table
+from ...scene.graph import SceneGraph
 from .. import schema
 from ..names import clean
 from .specs import Types, custom, matrices
