@@ -13,7 +13,8 @@ from ...generate.observe.placeable import Placeable
 from ...generate.observe.scene_tokens import ground_of, room_middle
 from ...generate.propose.proposer import Proposals
 from ...scene import SceneGraph
-from ...spatial.floor_plan import FLOOR, room_outline
+from ...scene.categories import FLOOR
+from ...spatial.floor_plan import room_outline
 
 SPREAD_FLOOR = 0.005
 _NOWHERE = (np.zeros(4), np.ones(4))

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...scene import SceneGraph, world_matrices
+from ...scene.categories import has_category
 from .action_kinds import Kinds
 from .roled_actions import RoledAction, read_roled_actions, relation_kinds, support_rows
 
@@ -112,7 +113,7 @@ def observe_behaviour(
 def _cast(graph: SceneGraph, kinds: Kinds, above: NDArray[np.int64]) -> NDArray[np.int64]:
     """Rows of what may play in some kind of action, and of what holds these."""
     names = {name for kind in kinds.kinds for slot in kind.slots for name in slot}
-    may = np.array([name in names for name in graph.vocabulary] + [False], bool)[graph.category]
+    may = has_category(graph, names)
     may[above[may & (above >= 0)]] = True
     return np.flatnonzero(may)
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from ...scene import Boxes
+from ...geometry.boxes import Boxes
 from ...spatial.objects import SceneObjects
 from ...spatial.support_surfaces import support_surfaces, surface_at
 from .placeable import Placeable

@@ -8,10 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry.box_overlap import penetration
-from ...geometry.boxes import world_bounds
+from ...geometry.boxes import Boxes, world_bounds
 from ...geometry.planar import footprints
 from ...geometry.polygon import outside_distance
-from ...scene import Boxes
 from ..observe.placeable import Placeable
 from ..observe.support_priors import CategoryPriors
 

@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 from ...dataset.assets.asset import Asset
 from ...errors import UniSGError
 from ...scene import SceneGraph, world_matrices
-from ...spatial.floor_plan import FLOOR, room_outline
+from ...scene.categories import FLOOR, STRUCTURE
+from ...spatial.floor_plan import room_outline
 from ...spatial.objects import find_object, scene_objects
-from ...spatial.structure import STRUCTURE
 from ..observe.contract import Contract
 from ..observe.observed_scene import ObservedScene
 from ..observe.placeable import Placeable

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from ...spatial.structure import STRUCTURE
+from ...scene.categories import STRUCTURE
 from ..observe.contract import Contract
 from ..observe.observed_scene import ObservedScene
 from ..observe.placeable import Placeable

@@ -11,8 +11,8 @@ import numpy as np
 from ...dataset.assets.asset import Asset
 from ...errors import UniSGError
 from ...scene import SceneGraph, subtree, take, world_matrices
+from ...scene.categories import STRUCTURE
 from ...spatial.objects import scene_objects
-from ...spatial.structure import STRUCTURE
 from ..observe.observed_scene import ObservedScene
 from .placement import Placement
 from .planning import usual_kinds

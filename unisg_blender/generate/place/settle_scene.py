@@ -12,9 +12,9 @@ from ...dataset.assets.asset import object_graph
 from ...geometry.boxes import covers, part_tops
 from ...geometry.planar import turned
 from ...scene import SceneGraph
-from ...spatial.floor_plan import FLOOR, room_outline
+from ...scene.categories import FLOOR, STRUCTURE
+from ...spatial.floor_plan import room_outline
 from ...spatial.objects import SceneObjects, scene_objects
-from ...spatial.structure import STRUCTURE
 from ..observe.placeable import Placeable
 from ..observe.scene_tokens import levels_of
 from ..observe.support_priors import AT_SIDE, HANGS, RESTS, CategoryPriors, SupportPrior, contact

@@ -18,7 +18,7 @@ from ...generate.observe.placement_order import along, groups, holders, middles,
 from ...generate.observe.scene_tokens import chain, coming_vector, context_arrays, plan_vector, room_of, tokens_for
 from ...generate.observe.support_candidates import Proximity, SupportCandidates, SupportOccupancy, support_arrays
 from ...generate.observe.support_priors import CategoryPriors
-from ...spatial.structure import STRUCTURE
+from ...scene.categories import STRUCTURE
 from ..training_scenes import TrainingScene
 
 RANDOM_SUBSETS = 0.25
