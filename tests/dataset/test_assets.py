@@ -16,7 +16,7 @@ from unisg_blender.dataset.assets.asset_file import AssetFile, Assets, assets_by
 from unisg_blender.dataset.shaped_scenes import scenes_with_shapes
 from unisg_blender.errors import UniSGError
 from unisg_blender.scene import Material, Mesh, SceneBuilder, SceneGraph, mesh_from_faces
-from unisg_blender.spatial.structure import owners
+from unisg_blender.spatial.objects import object_rows
 
 
 def room(number: int, shapes: int = 1, faces: int = 6) -> SceneGraph:
@@ -153,7 +153,7 @@ def test_a_room_takes_the_parts_of_its_walls_along() -> None:
     shell = shell_of(graph)
     assert shell is not None
     assert shell.graph.name == ("Floor", "Slab")
-    assert [graph.name[row] for row in owners(graph)] == ["Floor", "Lamp", "Floor"]
+    assert [graph.name[row] for row in object_rows(graph)] == ["Floor", "Lamp", "Floor"]
     assert object_graph(graph, graph.row("Lamp")).faces == 6
 
 

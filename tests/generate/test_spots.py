@@ -24,7 +24,8 @@ from unisg_blender.generate.place.free_space import FreeSpace
 from unisg_blender.generate.place.planning import row_order
 from unisg_blender.generate.place.settling import Support, nearest_support, rest
 from unisg_blender.generate.propose.mixture import behind_walls
-from unisg_blender.scene import Boxes, SceneBuilder, world_matrices
+from unisg_blender.geometry.boxes import Boxes
+from unisg_blender.scene import SceneBuilder, world_matrices
 from unisg_blender.spatial.level_surfaces import LevelSurfaces, rectangles, with_joined
 from unisg_blender.spatial.objects import SceneObjects, scene_objects
 from unisg_blender.spatial.support_surfaces import support_surfaces, surface_at

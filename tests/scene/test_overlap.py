@@ -9,7 +9,9 @@ from scipy.spatial.transform import Rotation
 
 from unisg_blender.geometry import box_overlap
 from unisg_blender.geometry.box_overlap import nearby_pairs, penetration
-from unisg_blender.scene import Boxes, Mesh, SceneBuilder, mesh_from_faces, oriented_boxes
+from unisg_blender.geometry.boxes import Boxes
+from unisg_blender.scene import Mesh, SceneBuilder, mesh_from_faces
+from unisg_blender.spatial import oriented_boxes
 from unisg_blender.spatial.part_boxes import PART_LIMIT, mesh_parts, part_boxes
 
 CUBE = np.stack(np.meshgrid(*[[-0.5, 0.5]] * 3, indexing="ij"), -1).reshape(-1, 3)

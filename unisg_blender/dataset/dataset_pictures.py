@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ..errors import MissingPackageError
 from ..runtime.atomic_files import filling
-from ..scene import oriented_boxes
+from ..spatial import oriented_boxes
 from .dataset_description import describe_dataset, entity_sizes, scene_numbers
 from .format.reader import Dataset, Scene, open_dataset
 from .rebuild import BOX_FACES, to_scenegraph

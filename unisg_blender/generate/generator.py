@@ -16,8 +16,7 @@ from ..errors import UniSGError
 from ..geometry.arrays import Ints
 from ..runtime.steps import at_once
 from ..scene import SceneGraph
-from ..spatial.floor_plan import FLOOR
-from ..spatial.structure import STRUCTURE
+from ..scene.categories import FLOOR, STRUCTURE
 from .behaviour import ActionPolicy, Behaviour, add_behaviour, behaviour_path, load_behaviour
 from .observe.contract import Contract
 from .observe.placement_order import in_order

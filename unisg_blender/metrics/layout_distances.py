@@ -13,8 +13,10 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ..scene import SceneGraph, oriented_boxes
-from ..spatial.floor_plan import FLOOR, room_outline
+from ..scene import SceneGraph
+from ..scene.categories import FLOOR
+from ..spatial import oriented_boxes
+from ..spatial.floor_plan import room_outline
 from .scene_validity import counted_objects
 
 CAP = 1.0

@@ -13,8 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..geometry.planar import heading
-from ..scene import SceneGraph, oriented_boxes, world_matrices
-from ..spatial.floor_plan import FLOOR, room_outline
+from ..scene import SceneGraph, world_matrices
+from ..scene.categories import FLOOR
+from ..spatial import oriented_boxes
+from ..spatial.floor_plan import room_outline
 from .scene_validity import counted_objects
 from .support_gaps import find_supports
 

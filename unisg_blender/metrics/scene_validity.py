@@ -4,7 +4,7 @@ Formulas and limits follow the table of the project's generator benchmark: a
 collision is deeper than 2 cm, or 1 cm where one of the two is smaller than 10
 cm; floating or sunk is more than 2 cm off the support. Beside the collisions
 stands a stricter count, in which flat objects collide from half their thickness
-on. Structure (:data:`STRUCTURE`) is what others stand on or bump into; it is not
+on. Structure (:data:`~..scene.categories.STRUCTURE`) is what others stand on or bump into; it is not
 counted itself.
 """
 
@@ -19,14 +19,12 @@ from numpy.typing import NDArray
 from ..geometry.box_overlap import nearby_pairs, penetration
 from ..geometry.boxes import Boxes
 from ..geometry.polygon import outside_distance
+from ..scene.categories import FLOOR, STRUCTURE, has_category
 from ..scene.graph import SceneGraph
-from ..spatial.entity_boxes import oriented_boxes
-from ..spatial.floor_plan import FLOOR, room_outline
+from ..spatial import oriented_boxes
+from ..spatial.floor_plan import room_outline
 from ..spatial.part_boxes import PartBoxes, part_boxes
 from .support_gaps import find_supports, support_gaps
-
-STRUCTURE = frozenset({"Floor", "Wall", "Ceiling", "Door", "Window"})
-"""Categories that make up the room."""
 
 DEEP, DEEP_SMALL, SMALL = 0.02, 0.01, 0.10
 """Collision limits in metres: for most objects, where one is small, and how small that is (longest edge)."""
@@ -70,9 +68,8 @@ class SceneReport:
 
 def counted_objects(graph: SceneGraph) -> NDArray[np.bool_]:
     """Which rows are objects: they have geometry and are no structure, bool (N,)."""
-    structure = np.array([name in STRUCTURE for name in graph.vocabulary] + [False])
     filled = np.array([len(mesh.points) > 0 for mesh in graph.meshes] + [False])
-    return filled[graph.mesh] & ~structure[graph.category]
+    return filled[graph.mesh] & ~has_category(graph, STRUCTURE)
 
 
 def find_collisions(

@@ -14,8 +14,8 @@ from ..meshes.normalise import normalise
 from ..meshes.shape_feature import POINTS, AtlasNetEncoder, cloud, default_encoder
 from ..scene.assembly import index_categories
 from ..scene.graph import SceneGraph
-from ..scene.hierarchy import world_matrices
-from ..spatial.entity_boxes import local_bounds, oriented_boxes
+from ..scene.hierarchy import local_bounds, world_matrices
+from ..spatial import oriented_boxes
 from .category_model import LabelModel
 
 BESIDE = 0.5

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from ..geometry.boxes import Boxes
-from ..spatial.entity_boxes import local_bounds, oriented_boxes
 from .action_data import ActionData, Thresholds
 from .assembly import Columns, assemble, canonical
 from .builder import SceneBuilder
+from .categories import STRUCTURE
 from .component_table import Table, table
 from .graph import TYPES, Entity, SceneGraph
-from .hierarchy import children, subtree, take, world_matrices
+from .hierarchy import children, local_bounds, subtree, take, world_matrices
 from .lesson_node import LessonNode
 from .mesh import Material, Mesh, mesh_from_faces
 from .parents import compose_world
@@ -17,7 +16,7 @@ from .relation import Relation
 from .systems import run
 
 __all__ = [
-    "TYPES", "ActionData", "Boxes", "Columns", "Entity", "LessonNode", "Material", "Mesh", "Relation", "SceneBuilder",
-    "SceneGraph", "Table", "Thresholds", "assemble", "canonical", "children", "compose_world", "local_bounds",
-    "mesh_from_faces", "oriented_boxes", "run", "subtree", "table", "take", "world_matrices",
+    "STRUCTURE", "TYPES", "ActionData", "Columns", "Entity", "LessonNode", "Material", "Mesh", "Relation",
+    "SceneBuilder", "SceneGraph", "Table", "Thresholds", "assemble", "canonical", "children", "compose_world",
+    "local_bounds", "mesh_from_faces", "run", "subtree", "table", "take", "world_matrices",
 ]  # fmt: skip

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from ..errors import UniSGError
 from ..poses import exp
 from .action_data import ActionData
+from .categories import STRUCTURE, has_category
 from .component_table import Table, table
 from .graph import SceneGraph
 from .hierarchy import subtree, take
@@ -25,13 +26,13 @@ from .mesh import Mesh
 
 Matrix = NDArray[np.float64]
 
-STRUCTURE = frozenset({"Floor", "Wall", "Ceiling", "Door", "Window", "Ceiling Rail"})
-"""Categories that pose and scale noise leave alone unless asked otherwise."""
+FIXED = (*STRUCTURE, "Ceiling Rail")
+"""Categories that noise leaves alone unless asked otherwise: the building, and the rail that is screwed to it."""
 
 
 def pose_noise(
     graph: SceneGraph, seed: int, *, metres: float = 0.02, radians: float = 0.03, upright: bool = False,
-    fixed: Collection[str] = STRUCTURE,
+    fixed: Collection[str] = FIXED,
 ) -> SceneGraph:  # fmt: skip
     """Move every entity a little in its own frame.
 
@@ -51,7 +52,7 @@ def pose_noise(
     screws = rng.normal(size=(len(graph), 6)) * np.repeat([radians, metres], 3)
     if upright:
         screws[:, [0, 1, 5]] = 0.0
-    screws[_rows_of(graph, fixed)] = 0.0
+    screws[has_category(graph, fixed)] = 0.0
     motion = exp(screws, "matrix").reshape(-1, 4, 4)
     local = graph.local.copy()
     if upright:
@@ -66,7 +67,7 @@ def pose_noise(
 
 
 def scale_noise(
-    graph: SceneGraph, seed: int, *, factor: float = 0.1, uniform: bool = True, fixed: Collection[str] = STRUCTURE
+    graph: SceneGraph, seed: int, *, factor: float = 0.1, uniform: bool = True, fixed: Collection[str] = FIXED
 ) -> SceneGraph:
     """Make every entity a little larger or smaller about its origin: local' = local diag(exp(n)), n normal.
 
@@ -75,7 +76,7 @@ def scale_noise(
     """
     rng = np.random.default_rng((seed, 12))
     logs = rng.normal(0.0, factor, (len(graph), 1 if uniform else 3))
-    logs[_rows_of(graph, fixed)] = 0.0
+    logs[has_category(graph, fixed)] = 0.0
     local = graph.local.copy()
     local[:, :3, :3] *= np.broadcast_to(np.exp(logs), (len(graph), 3))[:, None, :]
     return graph.replace(local=local)
@@ -98,7 +99,7 @@ def _jittered(mesh: Mesh, rng: np.random.Generator, metres: float) -> Mesh:
 
 
 def category_dropout(
-    graph: SceneGraph, seed: int, *, probability: float = 0.1, kept: Collection[str] = STRUCTURE
+    graph: SceneGraph, seed: int, *, probability: float = 0.1, kept: Collection[str] = FIXED
 ) -> SceneGraph:
     """Leave whole entities out, with all that stands on them: each category with that probability.
 
@@ -183,8 +184,3 @@ def _with_references(graph: SceneGraph, change: Callable[[ActionData, Matrix], M
         return action if pose is None else replace(action, reference=tuple(change(action, pose).reshape(-1).tolist()))
 
     return {"actions": table(actions.rows, data=[*map(changed, actions.columns["data"])])}
-
-
-def _rows_of(graph: SceneGraph, categories: Collection[str]) -> NDArray[np.int64]:
-    wanted = np.array([name in categories for name in graph.vocabulary] + [False])
-    return np.flatnonzero(wanted[graph.category])

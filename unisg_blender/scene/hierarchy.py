@@ -50,3 +50,11 @@ def take(graph: SceneGraph, rows: NDArray[np.integer]) -> SceneGraph:
             key: kept for key, value in graph.components.items() if len((kept := value.take(rows, len(graph))).rows)
         },
     )
+
+
+def local_bounds(graph: SceneGraph) -> NDArray[np.float64]:
+    """Boxes of the meshes in their own frames, float64 (N, 2, 3) lowest and highest corner; zeros without a mesh."""
+    table = np.zeros((len(graph.meshes) + 1, 2, 3))
+    for index, mesh in enumerate(graph.meshes):
+        table[index] = mesh.bounds
+    return table[graph.mesh]

@@ -3,19 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..geometry.boxes import Boxes, orthonormal_axes
 from ..scene.graph import SceneGraph
-from ..scene.hierarchy import world_matrices
-
-
-def local_bounds(graph: SceneGraph) -> NDArray[np.float64]:
-    """Boxes of the meshes in their own frames, float64 (N, 2, 3) lowest and highest corner; zeros without a mesh."""
-    table = np.zeros((len(graph.meshes) + 1, 2, 3))
-    for index, mesh in enumerate(graph.meshes):
-        table[index] = mesh.bounds
-    return table[graph.mesh]
+from ..scene.hierarchy import local_bounds, world_matrices
 
 
 def oriented_boxes(graph: SceneGraph) -> Boxes:

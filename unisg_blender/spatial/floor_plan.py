@@ -7,11 +7,10 @@ from numpy.typing import NDArray
 
 from ..errors import UniSGError
 from ..geometry.polygon import area
+from ..scene.categories import FLOOR, has_category
 from ..scene.graph import SceneGraph
 from ..scene.hierarchy import world_matrices
 from ..scene.mesh import Mesh
-
-FLOOR = "Floor"
 
 
 def floor_row(graph: SceneGraph) -> int:
@@ -22,8 +21,7 @@ def floor_row(graph: SceneGraph) -> int:
     UniSGError
         If no entity with a mesh has that category.
     """
-    known = graph.vocabulary.index(FLOOR) if FLOOR in graph.vocabulary else len(graph.vocabulary)
-    rows = np.flatnonzero((graph.category == known) & (graph.mesh >= 0))
+    rows = np.flatnonzero(has_category(graph, [FLOOR]) & (graph.mesh >= 0))
     if not len(rows):
         raise UniSGError(f'the scene has no floor: give the object that is the floor the category "{FLOOR}"')
     if len(rows) == 1:

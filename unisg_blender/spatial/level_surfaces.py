@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..scene import Boxes
+from ..geometry.boxes import Boxes
 
 LEVEL = 0.01
 """Metres in height within which rectangles make one surface."""

@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import UniSGError
-from ..geometry.boxes import _CORNERS, covers, part_tops
+from ..geometry.boxes import _CORNERS, Boxes, covers, part_tops
 from ..geometry.planar import heading, turned
-from ..scene import Boxes, SceneGraph, world_matrices
+from ..scene import SceneGraph, world_matrices
 from .part_boxes import part_boxes
 
 CONTACT = 0.02

@@ -7,8 +7,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from ..geometry.boxes import part_bottoms, part_tops
-from ..scene import Boxes
+from ..geometry.boxes import Boxes, part_bottoms, part_tops
 from .objects import CONTACT
 
 MOST = 8

@@ -12,9 +12,9 @@ from ...geometry.affine_rows import Array, rotation_and_size, transform
 from ...geometry.box_distance import separation
 from ...geometry.box_distance_bounds import plainly_near
 from ...geometry.boxes import Boxes, orthonormal_axes
+from ...scene import local_bounds
 from ...scene.graph import SceneGraph
 from ...scene.hierarchy import subtree, world_matrices
-from ...spatial.entity_boxes import local_bounds
 
 EPSILON = 1e-9
 """Metres and radians by which a limit may be missed by rounding: at the exact threshold, the rule decides."""

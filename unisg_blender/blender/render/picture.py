@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from ...errors import UniSGError
 from ...runtime.atomic_files import replacing
+from ...scene.categories import STRUCTURE
 from ...scene.properties import CATEGORY
 from ..depsgraph import updated_depsgraph
 from ..quiet import captured_output
@@ -24,7 +25,7 @@ View = Literal["perspective", "top"]
 Engine = Literal["workbench", "cycles"]
 Color = tuple[float, float, float, float]
 GREY: Color = (0.55, 0.55, 0.55, 1.0)
-STRUCTURE = ("floor", "wall", "ceiling", "door", "window", "room")  # pale: what stands in the room is what matters
+PALE = (*(name.casefold() for name in STRUCTURE), "room")  # what stands in the room is what matters
 GOLDEN = 0.61803398875  # steps of this around the colour circle keep neighbours apart
 SHOWN = ("MESH", "CURVE", "SURFACE", "FONT", "META", "EMPTY")
 DOWNWARD = mathutils.Vector((-0.55, 0.75, -0.75))  # from the front right corner, above
@@ -108,7 +109,7 @@ def category_colors(names: Collection[str]) -> dict[str, Color]:
     """A colour for each category: grey for none, pale for walls and floors, else distinct by sorted place."""
     colors: dict[str, Color] = {"": GREY}
     for place, name in enumerate(sorted(set(names) - {""})):
-        pale = any(word in name.casefold() for word in STRUCTURE)
+        pale = any(word in name.casefold() for word in PALE)
         red, green, blue = colorsys.hsv_to_rgb(place * GOLDEN % 1, 0.06 if pale else 0.62, 0.8 if pale else 0.9)
         colors[name] = (red, green, blue, 1.0)
     return colors

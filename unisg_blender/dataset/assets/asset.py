@@ -15,9 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry.planar import heading, turn
-from ...scene import SceneGraph, take, world_matrices
-from ...spatial.floor_plan import FLOOR
-from ...spatial.structure import STRUCTURE, owners
+from ...scene import STRUCTURE, SceneGraph, take, world_matrices
+from ...scene.categories import FLOOR, has_category
+from ...spatial.objects import object_rows
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,11 +53,11 @@ class Asset:
 def object_graph(
     graph: SceneGraph, row: int, owner: NDArray[np.int64] | None = None, world: NDArray[np.float64] | None = None
 ) -> Asset:
-    """The entity at ``row`` and its uncategorised descendants, as an asset.
+    """The object at ``row``, with the entities that belong to it, as an asset.
 
-    ``owner`` and ``world`` are :func:`owners` and the world matrices of the scene, for who has them already.
+    ``owner`` and ``world`` are what :func:`object_rows` and :func:`world_matrices` say, for who has them already.
     """
-    own = np.flatnonzero(owners(graph, row) == row if owner is None else owner == row)
+    own = np.flatnonzero(object_rows(graph) == row if owner is None else owner == row)
     matrix = (world_matrices(graph) if world is None else world)[row]
     parent = graph.parent.copy()
     parent[row] = -1
@@ -77,9 +77,8 @@ def shell_of(graph: SceneGraph, owner: NDArray[np.int64] | None = None) -> Asset
     """The room that a scene stands in: its objects of the categories in :data:`STRUCTURE`; None without a floor."""
     if FLOOR not in graph.vocabulary:
         return None
-    owner = owners(graph) if owner is None else owner
-    structure = np.array([name in STRUCTURE for name in graph.vocabulary] + [False])
-    part = take(graph, np.flatnonzero((owner >= 0) & structure[graph.category[owner]]))
+    owner = object_rows(graph) if owner is None else owner
+    part = take(graph, np.flatnonzero((owner >= 0) & has_category(graph, STRUCTURE)[owner]))
     return Asset("", _lean(part.replace(components={})))
 
 

@@ -12,9 +12,10 @@ from numpy.typing import NDArray
 
 from ...errors import UniSGError
 from ...scene import Mesh, SceneGraph, world_matrices
-from ...spatial.floor_plan import FLOOR, mesh_outline
+from ...scene.categories import FLOOR, STRUCTURE
+from ...spatial.floor_plan import mesh_outline
+from ...spatial.objects import object_rows
 from ...spatial.part_boxes import mesh_parts
-from ...spatial.structure import STRUCTURE, owners
 from .asset import Asset, object_graph, shell_of
 from .asset_file import Assets, pack_assets
 
@@ -49,7 +50,7 @@ class AssetCollector:
             if mesh.checksum not in self.parts:
                 self.parts[mesh.checksum] = _boxes(mesh)
         self._add_outlines(graph)
-        owner, world = owners(graph), world_matrices(graph)
+        owner, world = object_rows(graph), world_matrices(graph)
         for row, key, faces in _scene_objects(graph, owner):
             make = partial(object_graph, graph, row, owner, world)
             self._offer(graph.category_name(row), key, faces, source, make)
@@ -119,7 +120,7 @@ _boxes_of: dict[str, NDArray[np.float32]] = {}
 
 def _scene_objects(graph: SceneGraph, owner: NDArray[np.int64]) -> Iterator[tuple[int, str, int]]:
     """Row, key and number of faces of the objects with geometry that could be instanced."""
-    rows = np.flatnonzero((owner >= 0) & (graph.mesh >= 0))
+    rows = np.flatnonzero((owner >= 0) & (graph.category[owner] >= 0) & (graph.mesh >= 0))
     rows = rows[np.argsort(owner[rows], kind="stable")]
     faces = np.array([len(mesh.offsets) - 1 for mesh in graph.meshes], np.int64)
     for group in np.split(rows, np.flatnonzero(np.diff(owner[rows])) + 1) if len(rows) else ():

@@ -38,7 +38,7 @@ from ...generate.behaviour.frequency_policy import FrequencyPolicy, LackingPolic
 from ...generate.behaviour.roled_actions import read_roled_actions
 from ...generate.place.scene_extension import uid_maker
 from ...scene import SceneGraph, subtree, take
-from ...spatial.structure import STRUCTURE
+from ...scene.categories import STRUCTURE
 from .behaviour_removal import without_behaviour
 from .behaviour_tally import BehaviourCase, BehaviourRow, Tally
 

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from ...generate.observe.observed_scene import ObservedScene
 from ...generate.propose.proposer import Proposals, Proposer, Query
 from ...scene import SceneGraph
-from ...spatial.floor_plan import FLOOR, room_outline
+from ...scene.categories import FLOOR
+from ...spatial.floor_plan import room_outline
 
 SPREAD_FLOOR = 0.005
 _NOWHERE = (np.zeros(4), np.ones(4))

@@ -12,7 +12,8 @@ from ...dataset.assets.asset import Asset, object_graph
 from ...metrics.requested_relations import place_of
 from ...metrics.support_gaps import find_supports
 from ...scene import SceneGraph, take, world_matrices
-from ...spatial.structure import STRUCTURE, owners
+from ...scene.categories import STRUCTURE
+from ...spatial.objects import object_rows
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,7 +66,7 @@ def case_of(graph: SceneGraph, known: Sequence[str]) -> Case | None:
     if not movable.any():
         return None
     assets: dict[str, list[Asset]] = {}
-    owner, world = owners(graph), world_matrices(graph)
+    owner, world = object_rows(graph), world_matrices(graph)
     for row in np.flatnonzero(movable):
         assets.setdefault(graph.category_name(row), []).append(object_graph(graph, int(row), owner, world))
     shell = without(graph, movable)

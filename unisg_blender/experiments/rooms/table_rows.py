@@ -16,8 +16,8 @@ from ...generate.observe.observed_scene import ObservedScene
 from ...generate.observe.support_priors import CategoryPriors, learn_priors
 from ...generate.propose.trained_model import TrainedModel
 from ...scene import SceneGraph, world_matrices
+from ...scene.categories import STRUCTURE
 from ...spatial.objects import scene_objects
-from ...spatial.structure import STRUCTURE
 from .atiss_proposer import load_generator
 from .baselines import GaussianProposer, WorldGaussianProposer
 from .cases import Case, Hole, case_of, hole_of

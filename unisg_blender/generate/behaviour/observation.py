@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from ...geometry.arrays import Bools, Floats, Ints
 from ...scene import SceneGraph, world_matrices
+from ...scene.categories import has_category
 from .action_kinds import Kinds
 from .roled_actions import RoledAction, Slots, read_roled_actions, relation_kinds, support_rows
 
@@ -103,7 +104,7 @@ def observe_behaviour(
 def _participants(graph: SceneGraph, kinds: Kinds, above: Ints) -> Ints:
     """Rows of what may take part in some kind of action, and of what holds these."""
     names = {name for kind in kinds.kinds for slot in kind.slots for name in slot}
-    may = np.array([name in names for name in graph.vocabulary] + [False], bool)[graph.category]
+    may = has_category(graph, names)
     may[above[may & (above >= 0)]] = True
     return np.flatnonzero(may)
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ...geometry.arrays import Floats, Ints
-from ...scene import Boxes
+from ...geometry.boxes import Boxes
 from ...spatial.objects import SceneObjects
 from ...spatial.support_surfaces import support_surfaces, surface_at
 from .placeable import Placeable

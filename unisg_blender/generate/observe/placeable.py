@@ -9,9 +9,9 @@ import numpy as np
 
 from ...dataset.assets.asset import Asset
 from ...geometry.arrays import Floats
-from ...geometry.boxes import upright_box
+from ...geometry.boxes import Boxes, upright_box
 from ...geometry.planar import turn
-from ...scene import Boxes, Mesh, SceneGraph, mesh_from_faces
+from ...scene import Mesh, SceneGraph, mesh_from_faces
 from ...spatial.part_boxes import part_boxes
 from ...spatial.support_surfaces import support_surfaces
 

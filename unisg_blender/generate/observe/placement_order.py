@@ -14,7 +14,7 @@ from collections.abc import Iterable, Mapping, Sequence
 import numpy as np
 
 from ...geometry.arrays import Floats, Ints
-from ...spatial.structure import STRUCTURE
+from ...scene.categories import STRUCTURE
 from .observed_scene import ObservedScene
 from .support_priors import CategoryPriors
 

@@ -8,8 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...geometry.arrays import Bools, Floats, Ints
-from ...spatial.floor_plan import FLOOR
-from ...spatial.structure import STRUCTURE
+from ...scene.categories import FLOOR, STRUCTURE
 from .placement_order import groups, holders, ranks
 from .support_priors import CategoryPriors, SupportPrior
 

@@ -6,11 +6,12 @@ import numpy as np
 
 from ...geometry.arrays import Bools, Floats, Ints
 from ...geometry.box_overlap import penetration
-from ...geometry.boxes import world_bounds
+from ...geometry.boxes import Boxes, world_bounds
 from ...geometry.planar import footprints
 from ...geometry.polygon import outside_distance
-from ...scene import Boxes, SceneGraph
-from ...spatial.floor_plan import FLOOR, room_outline
+from ...scene import SceneGraph
+from ...scene.categories import FLOOR
+from ...spatial.floor_plan import room_outline
 from ..observe.placeable import Placeable
 from ..observe.prior_tables import PriorTables
 

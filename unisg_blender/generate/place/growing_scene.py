@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from ...geometry.arrays import Bools, Floats
 from ...scene import SceneGraph, world_matrices
-from ...spatial.floor_plan import FLOOR
+from ...scene.categories import FLOOR
 from ...spatial.objects import find_object, scene_objects
 from ..observe.contract import Contract
 from ..observe.observed_scene import ObservedScene

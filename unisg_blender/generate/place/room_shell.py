@@ -11,7 +11,7 @@ import numpy as np
 from ...dataset.assets.asset import Asset
 from ...errors import UniSGError
 from ...scene import SceneGraph, subtree, take, world_matrices
-from ...spatial.structure import STRUCTURE
+from ...scene.categories import STRUCTURE
 from .growing_scene import GrowingScene
 from .placement import Placement
 from .scene_extension import Addition, Names, UidMaker, extend

@@ -12,9 +12,8 @@ from ...geometry.arrays import Bools, Floats
 from ...geometry.boxes import covers, part_tops
 from ...geometry.planar import turned
 from ...scene import SceneGraph
-from ...spatial.floor_plan import FLOOR
+from ...scene.categories import FLOOR, STRUCTURE
 from ...spatial.objects import SceneObjects, scene_objects
-from ...spatial.structure import STRUCTURE
 from ..observe.placeable import Placeable
 from ..observe.prior_tables import PriorTables
 from ..observe.room_shape import levels_of

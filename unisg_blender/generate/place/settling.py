@@ -9,10 +9,9 @@ from functools import cached_property
 import numpy as np
 
 from ...geometry.arrays import Bools, Floats, Ints
-from ...geometry.boxes import turned_reach
+from ...geometry.boxes import Boxes, turned_reach
 from ...geometry.planar import footprints
 from ...geometry.polygon import inside, next_corners, outside_distance
-from ...scene import Boxes
 from ...spatial.level_surfaces import LEVEL, LevelSurfaces, rectangles, with_joined
 from ..observe.placeable import Placeable
 from ..observe.support_priors import AT_SIDE, HANGS, RESTS, SupportPrior

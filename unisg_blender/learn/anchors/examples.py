@@ -17,7 +17,7 @@ from ...generate.observe.placement_order import along, groups, holders, middles,
 from ...generate.observe.scene_tokens import chain, coming_vector, context_arrays, plan_vector, tokens_for
 from ...generate.observe.support_candidates import Proximity, SupportCandidates, SupportOccupancy, support_arrays
 from ...generate.observe.support_priors import CategoryPriors
-from ...spatial.structure import STRUCTURE
+from ...scene.categories import STRUCTURE
 from ..padding import padded_stack
 from ..training_scenes import TrainingScene
 
