@@ -1,4 +1,4 @@
-"""The scene as a file through the scenegraph, and a USD master file as a scene."""
+"""The scene as a file through the scenegraph, and a master file as a scene."""
 
 from __future__ import annotations
 
@@ -7,10 +7,10 @@ from pathlib import Path
 import bpy
 
 from ..unisg_blender.errors import UniSGError
+from ..unisg_blender.runtime.file_kinds import JSON, USD, is_of
 from .base import FileOperator
 
-ENDINGS = (".usda", ".usdc", ".usdz", ".usd", ".json")
-USD = ENDINGS[:4]
+ENDINGS = (*USD, *JSON)
 
 
 class UNISG_OT_convert(FileOperator):
@@ -29,7 +29,7 @@ class UNISG_OT_convert(FileOperator):
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         from ..unisg_blender.usd.pxr_library import missing_pxr
 
-        if missing_pxr() and self.filepath.endswith(USD):
+        if missing_pxr() and is_of(Path(self.filepath), USD):
             self.filepath = str(Path(self.filepath).with_suffix(".json"))
         return super().invoke(context, event)
 
@@ -41,7 +41,7 @@ class UNISG_OT_convert(FileOperator):
         report, manager = ReadReport(), context.window_manager
         if path.suffix.lower() == ".blend":
             raise UniSGError("what is open is a .blend already: File > Save a Copy; here a file ends in .usdc, ...")
-        if path.suffix.lower() not in ENDINGS:
+        if not is_of(path, ENDINGS):
             raise UniSGError(f"a converted scene ends in {', '.join(ENDINGS)}")
         manager.progress_begin(0, 1)
         try:
@@ -55,19 +55,13 @@ class UNISG_OT_convert(FileOperator):
 
 
 class UNISG_OT_open_master_file(FileOperator):
-    """Open a USD file, a master file or any other, in a scene of its own, behaviour and relations included"""
+    """Open a USD file or a scene saved as .json in a scene of its own, behaviour and relations included"""
 
     bl_idname = "unisg.open_master_file"
     bl_label = "Open Master File"
     bl_options = {"REGISTER", "UNDO"}
 
-    filter_glob: bpy.props.StringProperty(default=";".join(f"*{ending}" for ending in USD), options={"HIDDEN"})
-
-    @classmethod
-    def why_grey(cls, context: bpy.types.Context) -> str:
-        from ..unisg_blender.usd.pxr_library import missing_pxr
-
-        return missing_pxr()
+    filter_glob: bpy.props.StringProperty(default=";".join(f"*{ending}" for ending in ENDINGS), options={"HIDDEN"})
 
     def run(self, context: bpy.types.Context) -> None:
         from ..unisg_blender.blender import ReadReport, write_scene
@@ -75,8 +69,8 @@ class UNISG_OT_open_master_file(FileOperator):
 
         path = Path(bpy.path.abspath(self.filepath))
         report = ReadReport()
-        if path.suffix.lower() not in USD:
-            raise UniSGError(f"a master file ends in {', '.join(USD)}")
+        if not is_of(path, ENDINGS):
+            raise UniSGError(f"a master file ends in {', '.join(ENDINGS)}")
         graph, lost = read_scene_file(path)
         scene = write_scene(graph, report=report)
         if context.window is not None:

@@ -43,7 +43,7 @@ class UNISG_OT_generate(GenerationChoices, SteppedOperator):
     def steps(self, context: bpy.types.Context) -> Steps:
         """Read the scene and place one object after another; Blender's data is not touched before the end."""
         from ..unisg_blender.blender import read_scene
-        from ..unisg_blender.commands.generate import parse_counts
+        from ..unisg_blender.generate.counts import parse_counts
 
         shipped = shipped_models()
         if not self.model and not shipped:

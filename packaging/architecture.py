@@ -40,7 +40,7 @@ ARROWS: dict[str, set[str]] = {
         "panels": "operators blender scene",
         "operators": "cli generate predict dataset formats blender usd meshes spatial behaviour scene poses",
         "cli": "",
-        "commands": "experiments learn metrics generate predict dataset formats blender usd worlds meshes spatial"
+        "commands": "experiments learn metrics generate predict dataset formats blender worlds meshes spatial"
         " behaviour scene poses",
         "experiments": "learn metrics generate predict dataset blender worlds meshes spatial behaviour scene geometry"
         " poses",
@@ -48,7 +48,7 @@ ARROWS: dict[str, set[str]] = {
         "metrics": "generate dataset spatial scene geometry poses",
         "generate": "dataset spatial behaviour scene geometry poses",
         "predict": "dataset meshes spatial scene geometry poses",
-        "dataset": "blender spatial behaviour scene geometry poses",
+        "dataset": "formats spatial behaviour scene geometry poses",
         "formats": "blender usd scene",
         "blender": "behaviour scene poses",
         "usd": "scene",

@@ -15,7 +15,8 @@ from numpy.testing import assert_allclose
 
 from unisg_blender.dataset import open_dataset, to_scenegraph
 from unisg_blender.dataset.export.batch_export import ExportOptions, export_dataset
-from unisg_blender.dataset.export.sources import SUFFIXES, find_sources
+from unisg_blender.dataset.export.sources import find_sources
+from unisg_blender.runtime.file_kinds import USD, is_of
 from unisg_blender.scene import world_matrices
 
 pytestmark = [pytest.mark.slow, pytest.mark.skipif(find_spec("bpy") is None, reason="needs Blender")]
@@ -28,12 +29,14 @@ def test_hierarchy_and_world_matrices_are_kept(tmp_path: Path) -> None:
     options = ExportOptions(instances="keep")  # copies would have the names of what they are copies of
     records = export_dataset(FOLDERS, tmp_path / "ds", options, jobs=2)
     assert [record["source"] for record in records if record["status"] != "ok"] == []
-    paths = [record["source"] for record in records if record["scenes"]]
+    paths = [record["source"] for record in records if record["scenes"] and not is_of(Path(record["source"]), USD)]
     command = [sys.executable, str(HERE / "blender_worlds.py"), *paths]
     run = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, timeout=250, check=True)
     truth = json.loads(run.stdout)
     checked = 0
     for scene in open_dataset(tmp_path / "ds"):
+        if scene.source not in truth:  # Blender's importer of USD makes other objects; USD itself is asked in tests/usd
+            continue
         graph = to_scenegraph(scene)
         expected = truth[scene.source][scene.title]
         assert set(graph.name) >= set(expected)
@@ -54,9 +57,3 @@ def test_a_corrupt_file_does_not_stop_the_batch(tmp_path: Path) -> None:
     records = export_dataset([tmp_path / "in"], tmp_path / "ds", jobs=1)
     assert [record["status"] for record in records] == ["failed", "ok", "failed"]
     assert len(open_dataset(tmp_path / "ds")) == 1
-
-
-def test_the_kinds_of_file_are_those_that_blender_reads() -> None:
-    code = "from unisg_blender.blender import SUFFIXES; print(*SUFFIXES, flush=True); import os; os._exit(0)"
-    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=120, check=True)
-    assert tuple(run.stdout.split()) == SUFFIXES

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from unisg_blender.cli import main
-from unisg_blender.commands.generate import parse_counts
 from unisg_blender.errors import UniSGError
+from unisg_blender.generate.counts import parse_counts
 
 pytestmark = pytest.mark.slow
 
@@ -22,7 +22,7 @@ def test_a_room_is_written_as_json(model_file: Path, tmp_path: Path, capsys: pyt
     assert (report["added"], report["refused"]) == (6, 0)
     entities = json.loads(out.read_text())["entities"]
     assert [entity["category"] for entity in entities].count("Wall") == 4
-    assert all(entity["new"] for entity in entities)
+    assert {entity["name"] for entity in entities} == {item["name"] for item in report["objects"]}
 
 
 @pytest.mark.parametrize(
@@ -30,7 +30,7 @@ def test_a_room_is_written_as_json(model_file: Path, tmp_path: Path, capsys: pyt
     [
         (["--add", "Cpu=1"], "did you mean 'Cup'"),
         (["--add", "Cup=many"], "must look like"),
-        (["--add", "Cup=1", "--scene", "missing.blend"], "there is no scene file"),
+        (["--add", "Cup=1", "--scene", "missing.blend"], "there is no such file"),
     ],
 )
 def test_bad_input_writes_nothing(

@@ -49,7 +49,10 @@ def test_without_animation(tmp_path: Path) -> None:
 def test_json(tmp_path: Path) -> None:
     moving_room()
     bpy.ops.unisg.convert(filepath=str(tmp_path / "room.json"))
-    assert '"Cup"' in (tmp_path / "room.json").read_text()
+    names = sorted(item.name for item in bpy.context.scene.objects)
+    bpy.ops.wm.read_homefile(use_empty=True)
+    bpy.ops.unisg.open_master_file(filepath=str(tmp_path / "room.json"))
+    assert sorted(item.name for item in bpy.data.scenes[-1].objects) == names
 
 
 @pytest.mark.parametrize(

@@ -125,7 +125,7 @@ def test_starts_a_room_from_nothing() -> None:
     [
         ({"add": "Scalpell=1"}, "Scalpel"),
         ({"add": "Scalpel=two"}, "Scalpel=2"),
-        ({"add": ""}, "--add must look like|nothing to add|categories"),
+        ({"add": ""}, "must look like|nothing to add|categories"),
         ({"add": "Scalpel=1", "model": "/nowhere/model.onnx"}, "there is no model"),
         ({"add": "Scalpel=1", "model": str(ROOT / "README.md")}, "no ONNX model"),
     ],

@@ -22,7 +22,7 @@ def test_json_files(tmp_path, capsys):
     assert (report["scenes"], report["seed"], len(report["files"])) == (2, 3, 2)
     record = json.loads((tmp_path / "cubes-00003.json").read_text())
     assert record["title"] == "Cubes 3"
-    assert record["categories"]["Cube"] == 40
+    assert [entity["category"] for entity in record["entities"]].count("Cube") == 40
     assert len(list(tmp_path.iterdir())) == 2
 
 

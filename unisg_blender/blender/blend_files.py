@@ -12,16 +12,19 @@ import bpy
 
 from ..errors import UniSGError
 from ..runtime.atomic_files import replacing
+from ..runtime.file_kinds import BLENDER, USD
 from ..scene.graph import SceneGraph
 from .quiet import captured_output, heard
-from .read.scene_reader import Geometry, read_scene
+from .read.scene_reader import Geometry, read_scene, read_scenes
 from .unsupported.read_report import ReadReport
+from .write.scene_writer import write_scene
 
-SUFFIXES = (".blend", ".glb", ".gltf", ".fbx", ".obj", ".usd", ".usda", ".usdc", ".usdz")
+SUFFIXES = (*BLENDER, *USD)
 TALKATIVE = (".obj", ".fbx")  # their importers take anything and finish
 WARNING = re.compile(r"^(?:\d\d:\d\d:\d\d \| )?(?:WARN\w*|Warning|ERROR|Error)\b(?: \([\w.]+\))?:?\s*(.*)$")
 SOURCE_PLACE = re.compile(r"^\S+\.(?:cc|cpp|c|h):\d+ \w+: ")
 KEPT_WARNINGS = 20
+BLENDER_VERSION = bpy.app.version_string
 
 
 def open_file(path: str | os.PathLike[str], report: ReadReport | None = None) -> None:
@@ -96,6 +99,26 @@ def read_file(
     return graph, report
 
 
+def read_all_scenes(path: str | os.PathLike[str]) -> tuple[list[SceneGraph], ReadReport]:
+    """Open a file and read all its scenes; errors are those of :func:`open_file`."""
+    report = ReadReport()
+    open_file(path, report)
+    with captured_output():
+        return list(read_scenes(report=report).values()), report
+
+
+def current_scene() -> bpy.types.Scene:
+    """The scene that is open."""
+    return bpy.context.scene
+
+
+def linked_files() -> list[Path]:
+    """The libraries and caches that the open file refers to."""
+    names = [bpy.path.abspath(item.filepath, library=item.parent) for item in bpy.data.libraries]
+    names += [bpy.path.abspath(item.filepath, library=item.library) for item in bpy.data.cache_files]
+    return [Path(os.path.normpath(name)) for name in names]
+
+
 def new_file() -> None:
     """An empty Blender file without objects."""
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
@@ -114,6 +137,27 @@ def save_blend(path: str | os.PathLike[str]) -> None:
             bpy.ops.wm.save_as_mainfile(filepath=str(unfinished), copy=True, check_existing=False)
         except RuntimeError as error:
             raise UniSGError(f"cannot write {path}: {_last_line(str(error))}") from None
+
+
+def new_scene(graph: SceneGraph, report: ReadReport | None = None) -> None:
+    """Open a new file whose only scene is the scenegraph; ``report`` is told what Blender cannot hold."""
+    new_file()
+    current_scene().name = graph.title
+    write_scene(graph, current_scene(), report=report)
+
+
+def write_blend(graph: SceneGraph, path: str | os.PathLike[str]) -> ReadReport:
+    """Write a scenegraph as a .blend file, in place of what is open; returns what Blender could not hold.
+
+    Raises
+    ------
+    UniSGError
+        As :func:`save_blend`.
+    """
+    report = ReadReport()
+    new_scene(graph, report)
+    save_blend(path)
+    return report
 
 
 def _check_path(path: Path) -> None:

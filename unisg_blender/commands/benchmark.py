@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import importlib
-import json
 import os
 import sys
 from collections.abc import Callable
@@ -12,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import DONE, UniSGError
+from .common import check_at_least, print_report
 
 HELP = "Measure in one run and write tables (CSV, JSON) and figures (PNG, SVG)."
 
@@ -47,10 +47,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Run one benchmark."""
-    if args.count < 1 or args.repeats < 1:
-        raise UniSGError("--count and --repeats must be at least 1")
-    if args.jobs is not None and args.jobs < 1:
-        raise UniSGError(f"--jobs must be at least 1, not {args.jobs}")
+    check_at_least(args, 1, "count", "repeats", "jobs")
     _check_folder(args.out)
     module, function = BENCHMARKS[args.name][1].split(":")
     measure: Callable[..., dict[str, Any]] = getattr(importlib.import_module(module, __package__), function)
@@ -61,10 +58,7 @@ def run(args: argparse.Namespace) -> int:
             print(f"{args.name}: {step}", file=sys.stderr, flush=True)
 
     report = measure(args, args.out, progress)
-    if args.json:
-        print(json.dumps(report))
-    elif not args.quiet:
-        print(f"wrote {args.out}: {', '.join(sorted(p.name for p in args.out.iterdir()))}")
+    print_report(args, report, [f"wrote {args.out}: {', '.join(sorted(p.name for p in args.out.iterdir()))}"])
     return DONE
 
 

@@ -10,10 +10,12 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 from tqdm import tqdm
 
 from ..errors import DONE, MissingPackageError, UniSGError
 from ..runtime.atomic_files import filling
+from .common import add_form, print_report
 
 if TYPE_CHECKING:
     from ..generate import Generated, Generator
@@ -31,7 +33,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """What the verb takes."""
     parser.add_argument("--out", type=Path, default=Path("demo"), help="folder to write (default: demo)")
     parser.add_argument("--seed", type=int, default=7, help="which room (default: 7)")
-    parser.add_argument("--form", default="dual_quaternion", help="form of the poses in the dataset")
+    add_form(parser, "dual_quaternion")
     parser.add_argument("--model", type=Path, help="a trained model instead of the shipped one")
 
 
@@ -43,10 +45,7 @@ def run(args: argparse.Namespace) -> int:
         with tqdm(total=len(STEPS), desc="demo", unit="step", disable=args.quiet, file=sys.stderr) as bar:
             report = _demo(args, work, bar)
         (work / "report.json").write_text(json.dumps(report, indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
-    if args.json:
-        print(json.dumps(report, ensure_ascii=False))
-    elif not args.quiet:
-        print("\n".join(_lines(report, args.out)))
+    print_report(args, report, _lines(report, args.out))
     return DONE
 
 
@@ -59,23 +58,25 @@ def _is_demo(folder: Path) -> bool:
 
 
 def _demo(args: argparse.Namespace, out: Path, bar: tqdm) -> dict[str, Any]:
-    from ..blender import read_scene, write_scene
-    from ..blender.blend_files import new_file, save_blend
+    from ..blender.blend_files import current_scene, new_scene, save_blend
+    from ..blender.read.scene_reader import read_scene
+    from ..dataset import write_dataset
     from ..generate import Generator
     from ..pretrained import default_generator
+    from ..scene import SceneBuilder
     from ..worlds import operating_room
 
     clock = _Clock(bar)
     generator = Generator.load(args.model or default_generator())
     world = operating_room(args.seed)
-    scene = clock.step("build", lambda: _fresh(new_file, write_scene, world))
+    clock.step("build", lambda: new_scene(world))
     clock.step("save", lambda: save_blend(out / "before.blend"))
-    graph = clock.step("read", lambda: read_scene(scene))
-    clock.step("export", lambda: _export(graph, out / "dataset", args.form))
+    graph = clock.step("read", lambda: read_scene(current_scene()))
+    clock.step("export", lambda: write_dataset([graph], out / "dataset", args.form))
     data = clock.step("load", lambda: _load(out / "dataset"))
     completed = clock.step("complete", lambda: generator.add(graph, COMPLETION, seed=args.seed))
-    counts = generator.sample_counts(_rng(args.seed))
-    empty = clock.step("from empty", lambda: generator.add(_empty(), counts, seed=args.seed))
+    counts = generator.sample_counts(np.random.default_rng(args.seed))
+    empty = clock.step("from empty", lambda: generator.add(SceneBuilder("Room").build(), counts, seed=args.seed))
     clock.step("pictures", lambda: _pictures(out, graph, completed, empty))
     return {
         "software": _software(),
@@ -105,19 +106,6 @@ class _Clock:
         return result
 
 
-def _fresh(new_file: Callable[[], None], write_scene: Callable[..., Any], world: SceneGraph) -> Any:
-    import bpy
-
-    new_file()
-    return write_scene(world, bpy.context.scene)
-
-
-def _export(graph: SceneGraph, out: Path, form: str) -> None:
-    from ..dataset import write_dataset
-
-    write_dataset([graph], out, form)
-
-
 def _load(dataset: Path) -> dict[str, Any]:
     """What stands in the graph that PyG sees."""
     try:
@@ -131,45 +119,31 @@ def _load(dataset: Path) -> dict[str, Any]:
     return {"nodes": {kind: int(data[kind].num_nodes) for kind in data.node_types}, "edges": edges}
 
 
-def _empty() -> SceneGraph:
-    from ..scene import SceneBuilder
-
-    return SceneBuilder("Room").build()
-
-
-def _rng(seed: int) -> Any:
-    import numpy as np
-
-    return np.random.default_rng(seed)
-
-
 def _pictures(out: Path, before: SceneGraph, completed: Generated, empty: Generated) -> None:
     """Save and picture the rooms: before and after completing, and the one from empty."""
-    import bpy
-
-    from ..blender import write_rows, write_scene
-    from ..blender.blend_files import new_file, save_blend
+    from ..blender.blend_files import current_scene, new_scene, save_blend
     from ..blender.render.picture import render_picture
+    from ..blender.write.scene_writer import write_rows
 
-    scene = bpy.context.scene
-    render_picture(out / "before_perspective.png", scene)
-    render_picture(out / "before_top.png", scene, view="top")
-    write_rows(completed.scene, completed.rows, scene)
+    def both_views(name: str) -> None:
+        """Picture what is open."""
+        render_picture(out / f"{name}_perspective.png")
+        render_picture(out / f"{name}_top.png", view="top")
+
+    both_views("before")
+    write_rows(completed.scene, completed.rows, current_scene())
     save_blend(out / "after.blend")
-    render_picture(out / "after_perspective.png", scene)
-    render_picture(out / "after_top.png", scene, view="top")
-    scene = _fresh(new_file, write_scene, empty.scene)
+    both_views("after")
+    new_scene(empty.scene)
     save_blend(out / "from_empty.blend")
-    render_picture(out / "from_empty_perspective.png", scene)
-    render_picture(out / "from_empty_top.png", scene, view="top")
+    both_views("from_empty")
 
 
 def _software() -> dict[str, str]:
-    import bpy
-
     from .. import __version__
+    from ..blender.blend_files import BLENDER_VERSION
 
-    return {"unisg_blender": __version__, "blender": bpy.app.version_string}
+    return {"unisg_blender": __version__, "blender": BLENDER_VERSION}
 
 
 def _model_record(generator: Generator) -> dict[str, Any]:

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..errors import DONE, UniSGError
+from .common import check_at_least
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -74,10 +75,7 @@ def _plan(args: argparse.Namespace) -> TablePlan:
     from ..experiments.rooms.table_rows import Data
     from ..metrics.two_sample_test import TREES
 
-    for name in ("scenes", "seeds", "jobs"):
-        value = getattr(args, name)
-        if value is not None and value < 1:
-            raise UniSGError(f"--{name} must be at least 1, not {value}")
+    check_at_least(args, 1, "scenes", "seeds", "jobs")
     tests = open_dataset(args.data)
     training = "" if args.training is None else str(open_dataset(args.training).path)
     known = set(load_generator(args.model).categories)

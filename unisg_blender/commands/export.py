@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import argparse
 import contextlib
-import json
 from collections.abc import Iterator
 from concurrent.futures import Executor
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..errors import DONE, SOME_FAILED, MissingPackageError, UniSGError
+from .common import add_form, check_at_least, print_report
 
 if TYPE_CHECKING:
     from ..runtime.progress import Progress
@@ -24,13 +24,11 @@ EPILOG = "A file that crashes, hangs or cannot be read costs only itself; the da
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """What the verb takes."""
-    from ..poses import FORMS
-
     parser.epilog = EPILOG
     parser.add_argument("inputs", metavar="IN", nargs="+", help="scene files, folders and globs")
     parser.add_argument("--out", metavar="DATASET", type=Path, required=True, help="folder of the dataset")
-    parser.add_argument("--form", choices=FORMS, default="quaternion", help="form of the poses (quaternion)")
-    parser.add_argument("--jobs", metavar="N", type=_positive, help="files read at a time (one per processor)")
+    add_form(parser)
+    parser.add_argument("--jobs", metavar="N", type=int, help="files read at a time (one per processor)")
     parser.add_argument("--timeout", metavar="SECONDS", type=float, default=300.0, help="limit for one file (300)")
     parser.add_argument("--memory", metavar="GIB", type=float, default=0.0, help="limit for one reading process (none)")
     parser.add_argument("--mapping", metavar="FILE", type=Path, help="JSON or TOML: name patterns to categories")
@@ -50,13 +48,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     again.add_argument("--overwrite", action="store_true", help="replace the dataset in that folder")
 
 
-def _positive(text: str) -> int:
-    number = int(text)
-    if number < 1:
-        raise argparse.ArgumentTypeError("must be at least 1")
-    return number
-
-
 def run(args: argparse.Namespace) -> int:
     """Export, show progress and one line per file that lost something or failed."""
     from ..dataset.category_mapping import read_mapping
@@ -64,6 +55,7 @@ def run(args: argparse.Namespace) -> int:
     from ..runtime.progress import Progress
     from ..runtime.steps import drain
 
+    check_at_least(args, 1, "jobs")
     options = ExportOptions(
         form=args.form,
         timeout=args.timeout,
@@ -133,10 +125,8 @@ def _report(args: argparse.Namespace, records: list[dict[str, Any]]) -> int:
     failed = [record for record in records if record["status"] == "failed"]
     scenes = sum(record.get("scenes", 0) for record in records)
     entities = sum(record.get("entities", 0) for record in records)
-    if args.json:
-        report = {"out": str(args.out), "files": len(records), "failed": len(failed), "scenes": scenes}
-        print(json.dumps(report | {"entities": entities, "records": records}))
-    elif not args.quiet:
-        words = f", {len(failed)} could not be read" if failed else ""
-        print(f"{args.out}: {scenes} scenes with {entities} entities from {len(records)} files{words}")
+    report = {"out": str(args.out), "files": len(records), "failed": len(failed), "scenes": scenes}
+    words = f", {len(failed)} could not be read" if failed else ""
+    line = f"{args.out}: {scenes} scenes with {entities} entities from {len(records)} files{words}"
+    print_report(args, report | {"entities": entities, "records": records}, [line])
     return SOME_FAILED if failed else DONE

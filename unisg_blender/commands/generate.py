@@ -3,21 +3,19 @@
 from __future__ import annotations
 
 import argparse
-import json
 import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..errors import DONE, SOME_FAILED, UniSGError
-from ..formats.scene_files import check_kinds, read_scene_file, write_scene_file
-from ..runtime.atomic_files import write_file
+from ..formats.scene_files import check_kinds, load_blender, write_scene_file
+from ..runtime.file_kinds import BLENDER, WRITABLE, is_of
+from .common import check_folder_of, print_report, read_shown
 
 if TYPE_CHECKING:
     from ..generate import Generated
 
 HELP = "Add objects to an empty or an existing scene with a trained model."
-USD = (".usd", ".usda", ".usdc")
-OUTPUTS = (".blend", *USD, ".json")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -29,7 +27,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--add", metavar="WHAT", help='such as "Scalpel=2,Monitor=1" (default: a whole room)')
     parser.add_argument("--on", metavar="NAME", default="", help="thing of the scene on which all of it is wanted")
     parser.add_argument("--beside", metavar="NAME", default="", help="thing of the scene beside which it is wanted")
-    parser.add_argument("--out", metavar="OUT", type=Path, required=True, help="file to write: .blend, .usda or .json")
+    parser.add_argument("--out", metavar="OUT", type=Path, required=True, help=f"file to write: {', '.join(WRITABLE)}")
     parser.add_argument("--seed", type=int, help="same seed, same result (default: another result every time)")
     mode = parser.add_mutually_exclusive_group()
     mode.add_argument("--sequential", action="store_true", help="one by one, each sees the ones before (default)")
@@ -46,6 +44,7 @@ def run(args: argparse.Namespace) -> int:
     import numpy as np
 
     from ..generate import Generator
+    from ..generate.counts import parse_counts
     from ..pretrained import find_generator
     from ..scene import SceneBuilder
 
@@ -54,7 +53,7 @@ def run(args: argparse.Namespace) -> int:
     asked = None if args.add is None else parse_counts(args.add)
     if asked is not None:
         generator.contract.check_categories(list(asked))
-    scene = SceneBuilder("Room").build() if args.scene is None else read_scene_file(args.scene)[0]
+    scene = SceneBuilder("Room").build() if args.scene is None else read_shown(args, args.scene)[0]
     counts = asked or generator.sample_counts(np.random.default_rng(args.seed))
     start = time.perf_counter()
     result = generator.add(
@@ -64,75 +63,42 @@ def run(args: argparse.Namespace) -> int:
     spent = time.perf_counter() - start
     _write(args, result)
     report = {"out": str(args.out), **to_report(result), "seconds": round(spent, 4)}
-    if args.json:
-        print(json.dumps(report, ensure_ascii=False))
-    elif not args.quiet:
-        print("\n".join(_lines(report)))
+    print_report(args, report, _lines(report))
     return SOME_FAILED if result.refused else DONE
 
 
-def parse_counts(text: str) -> dict[str, int]:
-    """Categories and numbers out of "Scalpel=2,Monitor" (1 where no number stands).
-
-    Raises
-    ------
-    UniSGError
-        If the text is not of that form.
-    """
-    counts: dict[str, int] = {}
-    for part in text.split(","):
-        name, _, number = part.partition("=")
-        name = name.strip()
-        if not name or (number.strip() and not number.strip().isdecimal()) or ("=" in part and not number.strip()):
-            raise UniSGError(f'--add must look like "Scalpel=2,Monitor=1", not {text!r}')
-        counts[name] = counts.get(name, 0) + int(number.strip() or 1)
-    return counts
-
-
 def _check(args: argparse.Namespace) -> None:
-    if args.out.suffix.lower() not in OUTPUTS:
-        raise UniSGError(f"--out must end in one of {', '.join(OUTPUTS)}, not {args.out.name!r}")
-    for path in (args.out, args.render):
-        if path is not None and not path.parent.is_dir():
-            raise UniSGError(f"there is no folder {path.parent} to write {path.name} to")
-    if (args.on or args.beside) and (args.scene is None or args.add is None):
-        raise UniSGError("--on and --beside need a --scene that has such a thing, and --add for what is wanted there")
-    if args.scene is not None:
-        check_kinds(args.scene, args.out if args.render is None else args.out.with_suffix(".blend"))
-        if not args.scene.is_file():
-            raise UniSGError(f"there is no scene file {args.scene}")
     if args.render is not None and args.render.suffix.lower() != ".png":
         raise UniSGError(f"--render writes .png, not {args.render.name!r}")
+    check_folder_of(args.out)
+    check_folder_of(args.render)
+    if (args.on or args.beside) and (args.scene is None or args.add is None):
+        raise UniSGError("--on and --beside need a --scene that has such a thing, and --add for what is wanted there")
+    if args.render is not None:
+        load_blender()
+    check_kinds(args.scene, args.out)
 
 
 def _write(args: argparse.Namespace, result: Generated) -> None:
-    kind = args.out.suffix.lower()
-    if kind == ".json":
-        from ..scene.scene_text import to_records
-
-        new = set(result.rows.tolist())
-        records = [{**record, "new": row in new} for row, record in enumerate(to_records(result.scene))]
-        write_file(args.out, json.dumps({"title": result.scene.title, "entities": records}, ensure_ascii=False))
-    elif kind in USD:
+    in_blender = is_of(args.out, BLENDER)
+    if not in_blender:
         write_scene_file(result.scene, args.out)
-    if kind == ".blend" or args.render is not None:
-        _write_with_blender(args, result, save=kind == ".blend")
+    if in_blender or args.render is not None:
+        _write_with_blender(args, result, save=in_blender)
 
 
 def _write_with_blender(args: argparse.Namespace, result: Generated, save: bool) -> None:
     """Write a .blend file (a given one keeps what the scenegraph does not hold) and the picture."""
-    import bpy
-
-    from ..blender import new_file, open_file, render_picture, save_blend, write_rows, write_scene
+    from ..blender import open_file, render_picture, save_blend, write_rows
     from ..blender.authoring.extended_lessons import extend_lessons
+    from ..blender.blend_files import current_scene, new_scene
 
-    if args.scene is not None and args.scene.suffix.lower() not in USD:
+    if args.scene is not None and is_of(args.scene, BLENDER):
         open_file(args.scene)
-        extend_lessons(result.scene, result.rows.tolist(), bpy.context.scene)
-        write_rows(result.scene, result.rows, bpy.context.scene)
+        extend_lessons(result.scene, result.rows.tolist(), current_scene())
+        write_rows(result.scene, result.rows, current_scene())
     else:
-        new_file()
-        write_scene(result.scene, bpy.context.scene)
+        new_scene(result.scene)
     if save:
         save_blend(args.out)
     if args.render is not None:

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import argparse
 import json
-import sys
 from pathlib import Path
 from typing import Any
 
 from ..errors import DONE
+from .common import add_scene_options, read_shown, tell_lost
 
 HELP = "Show the entity tree of a scene file, with components and behaviour, or the contents of a dataset."
 SHOWN = 1000
@@ -17,13 +17,7 @@ SHOWN = 1000
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """What the verb takes."""
     parser.add_argument("path", metavar="FILE_OR_DATASET", type=Path, help="a scene file, or the folder of a dataset")
-    parser.add_argument(
-        "--geometry",
-        choices=("evaluated", "original", "none"),
-        default="evaluated",
-        help="meshes with modifiers applied (default), as they are edited, or none",
-    )
-    parser.add_argument("--scene", default="", metavar="NAME", help="of a Blender file with several scenes: this one")
+    add_scene_options(parser)
     parser.add_argument(
         "--limit", type=int, default=SHOWN, metavar="N", help=f"show at most N entities ({SHOWN}; 0: all)"
     )
@@ -34,21 +28,17 @@ def run(args: argparse.Namespace) -> int:
     """Print the tree, or with ``--json`` everything as one JSON object."""
     if args.path.is_dir():
         return _inspect_dataset(args)
-    from ..formats.scene_files import check_kinds, read_scene_file, shown
     from ..scene.scene_text import summary, to_records, tree_lines
 
-    check_kinds(args.path, None)
-    with shown(args.quiet or args.json, "entities") as tell:
-        graph, report = read_scene_file(args.path, tell, geometry=args.geometry, scene=args.scene)
+    graph, lost = read_shown(args, args.path, geometry=args.geometry, scene=args.scene)
     if args.json:
-        record = {"file": str(args.path), **summary(graph), "records": to_records(graph), "not_represented": report}
-        print(json.dumps(record, ensure_ascii=False, default=str))
+        record = {"file": str(args.path), **summary(graph), "records": to_records(graph), "not_represented": lost}
+        print(json.dumps(record, ensure_ascii=False))
         return DONE
     print("\n".join(tree_lines(graph, args.limit or None)))
     if not args.quiet:
         print("\n" + "\n".join(_summary_lines(summary(graph))))
-        for line in report:
-            print(f"not represented: {line}", file=sys.stderr)
+    tell_lost(args, lost)
     return DONE
 
 

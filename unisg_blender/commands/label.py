@@ -3,26 +3,25 @@
 from __future__ import annotations
 
 import argparse
-import json
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..errors import DONE, UniSGError
+from ..runtime.file_kinds import BLENDER, is_of
+from .common import add_scene, check_folder_of, print_report, read_shown
 
 if TYPE_CHECKING:
     from ..predict.category_proposals import Proposal
     from ..scene import SceneGraph
 
 HELP = "Propose categories for the objects of a scene that have none, from shape, size, name and neighbours."
-USD = (".usd", ".usda", ".usdc")
-OUTPUTS = (".blend", *USD)
 EVIDENCE = ("shape", "name", "neighbours")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """What the verb takes."""
-    parser.add_argument("file", metavar="FILE", type=Path, help="a scene file")
+    add_scene(parser)
     parser.add_argument("--best", metavar="N", type=int, default=3, help="categories to name for each object (3)")
     parser.add_argument("--use", metavar="KINDS", default=",".join(EVIDENCE), help="evidence (shape,name,neighbours)")
     parser.add_argument("--all", action="store_true", help="also for objects that have a category")
@@ -35,23 +34,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Read, propose, print; with ``--out`` accept and write."""
-    from ..formats.scene_files import check_kinds, read_scene_file
     from ..predict.category_model import LabelModel
     from ..predict.category_proposals import propose_categories
 
     use = _checked(args)
     model = LabelModel.load(args.model)
-    check_kinds(args.file, args.out)
-    graph, _ = read_scene_file(args.file)
+    graph, _ = read_shown(args, args.file, args.out)
     rows = range(len(graph)) if args.all else None
     proposals = propose_categories(graph, model, rows=rows, best=args.best, use=use)
     accepted = [proposal for proposal in proposals if proposal.confidence >= args.threshold]
     if args.out is not None:
         _write(args.file, args.out, graph, accepted)
-    if args.json:
-        print(json.dumps(_report(args, graph, proposals, len(accepted)), ensure_ascii=False))
-    elif not args.quiet:
-        print("\n".join(_lines(args, proposals, len(accepted))))
+    print_report(args, _report(args, graph, proposals, len(accepted)), _lines(args, proposals, len(accepted)))
     return DONE
 
 
@@ -61,36 +55,25 @@ def _checked(args: argparse.Namespace) -> list[str]:
         raise UniSGError(f"--use takes some of {', '.join(EVIDENCE)}, not {args.use!r}")
     if args.best < 1 or not 0 <= args.threshold <= 1:
         raise UniSGError("--best must be at least 1, and --threshold lie between 0 and 1")
-    if args.out is not None and args.out.suffix.lower() not in OUTPUTS:
-        raise UniSGError(f"--out must end in one of {', '.join(OUTPUTS)}, not {args.out.name!r}")
-    if args.out is not None and not args.out.parent.is_dir():
-        raise UniSGError(f"there is no folder {args.out.parent} to write {args.out.name} to")
-    if not args.file.is_file():
-        raise UniSGError(f"there is no scene file {args.file}")
+    check_folder_of(args.out)
     return use
 
 
 def _write(source: Path, out: Path, graph: SceneGraph, accepted: Sequence[Proposal]) -> None:
+    from ..formats.scene_files import write_scene_file
     from ..predict.category_proposals import accept
 
-    if out.suffix.lower() in USD:
-        from ..usd import write_usd
-
-        write_usd(accept(graph, accepted), out)
+    if not (is_of(source, BLENDER) and is_of(out, BLENDER)):
+        write_scene_file(accept(graph, accepted), out)
         return
-    import bpy
-
-    from ..blender import new_file, objects_by_uid, save_blend, write_scene
+    from ..blender import objects_by_uid, save_blend
     from ..blender.authoring.identities import assign_category
+    from ..blender.blend_files import current_scene
 
-    if source.suffix.lower() in USD:
-        new_file()
-        write_scene(accept(graph, accepted), bpy.context.scene)
-    else:  # the file is still open: what the scenegraph does not hold stays in it
-        objects = objects_by_uid(bpy.context.scene)
-        for proposal in accepted:
-            if proposal.uid in objects:
-                assign_category([objects[proposal.uid]], proposal.best)
+    objects = objects_by_uid(current_scene())  # the file is still open: what the scenegraph does not hold stays in it
+    for proposal in accepted:
+        if proposal.uid in objects:
+            assign_category([objects[proposal.uid]], proposal.best)
     save_blend(out)
 
 

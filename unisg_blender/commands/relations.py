@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import argparse
-import json
-from dataclasses import fields
 from pathlib import Path
 
 from ..errors import DONE, UniSGError
-from ..formats.scene_files import check_kinds, read_scene_file, shown, write_scene_file
+from ..formats.scene_files import write_scene_file
 from ..scene.graph import SceneGraph
 from ..spatial.relations import KINDS, RelationTolerances, find_relations, relate
+from .common import add_scene, check_at_least, print_report, read_shown
 
 HELP = "Tell which thing stands on, in, above or beside which other, from geometry, or what is on what by a network."
 LENGTHS = {
@@ -24,7 +23,7 @@ LENGTHS = {
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """What the verb takes."""
-    parser.add_argument("path", metavar="FILE", type=Path, help="a scene file")
+    add_scene(parser)
     parser.add_argument("--kind", action="append", choices=KINDS, metavar="KIND", help=f"only this: {', '.join(KINDS)}")
     parser.add_argument(
         "--model",
@@ -43,22 +42,14 @@ def run(args: argparse.Namespace) -> int:
     """Print one line per relation, or with ``--json`` all of them as one JSON object."""
     if args.model is not None:
         return _run_model(args)
-    check_kinds(args.path, args.out)
-    values = {field.name: getattr(args, field.name) for field in fields(RelationTolerances) if field.name in LENGTHS}
-    for name in ("gap", "overlap", "beside", "above"):
-        if not values[name] >= 0:
-            raise UniSGError(f"--{name} must not be negative")
-    with shown(args.quiet or args.json, "entities read") as tell:
-        graph, _ = read_scene_file(args.path, tell)
-    tolerances = RelationTolerances(**values)
+    check_at_least(args, 0, "gap", "overlap", "beside", "above")
+    tolerances = RelationTolerances(**{name: getattr(args, name) for name in LENGTHS})
+    graph, _ = read_shown(args, args.file, args.out)
     found = [entry for entry in find_relations(graph, tolerances) if not args.kind or entry[1] in args.kind]
     if args.out is not None:
         write_scene_file(relate(graph, tolerances), args.out)
-    if args.json:
-        print(json.dumps({"file": str(args.path), "relations": _records(graph, found)}, ensure_ascii=False))
-    elif not args.quiet:
-        for subject, kind, target in found:
-            print(f"{graph.name[subject]}  {kind.replace('_', ' ')}  {graph.name[target]}")
+    report = {"file": str(args.file), "relations": _records(graph, found)}
+    print_report(args, report, (_line(graph, *entry) for entry in found))
     return DONE
 
 
@@ -69,20 +60,19 @@ def _run_model(args: argparse.Namespace) -> int:
     if args.kind not in (None, [KIND]):
         raise UniSGError(f"the network knows {KIND!r} only: leave out --kind, or --model")
     model = TopologyModel(args.model or None)
-    check_kinds(args.path, args.out)
-    with shown(args.quiet or args.json, "entities read") as tell:
-        graph, _ = read_scene_file(args.path, tell)
+    graph, _ = read_shown(args, args.file, args.out)
     found = model.find(graph)
     if args.out is not None:
         write_scene_file(with_relations(graph, found), args.out)
-    if args.json:
-        records = _records(graph, [entry[:3] for entry in found])
-        chances = [record | {"chance": entry[3]} for record, entry in zip(records, found, strict=True)]
-        print(json.dumps({"file": str(args.path), "relations": chances}, ensure_ascii=False))
-    elif not args.quiet:
-        for subject, kind, target, chance in found:
-            print(f"{graph.name[subject]}  {kind.replace('_', ' ')}  {graph.name[target]}  {chance:.0%}")
+    records = _records(graph, [entry[:3] for entry in found])
+    chances = [record | {"chance": entry[3]} for record, entry in zip(records, found, strict=True)]
+    lines = (f"{_line(graph, *entry[:3])}  {entry[3]:.0%}" for entry in found)
+    print_report(args, {"file": str(args.file), "relations": chances}, lines)
     return DONE
+
+
+def _line(graph: SceneGraph, subject: int, kind: str, target: int) -> str:
+    return f"{graph.name[subject]}  {kind.replace('_', ' ')}  {graph.name[target]}"
 
 
 def _records(graph: SceneGraph, found: list[tuple[int, str, int]]) -> list[dict[str, str]]:

@@ -15,6 +15,8 @@ from tqdm import tqdm
 
 from ..errors import DONE, MISUSE, UniSGError
 from ..runtime.atomic_files import filling
+from ..runtime.file_kinds import BLENDER, is_of
+from .common import add_scene, print_report, read_shown
 
 if TYPE_CHECKING:
     from ..behaviour import Moment
@@ -29,7 +31,7 @@ FILM_FRAMES = 60
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """What the verb takes."""
-    parser.add_argument("file", metavar="FILE", type=Path, help="a scene file with a lesson")
+    add_scene(parser, meaning="a scene file with a lesson")
     source = parser.add_mutually_exclusive_group()
     source.add_argument(
         "--motion", metavar="JSON", type=Path, help="a script of poses and inputs, by the objects' names"
@@ -63,13 +65,11 @@ def run(args: argparse.Namespace) -> int:
         return MISUSE
     from ..behaviour import prepare, simulate, timeline_record
     from ..behaviour.lesson.custom_types import load_types
-    from ..formats.scene_files import check_kinds, read_scene_file, shown, write_scene_file
+    from ..formats.scene_files import write_scene_file
 
-    check_kinds(args.file, args.record)
     for path in args.types:
         load_types(path)
-    with shown(args.quiet, "entities") as tell:
-        graph, _ = read_scene_file(args.file, tell)
+    graph, _ = read_shown(args, args.file, args.record)
     lesson = prepare(graph, _chosen(graph, args.lesson))
     take = Playthrough(lesson)
     played, script = _moments(args, graph, lesson)
@@ -80,10 +80,7 @@ def run(args: argparse.Namespace) -> int:
         _write(args, graph, record, take.frames, script)
     if args.record is not None:
         write_scene_file(take.recorded(timeline.events), args.record)
-    if args.json:
-        print(json.dumps(record, ensure_ascii=False))
-    elif not args.quiet:
-        print("\n".join(_lines(record)))
+    print_report(args, record, _lines(record))
     return DONE
 
 
@@ -139,7 +136,6 @@ def _moments(args: argparse.Namespace, graph: SceneGraph, lesson: Any) -> tuple[
     from dataclasses import replace
 
     from ..behaviour import moments, motion_from_json, motion_to_json, recorded_motion, rehearse
-    from ..formats.scene_files import BLENDER
 
     if args.rehearse:
         motion = rehearse(lesson, args.rate or 30.0)
@@ -153,13 +149,12 @@ def _moments(args: argparse.Namespace, graph: SceneGraph, lesson: Any) -> tuple[
     motion = recorded_motion(graph, args.rate or 30.0)
     if motion.tracks or motion.inputs:
         return list(moments(graph, motion)), None
-    if args.file.suffix.lower() in BLENDER:
-        import bpy
-
+    if is_of(args.file, BLENDER):
         from ..blender.authoring.stored_behaviour import has_animation, scene_moments
+        from ..blender.blend_files import current_scene
 
-        if has_animation(bpy.context.scene):
-            return scene_moments(bpy.context.scene, graph), None
+        if has_animation(current_scene()):
+            return scene_moments(current_scene(), graph), None
     raise UniSGError(f"nothing moves in {args.file}: give a --motion script, or let it --rehearse")
 
 
@@ -178,19 +173,15 @@ def _write(
 
 
 def _render(args: argparse.Namespace, graph: SceneGraph, path: Path, frames: list[Any]) -> None:
-    import bpy
-
-    from ..blender import new_file, write_scene
+    from ..blender.blend_files import current_scene, new_scene
     from ..blender.render.film import write_film
-    from ..formats.scene_files import BLENDER
 
-    if args.file.suffix.lower() not in BLENDER:
-        new_file()
-        write_scene(graph, bpy.context.scene)
+    if not is_of(args.file, BLENDER):
+        new_scene(graph)
     chosen = frames[:: max(1, -(-len(frames) // FILM_FRAMES))]
     leave_out = [name for name in graph.vocabulary if "ceiling" in name.casefold()]
     bar = partial(tqdm, desc="film", unit="picture", disable=args.quiet, file=sys.stderr)
-    write_film(path, bpy.context.scene, graph, chosen, leave_out=leave_out, speed=2.0, progress=bar)
+    write_film(path, current_scene(), graph, chosen, leave_out=leave_out, speed=2.0, progress=bar)
 
 
 def _name(lesson: Any, place: int) -> str:

@@ -9,13 +9,12 @@ from typing import TYPE_CHECKING
 
 from ..errors import UniSGError
 from ..runtime.atomic_files import replacing
+from ..runtime.file_kinds import USD, is_of
 from .pxr_library import require_pxr
 from .ticks import Progress, ticks
 
 if TYPE_CHECKING:
     from ..scene.graph import SceneGraph
-
-SUFFIXES = (".usd", ".usda", ".usdc", ".usdz")
 
 
 def write_usd(graph: SceneGraph, path: str | os.PathLike[str], progress: Progress | None = None) -> None:
@@ -37,8 +36,8 @@ def write_usd(graph: SceneGraph, path: str | os.PathLike[str], progress: Progres
         If the path cannot be written, or a component holds values that have no USD form.
     """
     path = Path(path)
-    if path.suffix.lower() not in SUFFIXES:
-        raise UniSGError(f"{path}: a USD file ends in {', '.join(SUFFIXES)}")
+    if not is_of(path, USD):
+        raise UniSGError(f"{path}: a USD file ends in {', '.join(USD)}")
     require_pxr()
     from pxr import Sdf
 
@@ -77,8 +76,8 @@ def read_usd(path: str | os.PathLike[str], progress: Progress | None = None) -> 
         If the file is missing, damaged, or written by a newer version.
     """
     path = Path(path)
-    if path.suffix.lower() not in SUFFIXES:
-        raise UniSGError(f"{path}: a USD file ends in {', '.join(SUFFIXES)}")
+    if not is_of(path, USD):
+        raise UniSGError(f"{path}: a USD file ends in {', '.join(USD)}")
     if not path.is_file():
         raise UniSGError(f"{path}: there is no such file")
     require_pxr()

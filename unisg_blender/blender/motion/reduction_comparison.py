@@ -26,7 +26,6 @@ from ..fcurves import Floats, Item, curves_of
 from .keyframes import key_count, key_times, read_motors, write_motors
 from .motor_keys import Tolerance, reduce_item_keyframes
 
-BLENDER = bpy.app.version_string
 FRAMES = 240
 TIMES = np.arange(1.0, FRAMES + 1)
 POSE_NUMBERS, THIRDS_NUMBERS = 8, 14  # per key a time and a pose; per span of cubic motors two more poses

@@ -50,7 +50,7 @@ class ExportOptions:
     mesh_encoder
         "package.module:function" of a :data:`..format.encoding.MeshEncoder`, "" for none.
     reader
-        "package.module:function" of a :data:`.reader_process.Reader`, "" for Blender's.
+        "package.module:function" of a :data:`.reader_process.Reader`, "" for the one of the file's kind.
     """
 
     form: str = "quaternion"
@@ -64,25 +64,17 @@ class ExportOptions:
 
 
 def export_steps(
-    inputs: Iterable[str | os.PathLike[str]],
-    out: str | os.PathLike[str],
-    options: ExportOptions = ExportOptions(),
-    *,
-    executor: Executor | None = None,
-    jobs: int | None = None,
-    resume: bool = False,
-    overwrite: bool = False,
+    inputs: Iterable[str | os.PathLike[str]], out: str | os.PathLike[str], options: ExportOptions = ExportOptions(), *,
+    executor: Executor | None = None, jobs: int | None = None, resume: bool = False, overwrite: bool = False,
     wait: float | None = None,
-) -> Generator[tuple[Record | None, int], None, list[Record]]:
-    """Export scene files as a dataset.
+) -> Generator[tuple[Record | None, int], None, list[Record]]:  # fmt: skip
+    """Export scene files as a dataset; :func:`export_dataset` is the same at once.
 
-    The scenes stand in the order of their files' paths, whatever the order in
-    which they are read; an export that was interrupted and resumed gives the
-    same bytes as one that was not. :func:`export_dataset` is the same at once.
+    The scenes stand in the order of their files' paths; an export that was interrupted
+    and resumed gives the same bytes as one that was not.
 
     Yields the record of each file as it is done, or None, and the number of files; None
-    at the start, and whenever ``wait`` seconds pass without a file. Closing the generator
-    stops the export, to be resumed.
+    at the start, and whenever ``wait`` seconds pass. Closing the generator stops the export.
 
     Parameters
     ----------

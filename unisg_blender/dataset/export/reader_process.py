@@ -19,6 +19,8 @@ from pathlib import Path
 from typing import Any, TextIO
 
 from ...errors import UniSGError
+from ...formats.dependencies import files_beside
+from ...formats.scene_files import load_blender, read_all_scenes
 from ...runtime.atomic_files import DiskFullError, write_named
 from ...runtime.process_end import end_process
 from ...scene import SceneGraph
@@ -27,7 +29,7 @@ from ..category_mapping import apply_mapping
 from ..format.columns import Vocabulary
 from ..format.encoding import Sample, encode_scenes
 from ..format.shards import pack_shard
-from .dependencies import checksums, files_beside
+from .dependencies import checksums
 from .realized_instances import realize_objects
 
 MARK = "unisg-answer "
@@ -45,18 +47,11 @@ Reader = Callable[[Path], tuple[list[SceneGraph], str, list[Path]]]
 """Opens a file: its scenes, in one line what they could not represent ("" for nothing), other files they come from."""
 
 
-def read_with_blender(path: Path) -> tuple[list[SceneGraph], str, list[Path]]:
-    """All scenes of a file that have objects, through Blender."""
-    from ...blender.blend_files import open_file
-    from ...blender.quiet import captured_output
-    from ...blender.read.scene_reader import read_scenes
-    from ...blender.unsupported.read_report import ReadReport
-
-    report = ReadReport()
-    open_file(path, report)
-    with captured_output():
-        scenes = read_scenes(report=report)
-    return [graph for graph in scenes.values() if len(graph)], report.summary(), files_beside(path)
+def read_file(path: Path) -> tuple[list[SceneGraph], str, list[Path]]:
+    """All scenes of a file of any kind that have objects."""
+    load_blender()  # a later file may need it
+    graphs, note = read_all_scenes(path)
+    return graphs, note, files_beside(path)
 
 
 def load_function(name: str) -> Callable[..., Any]:
@@ -124,7 +119,7 @@ def handle(request: dict[str, Any]) -> dict[str, Any]:
 
 def _export(request: dict[str, Any]) -> dict[str, Any]:
     """Read a file and write its scenes as a shard of their own."""
-    read: Reader = load_function(request["reader"]) if request["reader"] else read_with_blender
+    read: Reader = load_function(request["reader"]) if request["reader"] else read_file
     encoder = load_function(request["mesh_encoder"]) if request["mesh_encoder"] else None
     path = Path(request["path"])
     graphs, note, others = read(path)

@@ -8,9 +8,10 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from ...errors import UniSGError
+from ...runtime.file_kinds import BLENDER, USD
 
-SUFFIXES = (".blend", ".glb", ".gltf", ".fbx", ".obj", ".usd", ".usda", ".usdc", ".usdz")
-"""Kinds of scene file that are looked for in folders."""
+SUFFIXES = (*BLENDER, *USD)
+"""Kinds of scene file that are looked for in folders; a .json may be anything, and is read where it is named."""
 
 
 def find_sources(inputs: Iterable[str | os.PathLike[str]], suffixes: tuple[str, ...] = SUFFIXES) -> list[Path]:

@@ -37,7 +37,8 @@ def write_motion_report(args: argparse.Namespace, folder: Path, progress: Callab
         Without Blender.
     """
     try:
-        from ...blender.motion.reduction_comparison import BLENDER, compare_reductions
+        from ...blender.blend_files import BLENDER_VERSION
+        from ...blender.motion.reduction_comparison import compare_reductions
     except ImportError:
         raise MissingPackageError("Blender's Python module bpy", "blender") from None
 
@@ -45,7 +46,7 @@ def write_motion_report(args: argparse.Namespace, folder: Path, progress: Callab
     rows = compare_reductions(MILLIMETRES, DEGREES, args.seed)
     settings = {"millimetres": MILLIMETRES, "degrees": DEGREES, "seed": args.seed}
     report = {
-        "machine": {**machine(), "blender": BLENDER},
+        "machine": {**machine(), "blender": BLENDER_VERSION},
         "settings": settings,
         "reductions": rows,
     }

@@ -47,6 +47,23 @@ def open_stage(path: Path) -> Any:
     return stage
 
 
+def layer_files(path: Path) -> list[Path]:
+    """All layers that a USD file refers to, through other layers, too; what lies inside a package is part of it."""
+    found: dict[str, None] = {}
+    waiting = [str(path.absolute())]
+    while waiting:
+        try:
+            with quiet():
+                layer = Sdf.Layer.FindOrOpen(waiting.pop())
+        except Tf.ErrorException:  # damaged: reading has told so
+            continue
+        for name in filter(None, layer.GetCompositionAssetDependencies() if layer else ()):
+            if (file := layer.ComputeAbsolutePath(name)) not in found:
+                found[file] = None
+                waiting.append(file)
+    return [Path(name) for name in found if "[" not in name]
+
+
 @contextmanager
 def quiet() -> Iterator[list[str]]:
     """Collect USD's diagnostics in a list instead of printing them."""

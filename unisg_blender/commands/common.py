@@ -1,0 +1,108 @@
+"""What several verbs share: options, reading a scene with a progress bar, and the report at the end."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+import time
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ..errors import UniSGError
+from ..runtime.progress import Progress
+
+if TYPE_CHECKING:
+    from ..scene import SceneGraph
+
+MOMENT = 1.0  # seconds
+
+
+def add_scene(parser: argparse.ArgumentParser, name: str = "file", meaning: str = "a scene file") -> None:
+    """The scene that a verb reads."""
+    parser.add_argument(name, metavar="FILE", type=Path, help=meaning)
+
+
+def add_scene_options(parser: argparse.ArgumentParser) -> None:
+    """What is read of a Blender file."""
+    parser.add_argument(
+        "--geometry",
+        choices=("evaluated", "original", "none"),
+        default="evaluated",
+        help="of Blender scenes: meshes with modifiers applied (default), as they are edited, or none",
+    )
+    parser.add_argument("--scene", default="", metavar="NAME", help="of a Blender file with several scenes: this one")
+
+
+def add_form(parser: argparse.ArgumentParser, default: str = "quaternion") -> None:
+    """The form of poses in a dataset."""
+    from ..poses import FORMS
+
+    parser.add_argument("--form", choices=FORMS, default=default, help=f"form of the dataset's poses ({default})")
+
+
+def check_at_least(args: argparse.Namespace, least: int, *names: str) -> None:
+    """UniSGError if one of these options is given and smaller."""
+    for name in names:
+        value = getattr(args, name)
+        if value is not None and value < least:
+            raise UniSGError(f"--{name} must be at least {least}, not {value}")
+
+
+def check_folder_of(path: Path | None) -> None:
+    """UniSGError if there is no folder to write a file to: told before the work, not after it."""
+    if path is not None and not path.parent.is_dir():
+        raise UniSGError(f"there is no folder {path.parent} to write {path.name} to")
+
+
+@contextmanager
+def shown(quiet: bool, unit: str) -> Iterator[Callable[[int, int], None]]:
+    """A progress bar on stderr, for work that takes longer than a moment."""
+    bars: list[Progress] = []
+    begin = time.monotonic()
+
+    def tell(done: int, total: int) -> None:
+        """Show a bar as soon as it takes longer than a moment."""
+        if not bars and time.monotonic() - begin > MOMENT and done < total:
+            bars.append(Progress(total, unit, quiet))
+        for bar in bars:
+            bar.update(done)
+
+    try:
+        yield tell
+    finally:
+        for bar in bars:
+            bar.close()
+
+
+def read_shown(
+    args: argparse.Namespace, path: Path, target: Path | None = None, unit: str = "entities read", **options: Any
+) -> tuple[SceneGraph, list[str]]:
+    """The scene of a file and what it could not hold, with a progress bar.
+
+    ``target`` is the file that will be written of it, if any; ``options`` are those of
+    :func:`~..formats.scene_files.read_scene_file`.
+    """
+    from ..formats.scene_files import check_kinds, read_scene_file
+
+    check_kinds(path, target)
+    with shown(args.quiet or args.json, unit) as tell:
+        return read_scene_file(path, tell, **options)
+
+
+def print_report(args: argparse.Namespace, report: dict[str, Any], lines: Iterable[str]) -> None:
+    """The report as JSON if that is asked for, else its lines, unless nothing is to be said."""
+    if args.json:
+        print(json.dumps(report, ensure_ascii=False))
+    elif not args.quiet:
+        for line in lines:
+            print(line)
+
+
+def tell_lost(args: argparse.Namespace, lost: Iterable[str]) -> None:
+    """Say on stderr what could not be represented."""
+    if not (args.json or args.quiet):
+        for line in lost:
+            print(f"not represented: {line}", file=sys.stderr)

@@ -1,0 +1,238 @@
+"""A scene as JSON: all of it, with names for what the numbers are, so that other programs and people can read it.
+
+The file is an object with ``unisg_scene`` (the version), the scene and what it shares with the prototypes of its
+instances: ``meshes`` and ``prototypes``, which have the form of the scene. A scene has ``title``, ``vocabulary``,
+``mesh_numbers`` (its own meshes among those of the file), ``materials``, ``components`` (for each table ``rows``
+and ``columns``) and ``entities``: each with name, uid, type, category, uid of the parent, number of the mesh,
+and matrices ``local`` and ``world`` (rows; metres; ``world`` is for the reader's convenience and is not read back).
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import UniSGError
+from ..runtime.atomic_files import write_file
+from ..scene import ActionData, LessonNode, Material, Mesh, SceneGraph, Table, world_matrices
+from ..scene.action_data import actions_from_json, actions_to_json
+from ..scene.graph import TYPE_INDEX, TYPES
+from ..scene.lesson_node import lesson_from_json, lesson_to_json
+
+KEY = "unisg_scene"
+VERSION = 1
+ARRAYS = ("points", "corners", "offsets", "edges", "normals", "material_index")
+
+
+def write_json(graph: SceneGraph, path: Path) -> None:
+    """Write a scenegraph as JSON; the file is complete, or is not written at all.
+
+    Raises
+    ------
+    UniSGError
+        If the file cannot be written, or a component holds values that have no JSON form.
+    """
+    writer = _SceneWriter()
+    record = {KEY: VERSION} | writer.scene(graph)
+    record |= {"meshes": [writer.mesh(mesh) for mesh in writer.meshes], "prototypes": writer.prototypes}
+    write_file(path, json.dumps(record))
+
+
+def read_json(path: Path) -> SceneGraph:
+    """The scenegraph that :func:`write_json` wrote.
+
+    Raises
+    ------
+    UniSGError
+        If the file cannot be read, is no such file, or was written by another version.
+    """
+    try:
+        record = json.loads(path.read_text("utf-8"))
+    except OSError as error:
+        raise UniSGError(f"cannot read {path}: {error.strerror or error}") from None
+    except (ValueError, RecursionError) as error:
+        raise UniSGError(f"cannot read {path}: it is not valid JSON: {error}") from None
+    version = record.get(KEY) if isinstance(record, dict) else None
+    if version is None:
+        raise UniSGError(f"cannot read {path}: it holds no scene with its geometry; convert or generate it again")
+    if not isinstance(version, int) or version > VERSION:
+        raise UniSGError(f"cannot read {path}: it was written by a newer version of this software: update it")
+    try:
+        return _SceneReader(record).scene(record)
+    except (LookupError, TypeError, ValueError, AttributeError, ArithmeticError, RecursionError, UniSGError) as error:
+        raise UniSGError(f"cannot read {path}: the scene in it is damaged: {error}") from None
+
+
+class _SceneWriter:
+    """Records of scenes; meshes and prototypes are numbered as they are met."""
+
+    def __init__(self) -> None:
+        self.meshes: dict[Mesh, int] = {}
+        self.prototypes: list[dict[str, Any]] = []
+        self._numbers: dict[SceneGraph, int] = {}
+
+    def scene(self, graph: SceneGraph) -> dict[str, Any]:
+        numbers = [self.meshes.setdefault(mesh, len(self.meshes)) for mesh in graph.meshes]
+        world = world_matrices(graph)
+        entities = [
+            {
+                "name": graph.name[row], "uid": graph.uid[row], "type": TYPES[graph.type[row]],
+                "category": graph.category_name(row),
+                "parent": graph.uid[graph.parent[row]] if graph.parent[row] >= 0 else None,
+                "mesh": numbers[graph.mesh[row]] if graph.mesh[row] >= 0 else None,
+                "local": graph.local[row].tolist(), "world": world[row].tolist(),
+            }
+            for row in range(len(graph))
+        ]  # fmt: skip
+        return {
+            "title": graph.title,
+            "entities": entities,
+            "vocabulary": graph.vocabulary,
+            "mesh_numbers": numbers,
+            "materials": [asdict(material) for material in graph.materials.values()],
+            "components": {name: self._table(name, found) for name, found in graph.components.items()},
+        }
+
+    def mesh(self, mesh: Mesh) -> dict[str, Any]:
+        arrays = {name: getattr(mesh, name) for name in ARRAYS}
+        record: dict[str, Any] = {"name": mesh.name, "materials": mesh.materials}
+        record |= {name: values.tolist() for name, values in arrays.items() if values is not None}
+        return record | {"uvs": {name: values.tolist() for name, values in mesh.uvs.items()}}
+
+    def _table(self, name: str, found: Table) -> dict[str, Any]:
+        columns = {key: self._array(values, f"{name}.{key}") for key, values in found.columns.items()}
+        return {"rows": found.rows.tolist(), "columns": columns}
+
+    def _array(self, values: NDArray[Any], name: str) -> dict[str, Any]:
+        flat = values.reshape(-1).tolist()
+        plain = [self._value(value, name) for value in flat] if values.dtype == object else flat
+        return {"dtype": values.dtype.str, "shape": values.shape, "values": plain}
+
+    def _value(self, value: Any, name: str) -> Any:
+        if value is None or isinstance(value, str | bool | int | float):
+            return value
+        if isinstance(value, list):
+            return [self._value(item, name) for item in value]
+        if isinstance(value, tuple):
+            return {"tuple": [self._value(item, name) for item in value]}
+        if isinstance(value, dict) and all(isinstance(key, str) for key in value):
+            return {"object": {key: self._value(item, name) for key, item in value.items()}}
+        if isinstance(value, np.ndarray):
+            return {"array": self._array(value, name)}
+        if isinstance(value, ActionData):
+            return {"action": json.loads(actions_to_json([value]))[0]}
+        if isinstance(value, LessonNode):
+            return {"lesson": json.loads(lesson_to_json(value))}
+        if isinstance(value, SceneGraph):
+            return {"prototype": self._prototype(value)}
+        raise UniSGError(f"the component {name} holds values that JSON cannot: make them numbers or text")
+
+    def _prototype(self, graph: SceneGraph) -> int:
+        if graph not in self._numbers:
+            record = self.scene(graph)  # what it instances itself comes before it
+            self._numbers[graph] = len(self.prototypes)
+            self.prototypes.append(record)
+        return self._numbers[graph]
+
+
+class _SceneReader:
+    """Scenes out of their records."""
+
+    def __init__(self, record: Mapping[str, Any]) -> None:
+        self._meshes = [_mesh(each) for each in record["meshes"]]
+        self._prototypes: list[SceneGraph] = []
+        self._prototypes.extend(map(self.scene, record["prototypes"]))
+
+    def scene(self, record: Mapping[str, Any]) -> SceneGraph:
+        entities, vocabulary = record["entities"], tuple(record["vocabulary"])
+        rows = {entity["uid"]: row for row, entity in enumerate(entities)}
+        parent = np.array([-1 if (uid := each["parent"]) is None else rows[uid] for each in entities], np.int32)
+        if len(rows) < len(entities) or (parent >= np.arange(len(entities))).any():
+            raise ValueError("uids must be unique, and parents come before their children")
+        place = {number: index for index, number in reversed(list(enumerate(record["mesh_numbers"])))}
+        category = {name: index for index, name in enumerate(vocabulary)} | {"": -1}
+        return SceneGraph(
+            name=_column(entities, "name"),
+            uid=_column(entities, "uid"),
+            type=np.array([TYPE_INDEX[each["type"]] for each in entities], np.int8),
+            parent=parent,
+            category=np.array([category[each["category"]] for each in entities], np.int32),
+            vocabulary=vocabulary,
+            local=np.array([each["local"] for each in entities], np.float64).reshape(len(entities), 4, 4),
+            mesh=np.array([-1 if each["mesh"] is None else place[each["mesh"]] for each in entities], np.int32),
+            meshes=tuple(self._meshes[number] for number in record["mesh_numbers"]),
+            materials={
+                each["name"]: Material(**each | {"base_color": tuple(each["base_color"])})
+                for each in record["materials"]
+            },
+            components={name: self._table(found, len(entities)) for name, found in record["components"].items()},
+            title=record["title"],
+        )
+
+    def _table(self, record: Mapping[str, Any], count: int) -> Table:
+        rows = np.array(record["rows"], np.int32)
+        columns = {name: self._array(values) for name, values in record["columns"].items()}
+        if any(len(values) != len(rows) for values in columns.values()) or ((rows < 0) | (rows >= count)).any():
+            raise ValueError("a component has rows that do not fit")
+        return Table(rows, columns)
+
+    def _array(self, record: Mapping[str, Any]) -> NDArray[Any]:
+        dtype = np.dtype(record["dtype"])
+        if not dtype.hasobject:
+            return np.array(record["values"], dtype).reshape(record["shape"])
+        values = np.empty(len(record["values"]), object)
+        for place, value in enumerate(record["values"]):  # one by one: numpy would unpack tuples
+            values[place] = self._value(value)
+        return values.reshape(record["shape"])
+
+    def _value(self, value: Any) -> Any:
+        if isinstance(value, list):
+            return [self._value(item) for item in value]
+        if not isinstance(value, dict):
+            return value
+        ((kind, content),) = value.items()
+        match kind:
+            case "tuple":
+                return tuple(self._value(item) for item in content)
+            case "object":
+                return {key: self._value(item) for key, item in content.items()}
+            case "array":
+                return self._array(content)
+            case "action":
+                return actions_from_json(json.dumps([content]))[0]
+            case "lesson":
+                return lesson_from_json(json.dumps(content))
+            case "prototype":
+                return self._prototypes[content]
+        raise ValueError(f"a value of the kind {kind!r} is unknown")
+
+
+def _column(entities: Sequence[Mapping[str, Any]], name: str) -> tuple[str, ...]:
+    return tuple(str(each[name]) for each in entities)
+
+
+def _mesh(record: Mapping[str, Any]) -> Mesh:
+    def array(name: str, dtype: type[np.generic], *shape: int) -> Any:
+        return np.array(record[name], dtype).reshape(*shape) if name in record else None
+
+    mesh = Mesh(
+        name=record["name"],
+        points=array("points", np.float32, -1, 3),
+        corners=array("corners", np.int32, -1),
+        offsets=array("offsets", np.int32, -1),
+        edges=array("edges", np.int32, -1, 2),
+        normals=array("normals", np.float32, -1, 3),
+        uvs={name: np.array(values, np.float32).reshape(-1, 2) for name, values in record["uvs"].items()},
+        material_index=array("material_index", np.int32, -1),
+        materials=tuple(record["materials"]),
+    )
+    used = np.concatenate([mesh.corners, mesh.edges.ravel()])
+    if ((used < 0) | (used >= len(mesh.points))).any() or mesh.offsets[-1] != len(mesh.corners):
+        raise ValueError(f"the mesh {mesh.name!r} has faces of points that it does not have")
+    return mesh
