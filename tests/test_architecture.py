@@ -29,7 +29,6 @@ OPEN: dict[str, set[str]] = {
         "unisg_blender/behaviour/play/body_contact.py -> unisg_blender.spatial.entity_boxes",
         "unisg_blender/geometry/surface_contact.py -> unisg_blender.scene.graph",
         "unisg_blender/geometry/surface_contact.py -> unisg_blender.scene.hierarchy",
-        "unisg_blender/meshes/shape_files.py -> unisg_blender.worlds",
         "unisg_blender/metrics/requested_relations.py -> unisg_blender.experiments.rooms.cases",
         "unisg_blender/scene/__init__.py -> unisg_blender.spatial.entity_boxes",
     },
