@@ -26,19 +26,12 @@ SHARED_FILE_NAMES = 15
 OPEN: dict[str, set[str]] = {
     "upward_or_unknown_arrows": {
         "operators/generate.py -> unisg_blender.commands.generate",
-        "unisg_blender/behaviour/play/body_contact.py -> unisg_blender.spatial.entity_boxes",
+        "unisg_blender/behaviour/check/body_contact.py -> unisg_blender.spatial.entity_boxes",
         "unisg_blender/geometry/surface_contact.py -> unisg_blender.scene.graph",
         "unisg_blender/geometry/surface_contact.py -> unisg_blender.scene.hierarchy",
-        "unisg_blender/metrics/requested_relations.py -> unisg_blender.experiments.rooms.cases",
         "unisg_blender/scene/__init__.py -> unisg_blender.spatial.entity_boxes",
     },
     "circles_of_files": {
-        "unisg_blender.behaviour.lesson.action_soundness",
-        "unisg_blender.behaviour.lesson.custom_types",
-        "unisg_blender.behaviour.lesson.soundness",
-        "unisg_blender.behaviour.play.action_state",
-        "unisg_blender.behaviour.play.hand",
-        "unisg_blender.behaviour.play.player",
         "unisg_blender.scene.entity",
         "unisg_blender.scene.graph",
         "unisg_blender.scene.hierarchy",
@@ -47,9 +40,6 @@ OPEN: dict[str, set[str]] = {
         "unisg_blender.spatial.relations",
     },
     "circles_within_rooms": {
-        "behaviour.lesson",
-        "behaviour.play",
-        "behaviour.record",
         "scene.entity",
         "scene.graph",
         "scene.hierarchy",
