@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from unisg_blender.errors import UniSGError
+from unisg_blender.learn.atlasnet.world_shapes import world_models
 from unisg_blender.meshes.mesh_files import read_mesh_file
-from unisg_blender.meshes.shape_files import SPLITS, TABLE, of_split, read_models, world_models
+from unisg_blender.meshes.shape_files import SPLITS, TABLE, of_split, read_models
 
 DATA = Path(__file__).resolve().parents[1] / "data" / "meshes"
 

@@ -2,23 +2,23 @@
 
 from __future__ import annotations
 
+from .check.action_batch import Batch
+from .check.action_state import ActionState, Checks, compile_actions, holds, start, step
+from .check.conditions import CONDITIONS, Condition
+from .check.custom_types import add_type, load_types, remove_type
+from .check.snapshot import Moment, moment
 from .lesson.action_places import ActionPlace, action_places, all_actions, operations
 from .lesson.action_vector import CHANNELS, WIDTH, ActionVectors, action_vector, decode_action, encode_action
 from .lesson.behaviour_links import BehaviourLinks, behaviour_links
-from .lesson.custom_types import add_type, load_types, remove_type
-from .lesson.soundness import Problem, check_lesson, check_scene
-from .play.action_batch import Batch
-from .play.action_state import ActionState, Checks, compile_actions, holds, start, step
-from .play.conditions import CONDITIONS, Condition
 from .play.explanation import explain
 from .play.player import Event, Lesson, PlayState, begin, play, prepare
-from .play.rehearsal import rehearse
-from .play.snapshot import Moment, moment
+from .play.soundness import Problem, check_lesson, check_scene
 from .play.timeline import Timeline, simulate, timeline_record
 from .record.motion_script import motion_from_json, motion_to_json
 from .record.motion_tracks import Input, Motion, Track, moments
 from .record.pose_recorder import PoseRecorder, local_matrices
 from .record.recorded_events import recorded_inputs, recorded_motion, with_events
+from .rehearse.rehearsal import rehearse
 
 __all__ = [
     "CHANNELS",

@@ -43,10 +43,7 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _inspect_dataset(args: argparse.Namespace) -> int:
-    from ..dataset.dataset_description import (  # its own room knows what stands in a dataset
-        describe_dataset,
-        description_lines,
-    )
+    from ..dataset.dataset_description import describe_dataset, description_lines
 
     record = describe_dataset(args.path)
     if args.figures is not None:

@@ -64,7 +64,7 @@ def run(args: argparse.Namespace) -> int:
         print("unisg simulate: --rate must be above 0 and at most 1000 frames per second", file=sys.stderr)
         return MISUSE
     from ..behaviour import prepare, simulate, timeline_record
-    from ..behaviour.lesson.custom_types import load_types
+    from ..behaviour.check.custom_types import load_types
     from ..formats.scene_files import write_scene_file
 
     for path in args.types:
@@ -99,7 +99,7 @@ class Playthrough:
     def watch(self, now: Moment, state: Any) -> None:
         """Take down a moment."""
         from ..behaviour import local_matrices
-        from ..behaviour.play.lesson_progress import STATUSES
+        from ..behaviour.lesson.lesson_progress import STATUSES
         from ..behaviour.record.recorded_events import new_inputs
 
         states = [(_name(self.lesson, place), STATUSES[state.status[place]]) for place in self._leaves]

@@ -13,8 +13,9 @@ from typing import Any
 
 from .. import __version__
 from ..errors import DONE, UniSGError
+from ..learn.atlasnet.world_shapes import world_models
 from ..learn.jobs import load
-from ..meshes.shape_files import ShapeFile, of_split, read_models, world_models
+from ..meshes.shape_files import ShapeFile, of_split, read_models
 
 WORLDS_WITH_OBJECTS = ("operating-room", "living-room")
 

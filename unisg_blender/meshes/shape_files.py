@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 import zlib
-from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -89,36 +88,6 @@ def _sized(mesh: Mesh, row: dict[str, str]) -> Mesh:
     extent = np.ptp(points, axis=0)
     points = (points - points.min(axis=0)) * (size / np.maximum(extent, 1e-12))
     return replace(mesh, name=row["name"], points=points.astype(np.float32))
-
-
-def world_models(worlds: Sequence[str], rooms: int, seed: int = 0, per_category: int = 8) -> list[ShapeFile]:
-    """The meshes of procedurally made rooms, each once, at most ``per_category`` of a category.
-
-    ``rooms`` rooms are made of each of the named worlds. One in five meshes, by
-    its checksum, is in split "test".
-
-    Raises
-    ------
-    UniSGError
-        If there is no world of a name.
-    """
-    from ..worlds import WORLDS
-
-    unknown = sorted(set(worlds) - set(WORLDS))
-    if unknown:
-        raise UniSGError(f"there is no world {unknown[0]!r}: choose among {', '.join(WORLDS)}")
-    found: dict[str, ShapeFile] = {}
-    counts: Counter[str] = Counter()
-    for name in worlds:
-        for number in range(rooms):
-            graph = WORLDS[name](seed + number)
-            for row in np.flatnonzero(graph.mesh >= 0):
-                mesh, category = graph.meshes[graph.mesh[row]], graph.category_name(int(row))
-                if category and mesh.checksum not in found and counts[category] < per_category:
-                    counts[category] += 1
-                    split = "test" if int(mesh.checksum, 16) % 5 == 0 else "train"
-                    found[mesh.checksum] = ShapeFile(category, category, split, f"worlds/{category}", mesh)
-    return list(found.values())
 
 
 def of_split(models: Iterable[ShapeFile], split: str) -> list[ShapeFile]:

@@ -1,1 +1,1 @@
-"""Lessons as data: the tree, its edits, and whether it is sound."""
+"""Lessons as data: the tree, its edits, where each action stands, how far the tree has come."""

@@ -1,1 +1,1 @@
-"""Lessons in time: state, conditions, player, rehearsal, timeline."""
+"""Lessons in time: whether one can be played, the player, its events, the timeline."""

@@ -8,10 +8,10 @@ import numpy as np
 
 from ...scene.action_data import ActionData
 from ...scene.graph import SceneGraph
-from .action_batch import make_batch
-from .conditions import CONDITIONS, in_contact
-from .deviation import away_by
-from .snapshot import Moment
+from ..check.action_batch import make_batch
+from ..check.conditions import CONDITIONS, in_contact
+from ..check.deviation import away_by
+from ..check.snapshot import Moment
 
 
 def explain(graph: SceneGraph, action: ActionData, moment: Moment) -> str:

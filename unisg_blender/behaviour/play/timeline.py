@@ -6,9 +6,9 @@ from collections.abc import Callable, Iterable
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from .lesson_progress import STATUSES
+from ..check.snapshot import Moment
+from ..lesson.lesson_progress import STATUSES
 from .player import Event, Lesson, PlayState, begin, play
-from .snapshot import Moment
 
 VERSION = 1
 

@@ -15,7 +15,7 @@ from ...scene import components
 from ...scene.component_table import Table
 from ...scene.graph import SceneGraph
 from ...scene.hierarchy import world_matrices
-from ..play.snapshot import Moment, moment
+from ..check.snapshot import Moment, moment
 
 PARENT = "parent"
 WORLD = ""

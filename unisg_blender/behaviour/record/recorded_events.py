@@ -10,8 +10,8 @@ from ...scene.action_data import ActionData
 from ...scene.components import ANIMATION, EVENTS, RECORDING
 from ...scene.graph import SceneGraph
 from ...scene.recording_tables import RecordedEvent, event_table
+from ..check.snapshot import Moment
 from ..play.player import Event, Lesson
-from ..play.snapshot import Moment
 from .motion_tracks import Input, Motion, Track
 
 WORDS = {

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ...behaviour import Event, Input, Lesson, Moment, PlayState, begin, moment, play, prepare
 from ...behaviour.lesson.action_places import operations
-from ...behaviour.play.lesson_progress import OPEN, STATUSES
+from ...behaviour.lesson.lesson_progress import OPEN, STATUSES
 from ...behaviour.record.recorded_events import new_inputs
 from ...scene.action_data import ActionData
 from ...scene.hierarchy import world_matrices

@@ -9,11 +9,11 @@ from dataclasses import dataclass, replace
 from ...scene.action_data import ActionData
 from ...scene.graph import SceneGraph
 from ...scene.lesson_node import LessonNode
-from ..play.conditions import Condition
-from .action_places import all_actions, operations
+from ..check.conditions import Condition
+from ..lesson.action_places import all_actions, operations
+from ..lesson.lesson_tree import Outline, outline
 from .action_soundness import action_problems, group_members
 from .deadlock import circles, unreached
-from .lesson_tree import Outline, outline
 
 
 @dataclass(frozen=True)
@@ -52,7 +52,7 @@ def check_lesson(
     Parameters
     ----------
     conditions
-        The action types of your own, as for :func:`~..play.action_state.compile_actions`.
+        The action types of your own, as for :func:`~..check.action_state.compile_actions`.
     """
     plan = outline(operation)
     actions = all_actions(graph)

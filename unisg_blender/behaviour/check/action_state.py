@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 from ...scene.action_data import ActionData
 from ...scene.graph import SceneGraph
 from ..lesson.action_places import all_actions
-from ..lesson.custom_types import OWN_CONDITIONS
 from .action_batch import Batch, make_batch
 from .body_contact import EPSILON
 from .conditions import CONDITIONS, Condition
+from .custom_types import OWN_CONDITIONS
 from .snapshot import Moment
 
 
@@ -95,7 +95,7 @@ def compile_actions(
         The actions themselves instead, which may repeat, and for each the places of
         its members in that list; members are found by uid when omitted.
     conditions
-        Types of your own, ``{"Lift": lift}``, besides those of :mod:`..lesson.custom_types`: see :mod:`.conditions`.
+        Types of your own, ``{"Lift": lift}``, besides those of :mod:`.custom_types`: see :mod:`.conditions`.
     """
     if actions is None:
         actions = all_actions(graph)

@@ -5,17 +5,14 @@ from __future__ import annotations
 import runpy
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Any
 
 from ...errors import UniSGError
 from ...scene.action_data import TYPES
-from ..play.action_batch import Batch
+from .action_batch import Batch
+from .conditions import Condition
 
-if TYPE_CHECKING:
-    from ..play.conditions import Condition
-    from ..play.hand import Hand
-
-Gesture = Callable[["Hand", Batch], None]
+Gesture = Callable[[Any, Batch], None]
 """How a rehearsal performs an action: it moves objects with the hand; the batch holds that one action."""
 
 OWN_CONDITIONS: dict[str, Condition] = {}
@@ -28,7 +25,7 @@ def add_type(name: str, condition: Condition, gesture: Gesture | None = None) ->
     Parameters
     ----------
     condition
-        Says of a batch of actions and a moment which of them hold: see :mod:`..play.conditions`.
+        Says of a batch of actions and a moment which of them hold: see :mod:`.conditions`.
     gesture
         How a rehearsal performs it; without one, it brings the target to its reference
         pose, or the tool to the target.

@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..lesson.lesson_tree import Outline
+from .lesson_tree import Outline
 
 WAITING, OPEN, DONE, SKIPPED = range(4)
 STATUSES = ("waiting", "open", "done", "skipped")

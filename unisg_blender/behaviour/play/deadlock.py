@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ..play.lesson_progress import DONE, OPEN, advance, first_status
-from .lesson_tree import Outline
+from ..lesson.lesson_progress import DONE, OPEN, advance, first_status
+from ..lesson.lesson_tree import Outline
 
 
 def circles(plan: Outline) -> Iterator[tuple[str, int]]:
     """Messages about nodes that can never be reached, each with a node's place.
 
     Every node has a beginning, an end and a last moment; each rule of the lesson (see
-    :mod:`..play.lesson_progress`) says which of these comes before which. What is left when
+    :mod:`..lesson.lesson_progress`) says which of these comes before which. What is left when
     everything that waits for nothing is taken away again and again (Kahn 1962)
     stands in a circle, or waits for one.
     """

@@ -1,0 +1,1 @@
+"""A hand that performs a lesson, to show it and to prove that it can be played."""
