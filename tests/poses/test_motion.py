@@ -63,6 +63,79 @@ def test_inverse_undoes(a, b):
         np.testing.assert_allclose(FORMS[name].decode(undone), DQ.decode(b), atol=1e-12)
 
 
+sizes = st.floats(0.01, 100.0)
+
+
+def of_class(name: str, rigid: np.ndarray, size: float) -> np.ndarray:
+    """The most general affine that a form holds by itself, from a rigid one and a size."""
+    if name == "trs_matrix":
+        return rigid @ np.array([[size, 0.3, 0, 0], [0, -2.0, 0, 0], [0.5, 0, 0.5, 0], [0, 0, 0, 1]])
+    return rigid @ np.diag([size, size, size, 1.0]) if name == "cga_similarity" else rigid
+
+
+@pytest.mark.parametrize("name", sorted(FORMS))
+@settings(max_examples=30, deadline=None)
+@given(motors, motors, sizes, sizes)
+def test_composition_and_inverse_are_those_of_the_matrices(name, a, b, first, second):
+    form = FORMS[name]
+    a, b = of_class(name, DQ.decode(a), first), of_class(name, DQ.decode(b), second)
+    x, y = form.encode(a), form.encode(b)
+    for found, expected in ((compose(x, y, name), a @ b), (inverse(x, name), np.linalg.inv(a))):
+        tolerance = 1e-12 * max(1.0, np.abs(expected).max())
+        np.testing.assert_allclose(form.decode(found), expected, rtol=0, atol=tolerance)
+        np.testing.assert_allclose(found, form.encode(expected), rtol=0, atol=1e-12 * max(1.0, np.abs(found).max()))
+        np.testing.assert_allclose(form.project(found), found, rtol=0, atol=1e-12 * max(1.0, np.abs(found).max()))
+    single = form.decode(compose(x.astype(np.float32), y.astype(np.float32), name))
+    assert single.dtype == np.float32
+    assert np.abs(single - a @ b).max() < 1e-5 * max(1.0, np.abs(a).max() * np.abs(b).max())
+
+
+@pytest.mark.parametrize("name", ["trs_matrix", "cga_similarity"])
+def test_a_scale_of_zero_has_no_inverse(name):
+    flat = np.tile(np.eye(4), (3, 1, 1))
+    flat[1, :3, :3] = 0.0
+    features = FORMS[name].encode(flat)
+    with pytest.raises(PoseError, match="row 1: the pose has a scale of zero"):
+        inverse(features, name)
+    np.testing.assert_array_equal(FORMS[name].decode(compose(features, features, name)), flat)
+
+
+@pytest.mark.parametrize("name", ["trs_matrix", "cga_similarity"])
+def test_screws_refuse_scale(name):
+    """The forms that hold scale interpolate rigid poses as the others do, and say so where there is more."""
+    rng = np.random.default_rng(6)
+    poses = exp(rng.normal(size=(3, 6)))
+    rigid = convert(poses, "dual_quaternion", name)
+    larger = np.array([np.eye(4), np.diag([1.001, 1.001, 1.001, 1.0]), np.eye(4)])
+    scaled = FORMS[name].encode(DQ.decode(poses) @ larger)
+    calls = {
+        "log": lambda x: log(x, name),
+        "sclerp": lambda x: sclerp(rigid, x, 0.3, name),
+        "cubic": lambda x: cubic_sclerp(rigid, rigid, x, rigid, 0.3, name),
+        "line": lambda x: linear_slerp(x, rigid, 0.3, name),
+        "blend": lambda x: blend(np.stack([rigid, x], 1), np.ones((3, 2)), name),
+        "reduction": lambda x: reduce_keyframes([0, 1, 2], x, 1, 1, name),
+    }
+    for call in calls.values():
+        call(rigid)
+        with pytest.raises(PoseError, match="row 1: the pose has scale or shear"):
+            call(scaled)
+    np.testing.assert_allclose(log(rigid, name), log(poses), atol=1e-12)
+    np.testing.assert_allclose(log(rigid.astype(np.float32), name), log(poses), atol=1e-5)
+    np.testing.assert_allclose(pose_errors(scaled, rigid, name), 0.0, atol=1e-12)  # a measure of the rigid part
+
+
+@pytest.mark.parametrize("source", sorted(FORMS))
+@pytest.mark.parametrize("target", sorted(FORMS))
+def test_conversion_drops_what_the_target_does_not_hold(source, target):
+    rigid = DQ.decode(exp(np.array([0.2, -0.9, 0.4, 1.0, 2.0, 3.0])))
+    similar = of_class("cga_similarity", rigid, 2.5)
+    held = {"trs_matrix", "cga_similarity"}
+    expected = similar if {source, target} <= held else rigid
+    found = convert(FORMS[source].encode(similar), source, target)
+    np.testing.assert_allclose(FORMS[target].decode(found), expected, atol=1e-14)
+
+
 @settings(max_examples=100, deadline=None)
 @given(motors, motors, st.floats(0.0, 1.0))
 def test_screw_interpolation_is_the_power_of_the_relative_motion(a, b, fraction):

@@ -10,6 +10,7 @@ dtype, so that gradients flow.
 
 from __future__ import annotations
 
+import math
 import sys
 from collections.abc import Callable, Sequence
 from types import ModuleType
@@ -35,6 +36,12 @@ def is_tensor(array: object) -> bool:
     """Whether ``array`` is a torch tensor; never imports torch."""
     torch = sys.modules.get("torch")
     return torch is not None and isinstance(array, torch.Tensor)
+
+
+def is_recorded() -> bool:
+    """Whether torch records operators (compiles, exports, traces) and there are no values to look at."""
+    torch = sys.modules["torch"]
+    return bool(torch.compiler.is_compiling() or torch.jit.is_tracing())
 
 
 def namespace(array: object) -> ModuleType:
@@ -91,19 +98,17 @@ def map_rows(
     PoseError
         Naming the first row that holds NaN or infinity, or has no result.
     """
-    leading = tuple(batch.shape[: batch.ndim - len(item)])
-    width = int(np.prod(item))
-    rows = batch.reshape(int(np.prod(leading)), width)
-    apply = _map_tensor if is_tensor(batch) else _map_blocks
     problems = (f"{what} holds NaN or infinity", f"{what} {cause}, or is out of range")
-    return apply(function, rows, int(np.prod(out)), leading, problems).reshape(leading + out)
+    return (_map_tensor if is_tensor(batch) else _map_blocks)(function, batch, item, out, problems)
 
 
 def _map_blocks(
-    function: Formula, rows: np.ndarray, width: int, leading: tuple[int, ...], problems: tuple[str, str]
+    function: Formula, batch: np.ndarray, item: tuple[int, ...], out: tuple[int, ...], problems: tuple[str, str]
 ) -> np.ndarray:
+    leading = batch.shape[: batch.ndim - len(item)]
+    rows = batch.reshape(math.prod(leading), math.prod(item))
     single = rows.dtype.kind == "f" and rows.dtype.itemsize <= 4
-    result = np.empty((len(rows), width), np.float32 if single else np.float64)  # zeros() would not get huge pages
+    result = np.empty((len(rows), math.prod(out)), np.float32 if single else np.float64)  # zeros: no huge pages
     with np.errstate(all="ignore"):  # a row without a result shows as NaN, and is named below
         for start in range(0, len(rows), BLOCK):
             block = rows[start : start + BLOCK]
@@ -114,41 +119,43 @@ def _map_blocks(
                 if not (isinstance(values, float) and values == 0.0):
                     written[:, channel] = values
             _check_finite(written, start, leading, problems[1])
-    return result
+    return result.reshape(leading + out)
 
 
-def _map_tensor(function: Formula, rows: Any, width: int, leading: tuple[int, ...], problems: tuple[str, str]) -> Any:
+def _map_tensor(
+    function: Formula, batch: Any, item: tuple[int, ...], out: tuple[int, ...], problems: tuple[str, str]
+) -> Any:
     torch = sys.modules["torch"]
-    checked = not torch.compiler.is_compiling()
+    checked = not (is_recorded() or torch._C._are_functorch_transforms_active())  # under vmap no value is one value
+    rows = batch.flatten(batch.ndim - len(item))
     if checked:
-        _check_finite(rows, 0, leading, problems[0])
-    channels = function(rows.unbind(-1))
-    constant = rows[:, 0].detach()
-    filled = [torch.full_like(constant, c) if isinstance(c, float) else c for c in channels]
-    result = torch.stack(filled, -1) if filled else rows.new_zeros((len(rows), width))
+        _check_tensor(rows, problems[0])
+    constant = rows[..., 0].detach()
+    channels = [torch.full_like(constant, c) if isinstance(c, float) else c for c in function(rows.unbind(-1))]
+    result = torch.stack(channels, -1)
     if checked:
-        _check_finite(result, 0, leading, problems[1])
-    return result
+        _check_tensor(result, problems[1])
+    return result.unflatten(-1, out)
 
 
-def _check_finite(block: Any, start: int, leading: tuple[int, ...], problem: str) -> None:
-    if is_tensor(block):
-        good = block.detach().isfinite().all(-1)
-        if bool(good.all()):
-            return
-        first = start + int((~good).nonzero()[0, 0])
-    else:
-        flat = block.ravel(order="K")
-        if flat.dtype.kind != "f" or np.isfinite(
-            flat @ flat
-        ):  # one pass at memory speed; exact look only where it fails
-            return
-        good = np.isfinite(block).all(axis=-1)
-        if good.all():
-            return
-        first = start + int(np.argmin(good))
-    place = "" if not leading else f"row {_commas(tuple(int(i) for i in np.unravel_index(first, leading)))}: "
-    raise PoseError(f"{place}{problem}")
+def _check_tensor(rows: Any, problem: str) -> None:
+    good = rows.detach().isfinite().all(-1)
+    if not bool(good.all()):
+        raise _named((~good).nonzero()[0].tolist(), problem)
+
+
+def _check_finite(block: np.ndarray, start: int, leading: tuple[int, ...], problem: str) -> None:
+    flat = block.ravel(order="K")
+    if flat.dtype.kind != "f" or np.isfinite(flat @ flat):  # one pass at memory speed; exact look only where it fails
+        return
+    good = np.isfinite(block).all(axis=-1)
+    if not good.all():
+        raise _named(np.unravel_index(start + int(np.argmin(good)), leading), problem)
+
+
+def _named(index: Sequence[Any], problem: str) -> PoseError:
+    place = f"row {_commas(tuple(int(i) for i in index))}: " if len(index) else ""
+    return PoseError(place + problem)
 
 
 def _commas(numbers: tuple[int, ...]) -> str:

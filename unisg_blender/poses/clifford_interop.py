@@ -21,7 +21,7 @@ def to_multivector(features: Any, form: str = "pga") -> Any:
     features
         Shape (..., width of ``form``).
     form
-        Name in ``FORMS``. Forms that are no multivectors become PGA motors.
+        Name in ``FORMS``. Forms that are no multivectors become PGA motors, without their scale.
 
     Returns
     -------

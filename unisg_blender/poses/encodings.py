@@ -26,6 +26,7 @@ from .multivectors import (
 from .polar import nearest_rotation, pose_rotation
 from .rotations import (
     axis_angle_from_quaternion,
+    cofactors,
     dot,
     quaternion_from_axis_angle,
     quaternion_from_rotation,
@@ -36,6 +37,7 @@ from .rotations import (
 )
 
 LAST_ROW_TOLERANCE = 1e-6
+SCALE_TOLERANCE = 1e-5
 
 
 class Block(NamedTuple):
@@ -68,6 +70,23 @@ def join(block: Block) -> Components:
     return (*a[0:3], t[0], *a[3:6], t[1], *a[6:9], t[2], 0.0, 0.0, 0.0, 1.0)
 
 
+def inverse_affine(m: Components) -> Components:
+    """The 16 components of the inverse of an affine matrix."""
+    linear, _, translation = split(m, rotation=False)
+    cofactor, determinant = cofactors(linear)
+    inverse = [scale(1.0 / determinant, cofactor[i::3]) for i in range(3)]
+    moved = tuple(-dot(row, translation) for row in inverse)
+    return join(_rigid([x for row in inverse for x in row], moved))
+
+
+def rigid_motor(m: Components) -> Components:
+    """The 8 components of the motor of a rigid matrix; scale or shear gives NaN."""
+    block = split(m)
+    off = [x - y for x, y in zip(block.linear, block.rotation, strict=True)]
+    factor = namespace(off[0]).where(dot(off, off) > SCALE_TOLERANCE**2, float("nan"), 1.0)
+    return scale(factor, _joined(_motor(block)))
+
+
 def _rigid(rotation: Components, translation: Components) -> Block:
     return Block(rotation, rotation, translation)
 
@@ -77,7 +96,7 @@ def _decode_matrix(x: Components) -> Block:
 
 
 def _project_matrix(x: Components) -> Components:
-    return join(_rigid(nearest_rotation((*x[0:3], *x[4:7], *x[8:11])), x[3:12:4]))
+    return join(_rigid(nearest_rotation(_decode_matrix(x).linear), x[3:12:4]))
 
 
 def _project_axis_angle(x: Components) -> Components:
@@ -129,13 +148,13 @@ def _encode_similarity(block: Block) -> Components:
 
 
 def _decode_similarity(m: Components) -> Block:
-    """Of a normalised versor: a + b = 1 / (a - b), so neither has to be found by cancellation."""
+    """Of a normalised versor, where a^2 - b^2 = 1: a + b from b alone, by a sum without cancellation."""
     xp = namespace(m[0])
     r, d, a, b = from_similarity_even(m)
-    larger = a + xp.abs(b)
-    total = xp.where(b >= 0, larger, 1.0 / larger)
-    null = a < 0.75  # a normalised versor has a >= 1, the null one of scale 0 has a = 0.5
-    rigid = _from_motor(r, scale(1.0 / total, d))
+    larger = xp.sqrt(1.0 + b * b) + xp.where(b < 0, -b, b)
+    total = xp.where(b < 0, 1.0 / larger, larger)
+    null = a < 0.75  # a normalised versor has a >= 1, the null one of scale 0 has a = b = 0.5
+    rigid = _from_motor(r, scale(xp.where(null, 1.0, 1.0 / total), d))
     return rigid._replace(linear=scale(xp.where(null, 0.0, 1.0 / (total * total)), rigid.rotation))
 
 

@@ -16,10 +16,11 @@ from types import MappingProxyType
 from typing import Any
 
 from . import encodings
-from .arrays import Components, as_batch, map_rows
+from .arrays import Components, Formula, as_batch, map_rows
 from .encodings import Block
 from .multivectors import CGA_BLADES, CGA_EVEN, PGA_BLADES, PGA_EVEN
-from .polar import pose_rotation, stretch_of, stretched
+from .polar import pose_rotation
+from .stretch import stretch_of, stretched
 
 STRETCH_CHANNELS = ("stretch_xx", "stretch_yy", "stretch_zz", "stretch_xy", "stretch_xz", "stretch_yz")
 STRETCH_WIDTH = len(STRETCH_CHANNELS)
@@ -38,6 +39,9 @@ class Form:
     holds_affine
         Whether the form holds the whole affine by itself: its stretch channels are
         written for uniformity and not needed by ``decode``.
+    holds_scale
+        Whether the form holds scale by itself, uniform or of any kind; the others drop it
+        where features go without stretch channels.
     """
 
     name: str
@@ -46,6 +50,7 @@ class Form:
     _decode: Callable[[Components], Block] = field(repr=False)
     _project: Callable[[Components], Components] = field(repr=False)
     holds_affine: bool = False
+    holds_scale: bool = False
 
     @property
     def width(self) -> int:
@@ -60,7 +65,8 @@ class Form:
         matrices
             Shape (..., 4, 4): affine matrices, array or tensor.
         stretch
-            Append the six stretch channels, from which the affine comes back.
+            Append the six stretch channels, from which the affine comes back. Without them scale
+            is dropped, but by forms that hold it.
 
         Returns
         -------
@@ -76,19 +82,10 @@ class Form:
 
         def features(m: Components) -> Components:
             """Matrix entries to the form's components."""
-            block = encodings.split(m, rotation=stretch or not self.holds_affine)
-            channels = tuple(self._encode(block))
-            return (*channels, *stretch_of(block.rotation, block.linear)) if stretch else channels
+            return self._features(encodings.split(m, rotation=stretch or not self.holds_affine), stretch)
 
-        batch = as_batch(matrices, (4, 4), "matrices")
-        return map_rows(
-            features,
-            batch,
-            (4, 4),
-            (self.width + STRETCH_WIDTH * stretch,),
-            "the matrix",
-            "has a last row other than 0 0 0 1",
-        )
+        batch, out = as_batch(matrices, (4, 4), "matrices"), (self.width + STRETCH_WIDTH * stretch,)
+        return map_rows(features, batch, (4, 4), out, "the matrix", "has a last row other than 0 0 0 1")
 
     def decode(self, features: Any, stretch: bool = False) -> Any:
         """Matrices of features; the inverse of ``encode``.
@@ -114,12 +111,7 @@ class Form:
             Wrong shape, NaN, infinity, or a versor of norm zero.
         """
 
-        def matrix(x: Components) -> Components:
-            """The form's components to matrix entries."""
-            return encodings.join(self._with_stretch(x) if stretch else self._decode(x))
-
-        batch = as_batch(features, (self.width + STRETCH_WIDTH * stretch,), f"{self.name} features")
-        return map_rows(matrix, batch, batch.shape[-1:], (4, 4), f"the {self.name} feature")
+        return self._map(lambda x: encodings.join(self._block(x, stretch)), features, stretch, (4, 4))
 
     def project(self, features: Any, stretch: bool = False) -> Any:
         """Nearest valid features, in canonical sign; for what a network gave.
@@ -145,23 +137,27 @@ class Form:
             Wrong shape, NaN, infinity, or features with no nearest pose (a norm of zero).
         """
 
-        def nearest(x: Components) -> Components:
-            """The components of the nearest pose."""
-            return (*self._project(x[: self.width]), *x[self.width :])
+        out = (self.width + STRETCH_WIDTH * stretch,)
+        return self._map(lambda x: (*self._project(x[: self.width]), *x[self.width :]), features, stretch, out)
 
-        batch = as_batch(features, (self.width + STRETCH_WIDTH * stretch,), f"{self.name} features")
-        return map_rows(nearest, batch, batch.shape[-1:], tuple(batch.shape[-1:]), f"the {self.name} feature")
+    def _features(self, block: Block, stretch: bool) -> Components:
+        channels = self._encode(block)
+        return (*channels, *stretch_of(block.rotation, block.linear)) if stretch else channels
 
-    def _with_stretch(self, x: Components) -> Block:
+    def _block(self, x: Components, stretch: bool) -> Block:
         block = self._decode(x[: self.width])
-        if self.holds_affine:
+        if self.holds_affine or not stretch:
             return block
         return block._replace(linear=stretched(block.rotation, x[self.width :]))
 
+    def _map(self, function: Formula, features: Any, stretch: bool, out: tuple[int, ...]) -> Any:
+        batch = as_batch(features, (self.width + STRETCH_WIDTH * stretch,), f"{self.name} features")
+        return map_rows(function, batch, batch.shape[-1:], out, f"the {self.name} feature")
 
-def _form(name: str, channels: str | tuple[str, ...], codec: encodings.Codec, holds_affine: bool = False) -> Form:
+
+def _form(name: str, channels: str | tuple[str, ...], codec: encodings.Codec, **holds: bool) -> Form:
     names = tuple(channels.split()) if isinstance(channels, str) else channels
-    return Form(name, names, codec.encode, codec.decode, codec.project, holds_affine)
+    return Form(name, names, codec.encode, codec.decode, codec.project, **holds)
 
 
 _MATRIX = tuple(f"m{i}{j}" for i in range(4) for j in range(4))
@@ -172,7 +168,7 @@ FORMS: Mapping[str, Form] = MappingProxyType(
         form.name: form
         for form in (
             _form("matrix", _MATRIX, encodings.MATRIX),
-            _form("trs_matrix", _MATRIX, encodings.TRS_MATRIX, holds_affine=True),
+            _form("trs_matrix", _MATRIX, encodings.TRS_MATRIX, holds_affine=True, holds_scale=True),
             _form("axis_angle", "tx ty tz angle ax ay az", encodings.AXIS_ANGLE),
             _form("quaternion", "tx ty tz w x y z", encodings.QUATERNION),
             _form("sixd", "tx ty tz r00 r10 r20 r01 r11 r21", encodings.SIXD),
@@ -181,7 +177,7 @@ FORMS: Mapping[str, Form] = MappingProxyType(
             _form("pga_even", tuple(PGA_BLADES[i] for i in PGA_EVEN), encodings.PGA_EVEN_ONLY),
             _form("cga", CGA_BLADES, encodings.CGA),
             _form("cga_even", _CGA_EVEN_BLADES, encodings.CGA_EVEN_ONLY),
-            _form("cga_similarity", CGA_BLADES, encodings.CGA_SIMILARITY),
+            _form("cga_similarity", CGA_BLADES, encodings.CGA_SIMILARITY, holds_scale=True),
         )
     }
 )
@@ -189,6 +185,9 @@ FORMS: Mapping[str, Form] = MappingProxyType(
 
 def convert(features: Any, source: str, target: str, stretch: bool = False) -> Any:
     """Features of one form as features of another, without going through matrices in memory.
+
+    What the target does not hold is dropped, as by ``Form.encode``: without ``stretch`` only ``trs_matrix``
+    and ``cga_similarity`` give scale, and only these two take it.
 
     Parameters
     ----------
@@ -215,11 +214,9 @@ def convert(features: Any, source: str, target: str, stretch: bool = False) -> A
 
     def converted(x: Components) -> Components:
         """Components of the old form to those of the new one."""
-        block = old._with_stretch(x) if stretch else old._decode(x)
+        block = old._block(x, stretch)
         if old.holds_affine:
             block = block._replace(rotation=pose_rotation(block.linear))
-        channels = tuple(new._encode(block))
-        return (*channels, *stretch_of(block.rotation, block.linear)) if stretch else channels
+        return new._features(block, stretch)
 
-    batch = as_batch(features, (old.width + STRETCH_WIDTH * stretch,), f"{source} features")
-    return map_rows(converted, batch, batch.shape[-1:], (new.width + STRETCH_WIDTH * stretch,), f"the {source} feature")
+    return old._map(converted, features, stretch, (new.width + STRETCH_WIDTH * stretch,))

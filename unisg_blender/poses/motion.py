@@ -4,6 +4,9 @@ Every function takes and gives poses in the form its ``form`` names, broadcast
 over leading axes, as arrays or tensors; ``"dual_quaternion"`` (8 channels) costs no
 conversion. Screw interpolation (ScLERP) turns and slides about one fixed axis at
 constant speed: the path that exp(t log(a^-1 b)) describes (Kavan et al. 2006).
+
+``compose`` and ``inverse`` take scale along, in the forms that hold it. Screws and
+blends have no scale: there a pose with scale or shear is refused with a ``PoseError``.
 """
 
 from __future__ import annotations
@@ -14,6 +17,7 @@ from typing import Any
 import numpy as np
 
 from .arrays import Components, Formula, as_batch, is_tensor, map_rows, namespace
+from .encodings import inverse_affine, rigid_motor
 from .forms import FORMS, convert
 from .motors import exponential, inverse_motor, logarithm, multiply_motors, unit_motor
 from .rotations import canonical_sign, dot, scale
@@ -21,15 +25,30 @@ from .rotations import canonical_sign, dot, scale
 PIVOT = "dual_quaternion"
 
 
+def motors_of(poses: Any, form: str) -> Any:
+    """Unit dual quaternions of canonical sign, shape (..., 8); PoseError where the poses have scale or shear."""
+    if form == PIVOT:
+        return FORMS[PIVOT].project(poses)
+    if not FORMS[form].holds_scale:
+        return convert(poses, form, PIVOT)
+    cause = "has scale or shear, which a screw does not carry"
+    return map_rows(rigid_motor, FORMS[form].decode(poses), (4, 4), (8,), "the pose", cause)
+
+
 def compose(a: Any, b: Any, form: str = PIVOT) -> Any:
-    """The pose that applies ``b`` first, then ``a``: shape (..., width)."""
-    product = _map(lambda x: unit_motor(multiply_motors(x[:8], x[8:])), _motors(a, form), _motors(b, form), out=8)
+    """The pose that applies ``b`` first, then ``a``, with their scale where the form holds it: shape (..., width)."""
+    if FORMS[form].holds_scale:
+        return FORMS[form].encode(FORMS[form].decode(a) @ FORMS[form].decode(b))
+    product = _map(lambda x: unit_motor(multiply_motors(x[:8], x[8:])), motors_of(a, form), motors_of(b, form), out=8)
     return _back(product, form)
 
 
 def inverse(a: Any, form: str = PIVOT) -> Any:
-    """The pose that undoes ``a``: shape (..., width)."""
-    return _back(_map(lambda x: unit_motor(inverse_motor(x)), _motors(a, form), out=8), form)
+    """The pose that undoes ``a``, with its scale where the form holds it: shape (..., width); no scale may be 0."""
+    if FORMS[form].holds_scale:
+        cause = "has a scale of zero, which nothing undoes"
+        return FORMS[form].encode(map_rows(inverse_affine, FORMS[form].decode(a), (4, 4), (4, 4), "the pose", cause))
+    return _back(_map(lambda x: unit_motor(inverse_motor(x)), motors_of(a, form), out=8), form)
 
 
 def log(motors: Any, form: str = PIVOT) -> Any:
@@ -48,7 +67,7 @@ def log(motors: Any, form: str = PIVOT) -> Any:
         Shape (..., 6): the rotation vector (angle times axis, radians, angle in [0, pi]) and
         the translation vector (metres) of the twist whose exponential is the pose.
     """
-    return _map(logarithm, _motors(motors, form), out=6)
+    return _map(logarithm, motors_of(motors, form), out=6)
 
 
 def exp(screws: Any, form: str = PIVOT) -> Any:
@@ -126,7 +145,7 @@ def cubic_sclerp(a: Any, p: Any, q: Any, b: Any, fraction: Any, form: str = PIVO
             total = tuple(t + weight * c for t, c in zip(total, screw, strict=True))
         return unit_motor(multiply_motors(x[:8], exponential(total)))
 
-    poses = [_motors(pose, form) for pose in (a, p, q, b)]
+    poses = [motors_of(pose, form) for pose in (a, p, q, b)]
     return _back(_map(interpolated, *poses, _column(fraction, poses[0]), out=8), form)
 
 
@@ -135,7 +154,7 @@ def linear_slerp(a: Any, b: Any, fraction: Any, form: str = PIVOT) -> Any:
 
     Arguments as in ``sclerp``. Unlike a screw, the path depends on where the body's origin lies.
     """
-    x, y = (convert(_motors(end, form), PIVOT, "quaternion") for end in (a, b))
+    x, y = (convert(motors_of(end, form), PIVOT, "quaternion") for end in (a, b))
     part = _column(fraction, x)
     line = (1.0 - part) * x[..., :3] + part * y[..., :3]
     turned = [namespace(x).concatenate([0.0 * end[..., :3], end[..., 3:]], -1) for end in (x, y)]
@@ -164,7 +183,7 @@ def blend(motors: Any, weights: Any, form: str = PIVOT) -> Any:
     array or tensor
         Shape (..., width).
     """
-    poses = _motors(motors, form)
+    poses = motors_of(motors, form)
     count = poses.shape[-2]
 
     def blended(x: Components) -> Components:
@@ -180,15 +199,9 @@ def blend(motors: Any, weights: Any, form: str = PIVOT) -> Any:
     return _back(_map(blended, flat, _like(weights, poses), out=8), form)
 
 
-def _motors(poses: Any, form: str) -> Any:
-    """Unit dual quaternions of canonical sign."""
-    batch = as_batch(poses, (FORMS[form].width,), f"{form} features")
-    return FORMS[PIVOT].project(batch) if form == PIVOT else convert(batch, form, PIVOT)
-
-
 def _signed(poses: Any, form: str, shortest: bool) -> Any:
     """As ``_motors``; unless ``shortest``, with the sign the poses came with."""
-    motors = _motors(poses, form)
+    motors = motors_of(poses, form)
     if shortest or not {"w", "1"} & set(FORMS[form].channels):
         return motors
     batch = as_batch(poses, (FORMS[form].width,), f"{form} features")
@@ -213,11 +226,8 @@ def _column(values: Any, reference: Any) -> Any:
 
 def _map(formula: Formula, *arrays: Any, out: int) -> Any:
     """Apply a formula to arrays laid side by side, their leading axes broadcast."""
-    xp = namespace(arrays[0])
+    batch, xp = arrays[0], namespace(arrays[0])
     if len(arrays) > 1:
-        leading = np.broadcast_shapes(*(tuple(a.shape[:-1]) for a in arrays))
-        side_by_side = [xp.broadcast_to(a, (*leading, a.shape[-1])) for a in arrays]
-        batch = xp.concatenate(side_by_side, -1)
-    else:
-        batch = arrays[0]
+        leading = xp.broadcast_shapes(*(a.shape[:-1] for a in arrays))
+        batch = xp.concatenate([xp.broadcast_to(a, (*leading, a.shape[-1])) for a in arrays], -1)
     return map_rows(formula, batch, batch.shape[-1:], (out,), "the pose")

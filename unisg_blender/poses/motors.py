@@ -89,7 +89,7 @@ def logarithm(m: Components) -> Components:
     length = xp.sqrt(xp.where(still, 1.0, squared))
     k = xp.where(still, 1.0, xp.arctan2(length, w) / length)
     u = scale(k, v)
-    _, c = _series(dot(u, u))
+    _, _, c = _series(dot(u, u))
     along = -k * dw
     p = tuple(k * (dv[i] - c * along * u[i]) for i in range(3))
     return (*scale(2.0, u), *scale(2.0, p))
@@ -98,27 +98,19 @@ def logarithm(m: Components) -> Components:
 def exponential(screw: Components) -> Components:
     """Unit motor of a screw, the inverse of ``logarithm``; sign as the angle gives it."""
     u, p = scale(0.5, screw[:3]), scale(0.5, screw[3:6])
-    squared = dot(u, u)
-    sinc, c = _series(squared)
+    cosine, sinc, c = _series(dot(u, u))
     along = dot(u, p)
-    half_angle = _safe_root(squared)
     d = tuple(sinc * p[i] + c * along * u[i] for i in range(3))
-    return (namespace(squared).cos(half_angle), *scale(sinc, u), -along * sinc, *d)
+    return (cosine, *scale(sinc, u), -along * sinc, *d)
 
 
-def _safe_root(squared: Any) -> Any:
-    """Square root with gradient 0 instead of infinity at 0."""
-    xp = namespace(squared)
-    return xp.where(squared == 0, 0.0, xp.sqrt(xp.where(squared == 0, 1.0, squared)))
-
-
-def _series(squared: Any) -> tuple[Any, Any]:
-    """sin(h) / h and (h cos h - sin h) / h^3 of h^2, by power series where h is small."""
+def _series(squared: Any) -> tuple[Any, Any, Any]:
+    """cos h, sin(h) / h and (h cos h - sin h) / h^3 of h^2, by power series where h is small."""
     xp = namespace(squared)
     small = squared < 1e-4
     h2 = xp.where(small, squared, 0.0)
     h = xp.sqrt(xp.where(small, 1.0, squared))
     sine, cosine = xp.sin(h), xp.cos(h)
-    sinc = xp.where(small, 1.0 - h2 / 6.0 * (1.0 - h2 / 20.0), sine / h)
     c = xp.where(small, -1.0 / 3.0 + h2 / 30.0 * (1.0 - h2 / 28.0), (h * cosine - sine) / (h * h * h))
-    return sinc, c
+    sinc = xp.where(small, 1.0 - h2 / 6.0 * (1.0 - h2 / 20.0), sine / h)
+    return xp.where(small, 1.0 - h2 / 2.0 * (1.0 - h2 / 12.0 * (1.0 - h2 / 30.0)), cosine), sinc, c

@@ -63,18 +63,24 @@ def similarity_even(r: Components, d: Components, dilation: Components) -> Compo
 
 
 def from_similarity_even(m: Components) -> tuple[Components, Components, Any, Any]:
-    """(r, (a + b) d, a, b) of the 16 even coefficients of a versor T R D times any number.
+    """(r, (a + b) d, a, b) of the 16 even coefficients of a versor T R D times any number; a is not negative.
 
-    ``r`` is the unit quaternion, in the sign it came with. It stands in the versor twice, as a r
-    and as b r: both are taken, with the sign of b, so that nothing cancels.
+    The unit quaternion r stands in them twice, as p = a r and as q = b r. It is the one nearest to
+    both: the first principal direction of p p^T + q q^T, which no choice between p and q makes to jump.
     """
-    plain, d = from_cga_even(m)
-    mixed = (m[10], -m[15], m[14], -m[13])
+    p, d = from_cga_even(m)
+    q = (m[10], -m[15], m[14], -m[13])
     xp = namespace(m[0])
-    sign = xp.where(dot(plain, mixed) < 0, -1.0, 1.0)
-    both = tuple(p + sign * q for p, q in zip(plain, mixed, strict=True))
-    r = scale(1.0 / xp.sqrt(dot(both, both)), both)
-    return r, d, dot(plain, r), dot(mixed, r)
+    pp, pq, qq = dot(p, p), dot(p, q), dot(q, q)
+    cosine, sine = (pp - qq) / (pp + qq), 2.0 * pq / (pp + qq)  # of twice the angle whose tangent is b / a
+    size = xp.sqrt(cosine * cosine + sine * sine)
+    sign = xp.where(sine < 0, -1.0, 1.0)
+    along_p = xp.where(cosine >= 0, size + cosine, sign * sine)
+    along_q = xp.where(cosine >= 0, sine, sign * (size - cosine))
+    a, b = along_p * pp + along_q * pq, along_p * pq + along_q * qq
+    factor = 1.0 / xp.sqrt(along_p * a + along_q * b)
+    r = tuple(factor * (along_p * x + along_q * y) for x, y in zip(p, q, strict=True))
+    return r, d, factor * a, factor * b
 
 
 def spread(even: Components, slots: tuple[int, ...], width: int) -> Components:

@@ -14,7 +14,7 @@ import numpy as np
 
 from .arrays import PoseError
 from .forms import FORMS, convert
-from .motion import PIVOT, compose, cubic_sclerp, inverse, log, sclerp
+from .motion import PIVOT, compose, cubic_sclerp, inverse, log, motors_of, sclerp
 
 Errors = tuple[np.ndarray, np.ndarray]
 Interpolation = Callable[..., Any]
@@ -30,7 +30,7 @@ class _Dense(NamedTuple):
 
 
 def pose_errors(poses: Any, reference: Any, form: str = PIVOT) -> Errors:
-    """Distance (metres) and angle (radians) between poses.
+    """Distance (metres) and angle (radians) between poses; scale is not looked at.
 
     Parameters
     ----------
@@ -155,7 +155,7 @@ def _spans(times: Any, key_times: np.ndarray, keys: np.ndarray) -> tuple[np.ndar
 
 
 def _checked(times: Any, poses: Any, millimetres: float, degrees: float, form: str) -> tuple[np.ndarray, np.ndarray]:
-    times, motion = np.asarray(times, dtype=np.float64), convert(np.asarray(poses), form, PIVOT)
+    times, motion = np.asarray(times, dtype=np.float64), motors_of(np.asarray(poses), form)
     if motion.ndim == 2:
         motion = motion[:, None]
     if motion.ndim != 3 or times.shape != (len(motion),) or len(motion) == 0:

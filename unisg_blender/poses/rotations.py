@@ -31,6 +31,13 @@ def scale(factor: Any, a: Components) -> Components:
     return tuple(factor * x for x in a)
 
 
+def cofactors(a: Components) -> tuple[Components, Any]:
+    """Cofactors of a 3x3 block and its determinant; their quotient is the inverse, transposed."""
+    u, v, w = a[0:3], a[3:6], a[6:9]
+    first = cross(v, w)
+    return (*first, *cross(w, u), *cross(u, v)), dot(u, first)
+
+
 def canonical_sign(q: Components) -> Any:
     """+1 or -1 that makes w > 0, or the first non-zero of x, y, z positive where w is 0."""
     w, x, y, z = q
