@@ -8,7 +8,7 @@ WORKERS ?= 2
 BENCH ?= poses
 PYTEST := $(BIN)/python -m pytest -n $(WORKERS) --dist loadfile
 
-.PHONY: help demo test test-fast coverage lint extension bench picture hooks clean
+.PHONY: help demo test test-fast coverage lint extension bench bench-all picture hooks clean
 
 help:  ## say what can be made
 	@grep -E '^[a-z-]+:.*##' $(firstword $(MAKEFILE_LIST)) | sed -E 's/:[^#]*## */\t/' | expand -t 14
@@ -36,6 +36,9 @@ extension: $(READY)  ## the zips for Blender, validated -> build/extension/
 
 bench: $(READY)  ## one benchmark of the command line, BENCH=poses unless another is named -> build/benchmarks/
 	$(BIN)/unisg benchmark $(BENCH) --out build/benchmarks/$(BENCH)
+
+bench-all: $(READY)  ## the benchmarks that need no data, small, and what changed since the last run -> build/benchmarks/
+	$(BIN)/python benchmarks/run.py --quick --out build/benchmarks
 
 picture: $(READY)  ## the picture of the rooms, from their imports -> docs/pictures/
 	$(BIN)/python packaging/draw_architecture.py

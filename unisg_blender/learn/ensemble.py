@@ -62,6 +62,8 @@ def train_stacked(
 ) -> None:
     """Adam, each network with a learning rate of its own that follows half a cosine to zero.
 
+    Written out, since ``torch.optim.Adam`` has one rate for a whole tensor and here each slice of it has its own.
+
     Parameters
     ----------
     x, y

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import importlib
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -21,7 +21,7 @@ PACKAGES = ("torch", "torch_geometric", "pytorch_lightning", "onnx", "onnxscript
 class Job:
     """What a job trains: a model of this room, with ``--paper`` another, and what stands beside it.
 
-    ``several``: it learns from several datasets together.
+    ``several``: it learns from several datasets together; ``alone``: on one device, whatever is asked for.
     """
 
     text: str
@@ -29,6 +29,7 @@ class Job:
     paper: str = ""
     several: bool = False
     behaviour: bool = False
+    alone: bool = False
 
 
 JOBS = {
@@ -36,7 +37,9 @@ JOBS = {
         "a generator of objects for scenes: conditional graph variational autoencoder",
         model="anchors", paper="cgvae", behaviour=True,
     ),
-    "atiss": Job("an autoregressive set model at small size, a baseline for 'unisg evaluate --also'", model="atiss"),
+    "atiss": Job(
+        "an autoregressive set model at small size, a baseline for 'unisg evaluate --also'", model="atiss", alone=True
+    ),
     "topology": Job("which thing stands on which, from datasets with relations", model="topology", several=True),
     "classifier": Job(
         "what kind of scene it is, from datasets with labels, or one dataset per kind", model="classifier", several=True
@@ -71,6 +74,7 @@ def train(name: str, datasets: Sequence[Dataset], out: Path, settings: Settings)
         See :func:`.training_job.train_model`.
     """
     job = JOBS[name]
+    settings = replace(settings, devices=1, nodes=1) if job.alone else settings
     module = load(f"{job.paper if settings.paper and job.paper else job.model}.training")
     source: dict[str, Any] = load("training_job").train_model(module, datasets, out, settings)
     if not job.behaviour:
