@@ -16,6 +16,7 @@ from ..scene.mesh import Mesh, mesh_from_faces
 from .atlasnet_sessions import DECODER_FILE, load_network
 from .shape_feature import MeshFeature
 from .sphere import box_template, fibonacci_sphere
+from .triangulate import area_vectors
 
 FACES = 5000
 COARSE = 48
@@ -74,8 +75,7 @@ def patch_areas(vector: NDArray[np.floating], path: str | Path | None = None) ->
     """Surface (P,) of each patch that a feature (1024,) decodes to, in units of the unit sphere."""
     patches = np.arange(int(_decoder(path).metadata["patches"]))
     points, triangles = _patches(vector, patches, [COARSE] * len(patches), path)
-    a, b, c = points[triangles].astype(np.float64).swapaxes(0, 1)
-    return np.linalg.norm(np.cross(b - a, c - a), axis=1).reshape(len(patches), COARSE).sum(axis=1) / 2
+    return np.linalg.norm(area_vectors(points, triangles), axis=1).reshape(len(patches), COARSE).sum(axis=1) / 2
 
 
 def allot(total: int, weights: NDArray[np.floating], least: int) -> Ints:

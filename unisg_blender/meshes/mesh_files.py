@@ -41,6 +41,17 @@ def read_mesh_file(path: str | Path) -> Mesh:
     return _joined(path, [part for part in parts if hasattr(part, "vertices") and len(part.vertices)])
 
 
+def mesh_paths(folder: str | Path) -> list[Path]:
+    """The mesh files under a folder, sorted; UniSGError if it does not exist or has none."""
+    folder = Path(folder)
+    if not folder.is_dir():
+        raise UniSGError(f"{folder}: no such folder")
+    paths = sorted(path for path in folder.rglob("*") if path.suffix.lower() in MESH_SUFFIXES)
+    if not paths:
+        raise UniSGError(f"{folder}: no mesh files here; looked for {' '.join(MESH_SUFFIXES)}")
+    return paths
+
+
 def _joined(path: Path, parts: list) -> Mesh:
     if not parts:
         raise UniSGError(f"{path}: holds no geometry")

@@ -1,4 +1,7 @@
-"""The screened Poisson equation on a regular grid: a function that grows along normals and vanishes at points."""
+"""The screened Poisson equation on a regular grid: a function that grows along normals and vanishes at points.
+
+Why not Open3D: it weighs hundreds of megabytes and has no wheels for the Python of newer Blenders.
+"""
 
 from __future__ import annotations
 

@@ -11,7 +11,7 @@ from scipy.spatial import cKDTree
 from ..errors import UniSGError
 from ..geometry.arrays import Floats, Ints
 from ..scene.mesh import Mesh
-from .triangulate import inner_triangles
+from .triangulate import area_vectors, inner_triangles
 
 OVERSAMPLING = 2.5
 CHUNK = 250_000
@@ -71,8 +71,7 @@ def sample_surface(mesh: Mesh, count: int, seed: int = 0) -> SurfaceSamples:
     generator = np.random.default_rng(seed)
     points, faces = _uniform(mesh.points, triangles, areas, int(np.ceil(OVERSAMPLING * count)), generator)
     kept = eliminate(points, count, float(areas.sum()))
-    a, b, c = mesh.points[triangles[faces[kept]]].astype(np.float64).swapaxes(0, 1)
-    normals = np.cross(b - a, c - a)
+    normals = area_vectors(mesh.points, triangles[faces[kept]])
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
     return SurfaceSamples(
         points[kept].astype(np.float32), normals.astype(np.float32), faces[kept].astype(np.int32), float(areas.sum())
@@ -83,8 +82,9 @@ def triangle_areas(points: NDArray[np.floating], triangles: NDArray[np.integer])
     """float64 (T,): areas of triangles (T, 3) over points (V, 3), in squared units of the points."""
     areas = np.empty(len(triangles))
     for start in range(0, len(triangles), CHUNK):
-        a, b, c = points[triangles[start : start + CHUNK]].astype(np.float64).swapaxes(0, 1)
-        areas[start : start + CHUNK] = np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2
+        areas[start : start + CHUNK] = (
+            np.linalg.norm(area_vectors(points, triangles[start : start + CHUNK]), axis=1) / 2
+        )
     return areas
 
 

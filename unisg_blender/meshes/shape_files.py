@@ -13,7 +13,7 @@ import numpy as np
 from ..errors import UniSGError
 from ..pretrained import FOLDER
 from ..scene.mesh import Mesh
-from .mesh_files import MESH_SUFFIXES, Y_UP_TO_Z_UP, read_mesh_file
+from .mesh_files import Y_UP_TO_Z_UP, mesh_paths, read_mesh_file
 
 TABLE = FOLDER / "atlasnet_models.csv"
 """Name, category, split, real size, author and licence of the models that the shipped networks come from."""
@@ -51,15 +51,7 @@ def read_models(folders: Sequence[str | Path], table: str | Path = TABLE) -> lis
         If a folder does not exist or has no mesh files, or a file is damaged.
     """
     rows = _read_table(table)
-    models = []
-    for folder in map(Path, folders):
-        if not folder.is_dir():
-            raise UniSGError(f"{folder}: no such folder")
-        paths = sorted(path for path in folder.rglob("*") if path.suffix.lower() in MESH_SUFFIXES)
-        if not paths:
-            raise UniSGError(f"{folder}: no mesh files here; looked for {' '.join(MESH_SUFFIXES)}")
-        models += [_model(path, folder, rows) for path in paths]
-    return models
+    return [_model(path, folder, rows) for folder in map(Path, folders) for path in mesh_paths(folder)]
 
 
 def _read_table(table: str | Path) -> dict[str, dict[str, str]]:

@@ -13,7 +13,7 @@ from ..errors import UniSGError
 from ..geometry.arrays import Floats
 from ..scene.mesh import Mesh
 from .atlasnet_sessions import FEATURE_WIDTH
-from .mesh_files import MESH_SUFFIXES, read_mesh_file
+from .mesh_files import mesh_paths, read_mesh_file
 from .normalise import normalise, size_channels
 from .shape_feature import POINTS, AtlasNetEncoder, cloud, default_encoder
 
@@ -97,16 +97,13 @@ def folder_library(
     UniSGError
         If the folder does not exist or has no mesh file that can be read.
     """
-    folder = Path(folder)
-    if not folder.is_dir():
-        raise UniSGError(f"{folder}: no such folder")
     names, meshes = [], []
-    for path in sorted(path for path in folder.rglob("*") if path.suffix.lower() in MESH_SUFFIXES):
+    for path in mesh_paths(folder):
         try:
             meshes.append(read_mesh_file(path))
             names.append(str(path))
         except UniSGError as error:
             skipped(str(error))
     if not meshes:
-        raise UniSGError(f"{folder}: no mesh files that can be read; looked for {' '.join(MESH_SUFFIXES)}")
+        raise UniSGError(f"{folder}: no mesh files that can be read")
     return mesh_library(names, meshes, encoder)

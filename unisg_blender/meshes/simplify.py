@@ -1,4 +1,7 @@
-"""Closed triangle meshes brought to a chosen number of faces; they stay closed and oriented."""
+"""Closed triangle meshes brought to a chosen number of faces; they stay closed and oriented.
+
+Why not fast-simplification: it has no wheels for the Python of Blender 4.2, and promises no closed mesh.
+"""
 
 from __future__ import annotations
 
@@ -7,6 +10,7 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_matrix, csr_matrix
 
 from ..geometry.arrays import Bools, Floats, Ints
+from .triangulate import area_vectors
 
 CHEAPEST = 0.3
 """Share of the edges that are looked at in one round, the cheapest ones first."""
@@ -79,10 +83,12 @@ def _collapsed(points: Floats, triangles: Ints, wanted: int) -> tuple[Floats, In
 
 def _quadrics(points: Floats, triangles: Ints) -> Floats:
     """(V, 4, 4): sums of squared distances to the planes of each point's faces, weighted by area."""
-    a, b, c = points[triangles].swapaxes(0, 1)
-    normal = np.cross(b - a, c - a)
+    normal = area_vectors(points, triangles)
     length = np.linalg.norm(normal, axis=1)
-    plane = np.column_stack([normal, -np.einsum("tk,tk->t", normal, a)]) / np.maximum(length, 1e-300)[:, None]
+    plane = (
+        np.column_stack([normal, -np.einsum("tk,tk->t", normal, points[triangles[:, 0]])])
+        / np.maximum(length, 1e-300)[:, None]
+    )
     quadric = (length[:, None, None] * plane[:, :, None] * plane[:, None, :]).reshape(-1, 16)
     corner = coo_matrix(
         (np.ones(triangles.size), (triangles.ravel(), np.repeat(np.arange(len(triangles)), 3))),
@@ -126,7 +132,7 @@ def _turns_faces(points: Floats, triangles: Ints, edges: Ints, place: Floats) ->
         remains = ~(face == edges[owner, 1 - end][:, None]).any(axis=1)
         owner, corner, face = owner[remains], corner[remains], face[remains]
         corners = points[face]
-        before = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        before = area_vectors(points, face)
         corners[np.arange(len(face)), corner % 3] = place[owner]
         after = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
         lengths = np.linalg.norm(before, axis=1) * np.linalg.norm(after, axis=1)

@@ -11,6 +11,7 @@ from scipy.spatial import ConvexHull
 from ..errors import UniSGError
 from ..geometry.arrays import Floats, Ints
 from .simplify import with_faces
+from .triangulate import area_vectors
 
 
 def fibonacci_sphere(count: int) -> Floats:
@@ -38,8 +39,7 @@ def sphere_template(faces: int) -> tuple[Floats, NDArray[np.int32]]:
         raise UniSGError(f"a closed mesh needs 4 faces or more, not {faces}")
     points = fibonacci_sphere((faces + 1) // 2 + 2)
     triangles = ConvexHull(points).simplices
-    a, b, c = points[triangles].swapaxes(0, 1)
-    inward = np.einsum("tk,tk->t", np.cross(b - a, c - a), a) < 0
+    inward = np.einsum("tk,tk->t", area_vectors(points, triangles), points[triangles[:, 0]]) < 0
     triangles[inward] = triangles[inward][:, ::-1]
     return points, triangles.astype(np.int32)
 

@@ -1,4 +1,7 @@
-"""Triangles of polygon faces that lie inside the faces, also where a face is concave."""
+"""Triangles of polygon faces that lie inside the faces, also where a face is concave.
+
+Why not mapbox_earcut: it has no wheels for the Python of Blender 4.2, and faces are few and small.
+"""
 
 from __future__ import annotations
 
@@ -12,6 +15,12 @@ CHUNK = 250_000
 """Faces looked at together, so that a mesh of millions of faces needs little memory."""
 LONGEST_CLIPPED = 2000
 """Faces with more corners keep their fan: clipping takes a time that grows with the square of the corners."""
+
+
+def area_vectors(points: NDArray[np.floating], triangles: NDArray[np.integer]) -> Floats:
+    """(T, 3): vectors along the normals of triangles (T, 3) over points (V, 3), as long as twice their areas."""
+    a, b, c = points[triangles].astype(np.float64).swapaxes(0, 1)
+    return np.cross(b - a, c - a)
 
 
 def inner_triangles(mesh: Mesh) -> NDArray[np.int32]:
@@ -30,11 +39,9 @@ def inner_triangles(mesh: Mesh) -> NDArray[np.int32]:
 
 def _cut_concave(mesh: Mesh, triangles: NDArray[np.int32], sizes: NDArray[np.int32]) -> NDArray[np.int32]:
     face = np.repeat(np.arange(len(sizes)), np.maximum(sizes - 2, 0))
+    starts = range(0, len(sizes), CHUNK)
     concave = np.concatenate(
-        [
-            _concave_faces(mesh.points, triangles, face, start, min(start + CHUNK, len(sizes)))
-            for start in range(0, len(sizes), CHUNK)
-        ]
+        [_concave_faces(mesh.points, triangles, face, start, min(start + CHUNK, len(sizes))) for start in starts]
     )
     concave = concave[sizes[concave] <= LONGEST_CLIPPED]
     if not len(concave):
@@ -49,8 +56,7 @@ def _concave_faces(
     """Those of the faces ``start`` to ``stop`` with a fan triangle that turns against the face's area vector."""
     first, last = np.searchsorted(face, (start, stop))
     own = face[first:last] - start
-    a, b, c = points[triangles[first:last]].astype(np.float64).swapaxes(0, 1)
-    normals = np.cross(b - a, c - a)
+    normals = area_vectors(points, triangles[first:last])
     total = np.stack([np.bincount(own, normals[:, k], stop - start) for k in range(3)], axis=1)
     along = np.einsum("tk,tk->t", normals, total[own])
     against = along < -1e-9 * np.einsum("fk,fk->f", total, total)[own]

@@ -1,9 +1,9 @@
-"""The small model behind category proposals: known shapes and sizes, a word list, and habits of standing together."""
+"""The small model behind category proposals: known shapes and sizes, words, and what often stands together."""
 
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 
 import numpy as np
@@ -80,14 +80,9 @@ class LabelModel:
         """Write the model as one safetensors file, whole or not at all."""
         from safetensors.numpy import save
 
-        arrays = {name: getattr(self, name) for name in ARRAYS}
-        record = {
-            "vocabulary": self.vocabulary, "lexicon": self.lexicon, "name_weight": self.name_weight,
-            "beside_weight": self.beside_weight, "spread": self.spread, "temperature": self.temperature,
-            "provenance": self.provenance,
-        }  # fmt: skip
-        metadata = {"unisg_labels": VERSION, "record": json.dumps(record)}
-        write_file(Path(path), save({name: np.ascontiguousarray(array) for name, array in arrays.items()}, metadata))
+        arrays = {name: np.ascontiguousarray(getattr(self, name)) for name in ARRAYS}
+        record = {item.name: getattr(self, item.name) for item in fields(self) if item.name not in ARRAYS}
+        write_file(Path(path), save(arrays, {"unisg_labels": VERSION, "record": json.dumps(record)}))
 
     @staticmethod
     def load(path: str | Path | None = None) -> LabelModel:

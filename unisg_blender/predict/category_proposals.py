@@ -8,8 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
+from scipy.special import softmax
 
 from ..geometry.arrays import Floats, Ints
+from ..geometry.planar import turned
 from ..meshes.normalise import normalise
 from ..meshes.shape_feature import POINTS, AtlasNetEncoder, cloud, default_encoder
 from ..scene.assembly import index_categories
@@ -76,13 +78,15 @@ def propose_categories(
     if "shape" in use:
         scores += model.shape_scores(*_shapes(graph, wanted, encoder))
     if "name" in use:
-        scores += np.stack([model.name_scores(_names(graph, row)) for row in wanted])
+        scores += np.stack([model.name_scores((graph.name[row], graph.meshes[graph.mesh[row]].name)) for row in wanted])
     if "neighbours" in use:
-        scores += model.beside_weight * _neighbour_scores(graph, wanted, _softmax(scores), model)
-    return [
-        _proposal(graph, int(row), chances, model.vocabulary, best)
-        for row, chances in zip(wanted, _softmax(scores), strict=True)
-    ]
+        scores += model.beside_weight * _neighbour_scores(graph, wanted, softmax(scores, axis=1), model)
+    proposals = []
+    for row, chances in zip(wanted.tolist(), softmax(scores, axis=1), strict=True):
+        order = np.argsort(-chances, kind="stable")[:best]
+        categories = tuple((model.vocabulary[k], float(chances[k])) for k in order)
+        proposals.append(Proposal(row, graph.uid[row], graph.name[row], categories))
+    return proposals
 
 
 def accept(graph: SceneGraph, proposals: Sequence[Proposal], threshold: float = 0.0) -> SceneGraph:
@@ -118,15 +122,11 @@ def _has_points(graph: SceneGraph, row: int) -> bool:
     return graph.mesh[row] >= 0 and bool(np.isfinite(graph.meshes[graph.mesh[row]].points).all(axis=1).any())
 
 
-def _names(graph: SceneGraph, row: int) -> tuple[str, ...]:
-    return graph.name[row], graph.meshes[graph.mesh[row]].name
-
-
 def _shapes(graph: SceneGraph, rows: Ints, encoder: AtlasNetEncoder) -> tuple[NDArray[np.float32], Floats]:
     """Mesh features (M, 1024) as the entities stand, their heading taken back, and sizes (M, 3) in metres."""
     world = world_matrices(graph)[rows, :3, :3]
     heading = np.arctan2(world[:, 1, 0], world[:, 0, 0])
-    upright = _turn_back(heading) @ world
+    upright = turned(world.swapaxes(1, 2), -heading[:, None]).swapaxes(1, 2)
     bounds = local_bounds(graph)[rows]
     sizes = np.einsum("nij,nj->ni", np.abs(upright), bounds[:, 1] - bounds[:, 0])
     scale = np.maximum(np.linalg.norm(upright, axis=(1, 2), keepdims=True), 1e-30)
@@ -134,43 +134,20 @@ def _shapes(graph: SceneGraph, rows: Ints, encoder: AtlasNetEncoder) -> tuple[ND
         (int(mesh), shape.tobytes())
         for mesh, shape in zip(graph.mesh[rows], np.round(upright / scale, 2) + 0.0, strict=True)
     ]
-    first = {key: place for place, key in reversed(list(enumerate(keys)))}
-    places = list(first.values())
-    clouds = [normalise(cloud(graph.meshes[graph.mesh[rows[place]]], POINTS) @ upright[place].T)[0] for place in places]
-    vectors = encoder.encode_clouds(clouds)
-    index = {key: number for number, key in enumerate(first)}
-    return vectors[[index[key] for key in keys]], sizes
-
-
-def _turn_back(heading: Floats) -> Floats:
-    turn = np.zeros((len(heading), 3, 3))
-    turn[:, 0, 0] = turn[:, 1, 1] = np.cos(heading)
-    turn[:, 0, 1], turn[:, 1, 0], turn[:, 2, 2] = np.sin(heading), -np.sin(heading), 1.0
-    return turn
+    first = {key: number for number, key in reversed(list(enumerate(keys)))}
+    clouds = [normalise(cloud(graph.meshes[key[0]], POINTS) @ upright[number].T)[0] for key, number in first.items()]
+    shape = {key: number for number, key in enumerate(first)}
+    return encoder.encode_clouds(clouds)[[shape[key] for key in keys]], sizes
 
 
 def _neighbour_scores(graph: SceneGraph, wanted: Ints, chances: Floats, model: LabelModel) -> Floats:
-    """(M, K): the mean habit towards the neighbours, whose categories are given or, if not, likely to be."""
+    """(M, K): the mean affinity to the neighbours, whose categories are given or, if not, likely to be."""
     belief = np.zeros((len(graph), len(model.vocabulary)))
     belief[wanted] = chances
-    place = {name: index for index, name in enumerate(model.vocabulary)}
     for row in np.flatnonzero(graph.category >= 0):
-        belief[row] = 0
-        if graph.category_name(int(row)) in place:
-            belief[row, place[graph.category_name(int(row))]] = 1
+        belief[row] = [name == graph.category_name(int(row)) for name in model.vocabulary]
     first, second = beside(graph)
     total, count = np.zeros_like(belief), np.zeros(len(graph))
     np.add.at(total, first, belief[second] @ model.together.T)
     np.add.at(count, first, 1)
     return (total / np.maximum(count, 1)[:, None])[wanted]
-
-
-def _softmax(scores: Floats) -> Floats:
-    powers = np.exp(scores - scores.max(axis=1, keepdims=True))
-    return powers / powers.sum(axis=1, keepdims=True)
-
-
-def _proposal(graph: SceneGraph, row: int, chances: Floats, vocabulary: Sequence[str], best: int) -> Proposal:
-    order = np.argsort(-chances, kind="stable")[:best]
-    categories = tuple((vocabulary[k], float(chances[k])) for k in order)
-    return Proposal(row, graph.uid[row], graph.name[row], categories)

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from ..geometry.arrays import Floats, Ints
-from ..geometry.boxes import Boxes
+from ..geometry.boxes import Boxes, world_bounds
 from ..poses import FORMS
 from ..scene.graph import SceneGraph
 from ..scene.hierarchy import world_matrices
@@ -65,7 +65,7 @@ def candidate_pairs(boxes: Boxes, nearest: int = NEAREST) -> Ints:
     _, near = cKDTree(boxes.center).query(boxes.center, wanted)
     subject = np.repeat(np.arange(count), wanted)
     codes = [subject * count + near.reshape(-1)]
-    low, high = axis_aligned(boxes)
+    low, high = world_bounds(boxes)
     for place in large:
         gap = np.maximum(np.maximum(low - high[place], low[place] - high), 0)
         others = np.flatnonzero((gap**2).sum(axis=1) <= REACH**2)
@@ -73,12 +73,6 @@ def candidate_pairs(boxes: Boxes, nearest: int = NEAREST) -> Ints:
     pairs = np.unique(np.concatenate(codes))
     pairs = np.stack([pairs // count, pairs % count], axis=1)
     return pairs[pairs[:, 0] != pairs[:, 1]]
-
-
-def axis_aligned(boxes: Boxes) -> tuple[Floats, Floats]:
-    """Lowest and highest corners (N, 3) of the boxes around the boxes, along the world's axes."""
-    reach = np.einsum("nij,nj->ni", np.abs(boxes.axes), boxes.half)
-    return boxes.center - reach, boxes.center + reach
 
 
 def box_poses(boxes: Boxes) -> Floats:
@@ -110,7 +104,7 @@ def pair_features(boxes: Boxes, pairs: Ints) -> NDArray[np.float32]:
     unit = np.maximum(boxes.half[subject].mean(axis=1), FLOOR_SIZE)[:, None]
     relative = relative_poses(box_poses(boxes), pairs)
     relative[:, :3, 3] /= unit
-    low, high = axis_aligned(boxes)
+    low, high = world_bounds(boxes)
     rise = low[subject, 2] - high[target, 2]
     common = np.minimum(high[subject], high[target]) - np.maximum(low[subject], low[target])
     channels = [

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import softmax
 
 from ..dataset.format.columns import Vocabulary
 from ..dataset.format.encoding import Sample, encode_scenes
@@ -28,14 +28,9 @@ def graph_inputs(arrays: GraphArrays, mesh: str) -> dict[str, NDArray[Any]]:
         "descriptor" (box and complexity) or "feature" (of a mesh encoder).
     """
     nodes, edges = arrays.nodes, arrays.edges
-    action = np.concatenate([nodes["action"]["x"], nodes["action"]["mask"]], axis=1)
-    found: dict[str, NDArray[Any]] = {
-        "entity": nodes["entity"]["x"],
-        "info": nodes["info"]["x"],
-        "trs": nodes["trs"]["x"],
-        "mesh": nodes["mesh"]["x" if mesh == "descriptor" else "feature"],
-        "action": action,
-    }
+    found: dict[str, NDArray[Any]] = {name: nodes[name]["x"] for name in ("entity", "info", "trs")}
+    found["mesh"] = nodes["mesh"]["x" if mesh == "descriptor" else "feature"]
+    found["action"] = np.concatenate([nodes["action"]["x"], nodes["action"]["mask"]], axis=1)
     found = {name: np.ascontiguousarray(value, np.float32) for name, value in found.items()}
     found["parents"] = edges["entity", "parent_of", "entity"]
     return found | {f"has_{kind}": edges["entity", "has", kind] for kind in COMPONENTS}
@@ -63,14 +58,12 @@ class SceneModel:
         if not len(graph):
             raise UniSGError("the scene has no objects: there is nothing to classify")
         inputs = graph_inputs(self._arrays(graph), self.network.metadata["mesh"])
-        logits = self.network.run(**inputs)[0][0].astype(np.float64)
-        chance = np.exp(logits - logits.max())
-        found = zip(self.kinds, (chance / chance.sum()).tolist(), strict=True)
+        chances = softmax(self.network.run(**inputs)[0][0].astype(np.float64))
+        found = zip(self.kinds, chances.tolist(), strict=True)
         return dict(sorted(found, key=lambda entry: -entry[1]))
 
     def _arrays(self, graph: SceneGraph) -> GraphArrays:
-        metadata: Mapping[str, Any] = self.network.metadata
-        encoder = None
+        metadata, encoder = self.network.metadata, None
         if metadata["mesh"] == "feature":
             from ..meshes.shape_feature import AtlasNetEncoder
 

@@ -11,6 +11,7 @@ import numpy as np
 
 from ...geometry.box_overlap import nearby_pairs, penetration
 from ...geometry.boxes import covers, part_tops, turned_reach
+from ...geometry.planar import turned
 from ...spatial.objects import CONTACT, SceneObjects
 from .reference_objects import find_reference_objects
 
@@ -29,7 +30,12 @@ SPANNING = 0.9
 FAR_END = (-0.05, 0.15)
 """Metres: gaps to the second holder with which an object still counts as reaching it."""
 
-_SHALLOW = 0.002
+NEAR_EDGE = 0.05
+"""Metres by which the middle of what rests on a part may be beside it."""
+
+SHALLOW, FEWEST, USUAL_DEPTH = 0.002, 5, 0.9
+"""Overlaps of categories count from so many metres and so many cases on; this quantile of them is allowed."""
+
 Seen = tuple[str, float, str]
 
 
@@ -121,7 +127,7 @@ def learn_priors(scenes: Iterable[SceneObjects], vocabulary: Sequence[str], room
     return CategoryPriors(
         supports=_supports(contacts),
         sizes={name: np.median(sizes[name], axis=0).round(4).tolist() for name in vocabulary if name in sizes},
-        overlaps={pair: round(limit, 4) for pair, values in depths.items() if (limit := _tolerance(values)) > _SHALLOW},
+        overlaps={pair: round(limit, 4) for pair, values in depths.items() if (limit := _tolerance(values)) > SHALLOW},
         rooms=counts[:: max(1, len(counts) // rooms)][:rooms],
         references=find_reference_objects(scenes, vocabulary),
         spanning=[name for name in vocabulary if across[name] >= SPANNING * max(1, len(sizes[name]))],
@@ -134,21 +140,19 @@ def contact(objects: SceneObjects, obj: int, support: int) -> tuple[str, float]:
         return (RESTS if abs(objects.bottom[obj]) <= CONTACT else INSIDE), 0.0
     parts = objects.parts_of(support)
     level = np.abs(part_tops(parts) - objects.bottom[obj]) <= CONTACT
-    if (level & covers(parts, objects.center[obj, :2], 0.05)).any():
+    if (level & covers(parts, objects.center[obj, :2], NEAR_EDGE)).any():
         return RESTS, 0.0
     if abs(objects.bottom[support] - objects.top[obj]) <= CONTACT:
         return HANGS, 0.0
     gap = side_gap(objects, obj, support)
-    return (AT_SIDE, gap) if -CONTACT <= gap <= 0.15 else (INSIDE, 0.0)
+    return (AT_SIDE, gap) if -CONTACT <= gap <= FAR_END[1] else (INSIDE, 0.0)
 
 
 def side_gap(objects: SceneObjects, obj: int, support: int) -> float:
     """Horizontal clearance in metres between an object and its support's box, negative where they overlap."""
     reach = turned_reach(objects.half[obj], objects.yaw[obj] - objects.yaw[support])
-    offset = objects.center[obj, :2] - objects.center[support, :2]
-    c, s = np.cos(objects.yaw[support]), np.sin(objects.yaw[support])
-    local = np.abs([c * offset[0] + s * offset[1], c * offset[1] - s * offset[0]])
-    return float((local - reach - objects.half[support, :2]).max())
+    local = turned(objects.center[obj, :2] - objects.center[support, :2], -objects.yaw[support])
+    return float((np.abs(local) - reach - objects.half[support, :2]).max())
 
 
 def _spans(objects: SceneObjects, obj: int, support: int) -> bool:
@@ -180,17 +184,16 @@ def _overlaps(objects: SceneObjects, names: Sequence[str]) -> list[tuple[str, fl
     for first, second, value in zip(*objects.owner[pairs.T], depth, strict=True):
         key = (min(first, second), max(first, second))
         deepest[key] = max(deepest.get(key, 0.0), float(value))
-    found: list[tuple[str, float]] = []
-    for (a, b), deep in deepest.items():
+
+    def key_of(a: int, b: int) -> str:
+        """ "A|B" of the categories of two objects, or "A>B" if the second holds the first."""
         first, second = names[objects.category[a]], names[objects.category[b]]
-        if objects.support[a] == b:
-            found.append((f"{first}>{second}", deep))
-        elif objects.support[b] == a:
-            found.append((f"{second}>{first}", deep))
-        else:
-            found.append(("|".join(sorted((first, second))), deep))
-    return found
+        if objects.support[b] == a:
+            return f"{second}>{first}"
+        return f"{first}>{second}" if objects.support[a] == b else "|".join(sorted((first, second)))
+
+    return [(key_of(*pair), deep) for pair, deep in deepest.items()]
 
 
 def _tolerance(depths: list[float]) -> float:
-    return float(np.quantile(depths, 0.9)) if len(depths) >= 5 else 0.0
+    return float(np.quantile(depths, USUAL_DEPTH)) if len(depths) >= FEWEST else 0.0

@@ -21,6 +21,9 @@ from ..observe.support_priors import AT_SIDE, HANGS, RESTS, CategoryPriors, Supp
 from .free_space import FreeSpace, find_outline
 from .settling import Support, fitting, rest, search
 
+NEAREST, FARTHEST, STEPS, DIRECTIONS = 0.02, 0.6, 16, 16
+"""Free places are looked for on so many rings, between these radii in metres, in so many directions."""
+
 SUNK = 0.5
 """An object may be sunk by this share of its height into what it is to stand on."""
 
@@ -118,8 +121,8 @@ def _settled(placeable: Placeable, now: Floats, support: Support, space: FreeSpa
     place = rest(placeable, now[None], support, space)
     if fitting(placeable, place, -1, support, space)[0]:
         return place[0]
-    steps = np.linspace(0.02, 0.6, 16)
-    turns = np.linspace(0, 2 * np.pi, 16, endpoint=False)
+    steps = np.linspace(NEAREST, FARTHEST, STEPS)
+    turns = np.linspace(0, 2 * np.pi, DIRECTIONS, endpoint=False)
     ring = np.concatenate([[[np.cos(turn) * step, np.sin(turn) * step] for turn in turns] for step in steps])
     places = np.tile(now, (len(ring), 1))
     places[:, :2] += ring

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from ...geometry.arrays import Bools, Floats, Ints
-from ...geometry.boxes import Boxes, turned_reach
+from ...geometry.boxes import Boxes, part_bottoms, turned_reach
 from ...geometry.planar import footprints
 from ...geometry.polygon import inside, next_corners, outside_distance
 from ...spatial.level_surfaces import LEVEL, LevelSurfaces, rectangles, with_joined
@@ -26,8 +26,22 @@ LOOSE = 0.01
 NEAR_ROOM = 0.5
 """A support that is farther out of the room than this, in metres, may hold objects out there."""
 
-SEARCH = 9
-"""Places along each side of a surface that the last search tries, with three turns each."""
+SEARCH, CHUNK, AROUND = 9, 81, 1.5
+"""Places along each side of a surface that the last search tries, with three turns each, so many at a time; on bare
+ground so many metres around."""
+
+LEVEL_FOR_AREA = 0.1
+"""Metres of height that a square metre of surface (a quarter of it) is worth when a surface is searched."""
+
+CARRIES, TOO_SMALL, BESIDE = 0.2, 0.05, 2.0
+"""A surface of less than this share of the footprint carries nothing well, and counts as so many metres farther away;
+a metre beside a surface counts as so many metres of height."""
+
+WALL, FRONT = 0.3, 0.05
+"""Half thickness of a wall at most, and how far in front of it one looks for the room, metres."""
+
+PULLS, MARGIN = 4, 1e-4
+"""Times that a footprint is pulled into the room, a corner at a time, and by how many metres more than need be."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,9 +88,7 @@ def rest(placeable: Placeable, places: Floats, support: Support, space: FreeSpac
         if support.floor:
             places = into_room(placeable, places, space)
     elif support.contact == HANGS and len(support.parts.center):
-        corners = support.parts
-        low = corners.center[:, 2] - (np.abs(corners.axes[:, 2, :]) * corners.half).sum(axis=1)
-        places[:, 2] = low.min() - 2 * placeable.half[2]
+        places[:, 2] = part_bottoms(support.parts).min() - 2 * placeable.half[2]
     elif support.contact == AT_SIDE and len(support.parts.center):
         places = _to_side(placeable, places, support, space)
     if support.contact != RESTS and len(support.parts.center) and len(placeable.parts.center):
@@ -114,8 +126,8 @@ def _onto_surface(placeable: Placeable, places: Floats, tops: LevelSurfaces, cla
     offset = places[:, None, :2] - tops.center
     local = np.stack([(offset * tops.along).sum(-1), (offset * across).sum(-1)], axis=2)  # (T, S, 2)
     beyond = np.maximum(np.abs(local) - tops.half, 0).sum(axis=2)
-    small = 0.05 * (tops.half.prod(axis=1) < 0.2 * placeable.half[:2].prod())  # prefer what can carry the placeable
-    nearest = (np.abs(tops.top - places[:, 2, None]) + 2 * beyond + small).argmin(axis=1)
+    small = TOO_SMALL * (tops.half.prod(axis=1) < CARRIES * placeable.half[:2].prod())
+    nearest = (np.abs(tops.top - places[:, 2, None]) + BESIDE * beyond + small).argmin(axis=1)
     result = places.copy()
     result[:, 2] = tops.top[nearest]
     if len(tops.top) > 1:
@@ -149,7 +161,7 @@ def into_room(placeable: Placeable, places: Floats, space: FreeSpace) -> Floats:
         return places
     result = places.copy()
     start, edge = space.outline, next_corners(space.outline) - space.outline
-    for _ in range(4):
+    for _ in range(PULLS):
         corners = footprints(placeable.half, result)
         wrong = ~inside(space.outline, corners)
         if not wrong.any():
@@ -164,7 +176,7 @@ def into_room(placeable: Placeable, places: Floats, space: FreeSpace) -> Floats:
         worst = far.argmax(axis=1)
         rows = np.arange(len(result))
         length_of = np.maximum(far[rows, worst], 1e-12)[:, None]
-        result[:, :2] += step[rows, worst] * (1 + 1e-4 / length_of) * (far[rows, worst] > 0)[:, None]
+        result[:, :2] += step[rows, worst] * (1 + MARGIN / length_of) * (far[rows, worst] > 0)[:, None]
     return result
 
 
@@ -178,8 +190,8 @@ def _to_side(placeable: Placeable, places: Floats, support: Support, space: Free
     local = (places[:, :2] - middle) @ axes
     thin = int(half.argmin())
     sides = np.sign(local[:, thin]) + (local[:, thin] == 0)
-    if space.outline is not None and half[thin] < 0.3:  # a wall: the side that looks into the room
-        inner = middle + np.outer([1, -1], axes[:, thin]) * (half[thin] + 0.05)
+    if space.outline is not None and half[thin] < WALL:  # the side that looks into the room
+        inner = middle + np.outer([1, -1], axes[:, thin]) * (half[thin] + FRONT)
         into = inside(space.outline, inner)
         if into[0] != into[1]:
             sides[:] = 1.0 if into[0] else -1.0
@@ -214,11 +226,11 @@ def search(placeable: Placeable, near: Floats, category: int, support: Support, 
         return None
     straight = near[3] + np.pi / 4
     if support.obj < 0 or not len(support.parts.center):
-        spread = np.linspace(-1.5, 1.5, SEARCH)
+        spread = np.linspace(-AROUND, AROUND, SEARCH)
         grid = near[:2] + np.stack(np.meshgrid(spread, spread), axis=-1).reshape(-1, 2)
     else:
         tops = support.tops
-        best = int((np.abs(tops.top - near[2]) - 0.1 * tops.half.prod(axis=1)).argmin())
+        best = int((np.abs(tops.top - near[2]) - LEVEL_FOR_AREA * tops.half.prod(axis=1)).argmin())
         across = np.array([-tops.along[best, 1], tops.along[best, 0]])
         straight = np.arctan2(tops.along[best, 1], tops.along[best, 0])
         spread = np.linspace(-1, 1, SEARCH)
@@ -227,8 +239,8 @@ def search(placeable: Placeable, near: Floats, category: int, support: Support, 
     order = np.argsort(((grid - near[:2]) ** 2).sum(axis=1))
     turns = (near[3], straight, straight + np.pi / 2)
     places = np.stack([np.array([x, y, near[2], yaw]) for x, y in grid[order] for yaw in turns])
-    for start in range(0, len(places), 81):
-        some = rest(placeable, places[start : start + 81], support, space)
+    for start in range(0, len(places), CHUNK):
+        some = rest(placeable, places[start : start + CHUNK], support, space)
         good = np.flatnonzero(fitting(placeable, some, category, support, space))
         if len(good):
             return some[good[0]]

@@ -12,11 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...dataset import open_dataset, to_scenegraph
-from ...geometry.boxes import Boxes
+from ...geometry.boxes import Boxes, world_bounds
 from ...metrics.edge_metrics import average_precision, best_threshold, f1_score
 from ...poses import FORMS
 from ...predict.object_pairs import (
-    axis_aligned,
     box_poses,
     candidate_pairs,
     object_boxes,
@@ -169,7 +168,7 @@ def _distance(part: Pairs) -> NDArray[np.float64]:
 
 def box_rule(boxes: Boxes, pairs: NDArray[np.int64]) -> NDArray[np.bool_]:
     """The subject's lowest point is within 1 cm above and 2 cm below the target's highest, and they share ground."""
-    low, high = axis_aligned(boxes)
+    low, high = world_bounds(boxes)
     one, two = pairs[:, 0], pairs[:, 1]
     rise = low[one, 2] - high[two, 2]
     common = np.minimum(high[one, :2], high[two, :2]) - np.maximum(low[one, :2], low[two, :2])
