@@ -16,7 +16,7 @@ from .play.soundness import Problem, check_lesson, check_scene
 from .play.timeline import Timeline, simulate, timeline_record
 from .record.motion_script import motion_from_json, motion_to_json
 from .record.motion_tracks import Input, Motion, Track, moments
-from .record.pose_recorder import PoseRecorder, local_matrices
+from .record.pose_recorder import PoseRecorder
 from .record.recorded_events import recorded_inputs, recorded_motion, with_events
 from .rehearse.rehearsal import rehearse
 
@@ -55,7 +55,6 @@ __all__ = [
     "explain",
     "holds",
     "load_types",
-    "local_matrices",
     "moment",
     "moments",
     "motion_from_json",

@@ -98,9 +98,9 @@ class Playthrough:
 
     def watch(self, now: Moment, state: Any) -> None:
         """Take down a moment."""
-        from ..behaviour import local_matrices
         from ..behaviour.lesson.lesson_progress import STATUSES
         from ..behaviour.record.recorded_events import new_inputs
+        from ..scene import local_matrices
 
         states = [(_name(self.lesson, place), STATUSES[state.status[place]]) for place in self._leaves]
         self.frames.append((now.time, now.world, states))

@@ -8,15 +8,17 @@ from .builder import SceneBuilder
 from .categories import STRUCTURE
 from .component_table import Table, table
 from .graph import TYPES, Entity, SceneGraph
-from .hierarchy import children, local_bounds, subtree, take, world_matrices
+from .hierarchy import children, local_bounds, local_matrices, placed, subtree, take, world_matrices
 from .lesson_node import LessonNode
+from .merge import append
 from .mesh import Material, Mesh, mesh_from_faces
 from .parents import compose_world
 from .relation import Relation
-from .systems import run
+from .systems import System, run
 
 __all__ = [
     "STRUCTURE", "TYPES", "ActionData", "Columns", "Entity", "LessonNode", "Material", "Mesh", "Relation",
-    "SceneBuilder", "SceneGraph", "Table", "Thresholds", "assemble", "canonical", "children", "compose_world",
-    "local_bounds", "mesh_from_faces", "run", "subtree", "table", "take", "world_matrices",
+    "SceneBuilder", "SceneGraph", "System", "Table", "Thresholds", "append", "assemble", "canonical", "children",
+    "compose_world", "local_bounds", "local_matrices", "mesh_from_faces", "placed", "run", "subtree", "table", "take",
+    "world_matrices",
 ]  # fmt: skip
