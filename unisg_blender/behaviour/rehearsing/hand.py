@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from ...scene import components
 from ...scene.hierarchy import without_world, world_matrices
 from ..check.snapshot import moment
-from ..play.player import Lesson, PlayState, begin, play
+from ..playing.player import Lesson, PlayState, begin, play
 from ..record.motion_tracks import PARENT, Input, Motion, Track
 
 MOVE = 1.0
