@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from .action_data import ActionData, Thresholds
 from .assembly import Columns, assemble, canonical
+from .augmentation import category_dropout, mesh_jitter, mirrored, pose_noise, quarter_turns, scale_noise
 from .builder import SceneBuilder
 from .categories import STRUCTURE
 from .component_table import Table, table
@@ -13,12 +14,14 @@ from .lesson_node import LessonNode
 from .merge import append
 from .mesh import Material, Mesh, mesh_from_faces
 from .parents import compose_world
+from .realize_instances import realize
 from .relation import Relation
 from .systems import System, run
 
 __all__ = [
     "STRUCTURE", "TYPES", "ActionData", "Columns", "Entity", "LessonNode", "Material", "Mesh", "Relation",
-    "SceneBuilder", "SceneGraph", "System", "Table", "Thresholds", "append", "assemble", "canonical", "children",
-    "compose_world", "local_bounds", "local_matrices", "mesh_from_faces", "placed", "run", "subtree", "table", "take",
-    "world_matrices",
+    "SceneBuilder", "SceneGraph", "System", "Table", "Thresholds", "append", "assemble", "canonical",
+    "category_dropout", "children", "compose_world", "local_bounds", "local_matrices", "mesh_from_faces",
+    "mesh_jitter", "mirrored", "placed", "pose_noise", "quarter_turns", "realize", "run", "scale_noise", "subtree",
+    "table", "take", "world_matrices",
 ]  # fmt: skip

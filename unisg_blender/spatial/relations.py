@@ -20,6 +20,7 @@ KINDS = (
     "on_top_of", "inside", "above", "below", "left_of", "right_of", "in_front_of", "behind", "beside", "part_of",
     "connected_to",
 )  # fmt: skip
+"""The kinds of relations that are computed."""
 
 Found = tuple[int, str, int]
 """Row of the subject, kind, row of the target."""
