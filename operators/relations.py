@@ -59,7 +59,7 @@ class UNISG_OT_relations(Operator):
         repair_identities(context.scene)  # relations name their targets by uid
         graph = read_scene(context.scene, details=False)
         tolerances = RelationTolerances(gap=self.gap, beside=self.beside)
-        graph = _predicted(graph, self.model) if self.model else relate(graph, tolerances)
+        graph = _predicted(graph, self.model) if self.model else relate(graph, tolerances=tolerances)
         items = objects_by_uid(context.scene)
         count = 0
         for row, uid in enumerate(graph.uid):

@@ -32,8 +32,8 @@ def names_in(module: Module) -> set[str]:
         elif isinstance(node, ast.Assign | ast.AnnAssign):
             targets = node.targets if isinstance(node, ast.Assign) else [node.target]
             found |= {name.id for target in targets for name in ast.walk(target) if isinstance(name, ast.Name)}
-            if isinstance(node.value, ast.Dict) and "_LAZY" in found:
-                found |= {key.value for key in node.value.keys if isinstance(key, ast.Constant)}
+            if node.value is not None and ast.unparse(targets[0]) == "__all__":
+                found |= set(ast.literal_eval(node.value))
     return found
 
 

@@ -2,11 +2,18 @@
 
 from __future__ import annotations
 
+import ast
 import subprocess
 import sys
+from importlib import import_module
+from pathlib import Path
+from types import ModuleType
 
 import pytest
+from architecture import modules
+from write_api_page import PAGE, describe, page, public_packages
 
+import unisg_blender
 from unisg_blender import cli
 from unisg_blender.errors import MISUSE
 
@@ -47,3 +54,54 @@ def test_three_doors_are_one(capfd: pytest.CaptureFixture[str]) -> None:
         [sys.executable, "-m", "unisg_blender", "--help"], capture_output=True, text=True, timeout=60
     ).stdout
     assert module == direct
+
+
+PACKAGES = public_packages()
+
+
+def opened(package: str) -> ModuleType:
+    """A package; skips where something that it needs is not installed."""
+    try:
+        return import_module(package)
+    except unisg_blender.UniSGError as error:
+        pytest.skip(str(error))
+
+
+@pytest.mark.parametrize("package", PACKAGES)
+def test_public_names_are_there_described_and_no_modules(package: str) -> None:
+    """A name that is also that of a module beside it could mean either."""
+    module = opened(package)
+    beside = {name.rpartition(".")[2] for name in modules() if name.rpartition(".")[0] == package}
+    assert set(PACKAGES[package]) & beside == set()
+    assert set(PACKAGES[package]) <= set(dir(module))
+    for name in PACKAGES[package]:
+        assert hasattr(module, name)
+        assert not isinstance(getattr(module, name), ModuleType)
+        assert describe(package, name).summary, f"{package}.{name} has no docstring"
+
+
+def test_every_room_says_what_is_public() -> None:
+    rooms = {module.name for module in modules().values() if module.is_package and module.name.count(".") == 1}
+    inner = {f"unisg_blender.{name}" for name in ("commands", "experiments", "runtime")}
+    assert {name for name in rooms if name.startswith("unisg_blender")} - inner <= set(PACKAGES)
+
+
+def test_the_page_of_public_names_is_current() -> None:
+    assert PAGE.read_text("utf-8") == page(), "run: python packaging/write_api_page.py"
+
+
+def test_type_checkers_see_the_same_names() -> None:
+    stub = ast.parse((Path(unisg_blender.__path__[0]) / "__init__.pyi").read_text("utf-8"))
+    listed = next(node for node in stub.body if isinstance(node, ast.Assign))
+    imported = {alias.name for node in stub.body if isinstance(node, ast.ImportFrom) for alias in node.names}
+    assert set(ast.literal_eval(listed.value)) == set(unisg_blender.__all__) == imported | {"__version__"}
+
+
+def test_names_are_imported_when_they_are_first_asked_for() -> None:
+    found = run_python(
+        "import sys, unisg_blender as u; before = 'unisg_blender.scene' in sys.modules; u.SceneGraph; "
+        "print(before, 'unisg_blender.scene' in sys.modules, 'SceneGraph' in vars(u))"
+    )
+    assert found == "False True True"
+    with pytest.raises(AttributeError, match="has no attribute 'nothing'"):
+        unisg_blender.nothing  # type: ignore[attr-defined]  # noqa: B018

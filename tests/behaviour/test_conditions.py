@@ -22,7 +22,6 @@ from unisg_blender.scene import (
     Thresholds,
     mesh_from_faces,
     oriented_boxes,
-    run,
     world_matrices,
 )
 
@@ -231,16 +230,6 @@ def test_a_type_of_your_own_is_a_function():
         done.append(bool(state.done[0]))
     assert done == [False, False, False, True]
     assert compile_actions(graph).unknown == (0,)
-
-
-def test_systems_run_over_a_part_of_the_scene():
-    builder = SceneBuilder()
-    left = builder.add("Left", uid="l")
-    builder.add("Right", uid="r", actions=(ActionData("far", "Question"),))
-    builder.add("Below", uid="b", parent=left, actions=(ActionData("near", "Question"),))
-    graph = builder.build()
-    assert [action.uid for action in run(compile_actions, graph, graph.row("Left")).actions] == ["near"]
-    assert len(run(compile_actions, graph).actions) == 2
 
 
 def test_what_is_missing_or_not_a_number_is_never_performed():

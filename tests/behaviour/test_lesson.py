@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from unisg_blender.behaviour import begin, check_lesson, check_scene, moment, play, prepare
 from unisg_blender.behaviour.lesson.lesson_progress import DONE, OPEN, SKIPPED, advance, first_status
 from unisg_blender.behaviour.lesson.lesson_tree import outline
-from unisg_blender.behaviour.play.deadlock import circles, unreached
+from unisg_blender.behaviour.playing.deadlock import circles, unreached
 from unisg_blender.errors import UniSGError
 from unisg_blender.scene import ActionData, LessonNode, SceneBuilder, Thresholds, world_matrices
 

@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from unisg_blender.behaviour.play.guide_lines import box_lines, circle, cone_lines, dashes, sphere_lines
+from unisg_blender.behaviour.playing.guide_lines import box_lines, circle, cone_lines, dashes, sphere_lines
 
 
 def test_a_box_has_twelve_edges_of_its_lengths():

@@ -13,7 +13,6 @@ from hypothesis import strategies as st
 
 from unisg_blender.behaviour import (
     PoseRecorder,
-    local_matrices,
     moments,
     prepare,
     recorded_inputs,
@@ -25,6 +24,7 @@ from unisg_blender.behaviour import (
 from unisg_blender.behaviour.record.recorded_events import WORDS, new_inputs
 from unisg_blender.cli import main
 from unisg_blender.errors import UniSGError
+from unisg_blender.scene import local_matrices
 from unisg_blender.scene.hierarchy import world_matrices
 from unisg_blender.scene.recording_tables import Recorded, recorded_from_json, recorded_of, recorded_to_json
 from unisg_blender.usd import read_usd, write_usd

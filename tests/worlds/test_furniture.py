@@ -9,8 +9,8 @@ import trimesh
 from unisg_blender.spatial.part_boxes import PART_LIMIT, mesh_parts
 from unisg_blender.worlds.furniture.kit import Furniture, ball, block, lathe, prism, rod, turned
 from unisg_blender.worlds.furniture.palette import MATERIALS
-from unisg_blender.worlds.living_room import furnish as furnish_home
-from unisg_blender.worlds.operating_room import furnish as furnish_theatre
+from unisg_blender.worlds.living_room_world import furnish as furnish_home
+from unisg_blender.worlds.operating_room_world import furnish as furnish_theatre
 
 HANGING = {"Surgical Lamp", "IV Bag"}
 OWN_ORIGIN = {"Floor", "Wall", "Surgical Lamp"}

@@ -10,15 +10,15 @@ from .check.snapshot import Moment, moment
 from .lesson.action_places import ActionPlace, action_places, all_actions, operations
 from .lesson.action_vector import CHANNELS, WIDTH, ActionVectors, action_vector, decode_action, encode_action
 from .lesson.behaviour_links import BehaviourLinks, behaviour_links
-from .play.explanation import explain
-from .play.player import Event, Lesson, PlayState, begin, play, prepare
-from .play.soundness import Problem, check_lesson, check_scene
-from .play.timeline import Timeline, simulate, timeline_record
+from .playing.explanation import explain
+from .playing.player import Event, Lesson, PlayState, begin, play, prepare
+from .playing.soundness import Problem, check_lesson, check_scene
+from .playing.timeline import Timeline, simulate, timeline_record
 from .record.motion_script import motion_from_json, motion_to_json
 from .record.motion_tracks import Input, Motion, Track, moments
-from .record.pose_recorder import PoseRecorder, local_matrices
+from .record.pose_recorder import PoseRecorder
 from .record.recorded_events import recorded_inputs, recorded_motion, with_events
-from .rehearse.rehearsal import rehearse
+from .rehearsing.rehearsal import rehearse
 
 __all__ = [
     "CHANNELS",
@@ -55,7 +55,6 @@ __all__ = [
     "explain",
     "holds",
     "load_types",
-    "local_matrices",
     "moment",
     "moments",
     "motion_from_json",

@@ -20,6 +20,8 @@ from .unsupported.read_report import ReadReport
 from .write.scene_writer import write_scene
 
 SUFFIXES = (*BLENDER, *USD)
+"""Endings of the files that Blender reads."""
+
 TALKATIVE = (".obj", ".fbx")  # their importers take anything and finish
 WARNING = re.compile(r"^(?:\d\d:\d\d:\d\d \| )?(?:WARN\w*|Warning|ERROR|Error)\b(?: \([\w.]+\))?:?\s*(.*)$")
 SOURCE_PLACE = re.compile(r"^\S+\.(?:cc|cpp|c|h):\d+ \w+: ")

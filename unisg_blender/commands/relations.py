@@ -47,7 +47,7 @@ def run(args: argparse.Namespace) -> int:
     graph, _ = read_shown(args, args.file, args.out)
     found = [entry for entry in find_relations(graph, tolerances) if not args.kind or entry[1] in args.kind]
     if args.out is not None:
-        write_scene_file(relate(graph, tolerances), args.out)
+        write_scene_file(relate(graph, tolerances=tolerances), args.out)
     report = {"file": str(args.file), "relations": _records(graph, found)}
     print_report(args, report, (_line(graph, *entry) for entry in found))
     return DONE

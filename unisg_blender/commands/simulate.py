@@ -98,9 +98,9 @@ class Playthrough:
 
     def watch(self, now: Moment, state: Any) -> None:
         """Take down a moment."""
-        from ..behaviour import local_matrices
         from ..behaviour.lesson.lesson_progress import STATUSES
         from ..behaviour.record.recorded_events import new_inputs
+        from ..scene import local_matrices
 
         states = [(_name(self.lesson, place), STATUSES[state.status[place]]) for place in self._leaves]
         self.frames.append((now.time, now.world, states))
@@ -161,7 +161,7 @@ def _moments(args: argparse.Namespace, graph: SceneGraph, lesson: Any) -> tuple[
 def _write(
     args: argparse.Namespace, graph: SceneGraph, record: dict[str, Any], frames: list[Any], script: str | None
 ) -> None:
-    from ..behaviour.play.timeline_picture import draw_timeline
+    from ..behaviour.playing.timeline_picture import draw_timeline
 
     with filling(args.out) as work:
         (work / "timeline.json").write_text(json.dumps(record, indent=2, ensure_ascii=False) + "\n", encoding="utf-8")

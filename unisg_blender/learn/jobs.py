@@ -46,7 +46,7 @@ JOBS = {
     ),
     "meshes": Job("the mesh feature (AtlasNet) and the model of categories, from folders of mesh files", "atlasnet"),
 }  # fmt: skip
-"""All but "meshes", which has :mod:`..commands.train_meshes`, learn from datasets."""
+"""What can be trained. All but "meshes", which has :mod:`..commands.train_meshes`, learn from datasets."""
 
 
 def load(module: str) -> Any:

@@ -10,7 +10,6 @@ from pathlib import Path
 
 import numpy as np
 
-from ..errors import UniSGError
 from ..pretrained import FOLDER
 from ..scene.mesh import Mesh
 from .mesh_files import Y_UP_TO_Z_UP, mesh_paths, read_mesh_file

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from .arrays import PoseError
 from .clifford_interop import from_multivector, to_multivector
-from .forms import FORMS, STRETCH_CHANNELS, STRETCH_WIDTH, Form, convert
+from .encodings import Block
+from .forms import FORMS, STRETCH_CHANNELS, STRETCH_WIDTH, Form, convert, register_form
 from .motion import blend, compose, cubic_sclerp, exp, inverse, linear_slerp, log, sclerp
 from .parts import MotorParts, dilator, rotor, split_motor, translator
 from .reduction import pose_errors, rebuild, rebuild_cubic, reduce_keyframes, third_poses
@@ -13,6 +14,7 @@ __all__ = [
     "FORMS",
     "STRETCH_CHANNELS",
     "STRETCH_WIDTH",
+    "Block",
     "Form",
     "MotorParts",
     "PoseError",
@@ -30,6 +32,7 @@ __all__ = [
     "rebuild",
     "rebuild_cubic",
     "reduce_keyframes",
+    "register_form",
     "rotor",
     "sclerp",
     "split_motor",

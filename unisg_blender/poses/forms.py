@@ -15,6 +15,7 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any
 
+from ..errors import UniSGError
 from . import encodings
 from .arrays import Components, Formula, as_batch, map_rows
 from .encodings import Block
@@ -23,7 +24,10 @@ from .polar import pose_rotation
 from .stretch import stretch_of, stretched
 
 STRETCH_CHANNELS = ("stretch_xx", "stretch_yy", "stretch_zz", "stretch_xy", "stretch_xz", "stretch_yz")
+"""The entries of the symmetric stretch that stand beside a form."""
+
 STRETCH_WIDTH = len(STRETCH_CHANNELS)
+"""Number of stretch channels."""
 
 
 @dataclass(frozen=True)
@@ -36,6 +40,9 @@ class Form:
         Key in ``FORMS``.
     channels
         Name of each feature, in order.
+    _encode, _decode, _project
+        A :class:`~.encodings.Block` to components, these to a block, and to the nearest valid
+        ones; a component is an array or tensor with one entry per pose.
     holds_affine
         Whether the form holds the whole affine by itself: its stretch channels are
         written for uniformity and not needed by ``decode``.
@@ -163,24 +170,42 @@ def _form(name: str, channels: str | tuple[str, ...], codec: encodings.Codec, **
 _MATRIX = tuple(f"m{i}{j}" for i in range(4) for j in range(4))
 _CGA_EVEN_BLADES = tuple(CGA_BLADES[i] for i in CGA_EVEN)
 
-FORMS: Mapping[str, Form] = MappingProxyType(
-    {
-        form.name: form
-        for form in (
-            _form("matrix", _MATRIX, encodings.MATRIX),
-            _form("trs_matrix", _MATRIX, encodings.TRS_MATRIX, holds_affine=True, holds_scale=True),
-            _form("axis_angle", "tx ty tz angle ax ay az", encodings.AXIS_ANGLE),
-            _form("quaternion", "tx ty tz w x y z", encodings.QUATERNION),
-            _form("sixd", "tx ty tz r00 r10 r20 r01 r11 r21", encodings.SIXD),
-            _form("dual_quaternion", "w x y z dw dx dy dz", encodings.DUAL_QUATERNION),
-            _form("pga", PGA_BLADES, encodings.PGA),
-            _form("pga_even", tuple(PGA_BLADES[i] for i in PGA_EVEN), encodings.PGA_EVEN_ONLY),
-            _form("cga", CGA_BLADES, encodings.CGA),
-            _form("cga_even", _CGA_EVEN_BLADES, encodings.CGA_EVEN_ONLY),
-            _form("cga_similarity", CGA_BLADES, encodings.CGA_SIMILARITY, holds_scale=True),
-        )
-    }
-)
+_FORMS = {
+    form.name: form
+    for form in (
+        _form("matrix", _MATRIX, encodings.MATRIX),
+        _form("trs_matrix", _MATRIX, encodings.TRS_MATRIX, holds_affine=True, holds_scale=True),
+        _form("axis_angle", "tx ty tz angle ax ay az", encodings.AXIS_ANGLE),
+        _form("quaternion", "tx ty tz w x y z", encodings.QUATERNION),
+        _form("sixd", "tx ty tz r00 r10 r20 r01 r11 r21", encodings.SIXD),
+        _form("dual_quaternion", "w x y z dw dx dy dz", encodings.DUAL_QUATERNION),
+        _form("pga", PGA_BLADES, encodings.PGA),
+        _form("pga_even", tuple(PGA_BLADES[i] for i in PGA_EVEN), encodings.PGA_EVEN_ONLY),
+        _form("cga", CGA_BLADES, encodings.CGA),
+        _form("cga_even", _CGA_EVEN_BLADES, encodings.CGA_EVEN_ONLY),
+        _form("cga_similarity", CGA_BLADES, encodings.CGA_SIMILARITY, holds_scale=True),
+    )
+}
+_SHIPPED = frozenset(_FORMS)
+
+FORMS: Mapping[str, Form] = MappingProxyType(_FORMS)
+"""The forms by name: those that come with UniSG, and those of :func:`register_form`."""
+
+
+def register_form(form: Form) -> None:
+    """Make a form of your own known by its name, in this process and in place of an earlier one.
+
+    ``FORMS``, ``convert``, datasets and the command line's ``--form`` have it from then on;
+    docs/poses.md shows one.
+
+    Raises
+    ------
+    UniSGError
+        If a form that comes with UniSG has that name, or it is empty.
+    """
+    if form.name in _SHIPPED or not form.name:
+        raise UniSGError(f"{form.name!r} cannot be the name of a form of your own: choose another")
+    _FORMS[form.name] = form
 
 
 def convert(features: Any, source: str, target: str, stretch: bool = False) -> Any:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+__all__ = ["default_generator", "find_generator", "shipped_generators"]
+
 FOLDER = Path(__file__).resolve().parent
 
 

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import UniSGError
+from .json_records import parse_json
 
 KEY = "unisg"
 """Name of the entry in a file's metadata that says what the network is."""
@@ -111,9 +112,9 @@ def read_metadata(text: str, path: Path, task: str, contracts: Collection[int], 
         If they are damaged, for another task or of another version.
     """
     try:
-        record = dict(json.loads(text))
+        record = dict(parse_json(text, str(path)))
         version, found = record.pop("contract"), record.pop("task")
-    except (ValueError, KeyError, TypeError):
+    except (UniSGError, ValueError, KeyError, TypeError):
         raise damaged(path) from None
     if found != task:
         raise UniSGError(f"{path} is a model for {found!r}: give one from 'unisg train {job}'")

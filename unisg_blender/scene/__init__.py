@@ -4,19 +4,24 @@ from __future__ import annotations
 
 from .action_data import ActionData, Thresholds
 from .assembly import Columns, assemble, canonical
+from .augmentation import category_dropout, mesh_jitter, mirrored, pose_noise, quarter_turns, scale_noise
 from .builder import SceneBuilder
 from .categories import STRUCTURE
 from .component_table import Table, table
 from .graph import TYPES, Entity, SceneGraph
-from .hierarchy import children, local_bounds, subtree, take, world_matrices
+from .hierarchy import children, local_bounds, local_matrices, placed, subtree, take, world_matrices
 from .lesson_node import LessonNode
+from .merge import append
 from .mesh import Material, Mesh, mesh_from_faces
 from .parents import compose_world
+from .realize_instances import realize
 from .relation import Relation
-from .systems import run
+from .systems import System, run
 
 __all__ = [
     "STRUCTURE", "TYPES", "ActionData", "Columns", "Entity", "LessonNode", "Material", "Mesh", "Relation",
-    "SceneBuilder", "SceneGraph", "Table", "Thresholds", "assemble", "canonical", "children", "compose_world",
-    "local_bounds", "mesh_from_faces", "run", "subtree", "table", "take", "world_matrices",
+    "SceneBuilder", "SceneGraph", "System", "Table", "Thresholds", "append", "assemble", "canonical",
+    "category_dropout", "children", "compose_world", "local_bounds", "local_matrices", "mesh_from_faces",
+    "mesh_jitter", "mirrored", "placed", "pose_noise", "quarter_turns", "realize", "run", "scale_noise", "subtree",
+    "table", "take", "world_matrices",
 ]  # fmt: skip

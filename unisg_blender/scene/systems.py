@@ -1,37 +1,45 @@
-"""Systems: what is done to the components of a scene, or of a part of it.
+"""Systems: what goes over the entities of a scene, or of a part of it, and changes their components.
 
-A system is any callable ``system(graph, rows)`` that looks at the given rows and
-returns its result: columns in, columns out. :func:`run` gives it the rows.
+Entities, components and systems are the three parts of the scenegraph. A system is any callable
+that is given a scenegraph and some of its rows, and gives the scenegraph back with components of
+these rows replaced; ``docs/systems.md`` shows how to write one.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import TypeVar
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .graph import SceneGraph
-from .hierarchy import subtree, world_matrices
-
-Result = TypeVar("Result")
-System = Callable[[SceneGraph, NDArray[np.int64]], Result]
+from .hierarchy import subtree
 
 
-def run(system: System[Result], graph: SceneGraph, root: int | None = None) -> Result:
-    """Run a system over the whole scene, or over the subtree under ``root`` (a row)."""
-    rows = np.arange(len(graph)) if root is None else subtree(graph, root)
-    return system(graph, rows)
+class System(Protocol):
+    """Reads components of some rows, and replaces components of them."""
+
+    def __call__(self, graph: SceneGraph, rows: NDArray[np.int64], /) -> SceneGraph:
+        """The scenegraph afterwards; ``rows`` int64 (K,) are ascending."""
+        ...
 
 
-def transform_system(graph: SceneGraph, rows: NDArray[np.int64]) -> NDArray[np.float64]:
-    """World matrices of the rows, float64 (K, 4, 4)."""
-    return world_matrices(graph)[rows]
+def run(graph: SceneGraph, *systems: System, root: int | None = None) -> SceneGraph:
+    """The scenegraph after one system after the other.
 
+    Parameters
+    ----------
+    root
+        Run over the subtree under this row; over the whole scene when omitted. Each system is
+        given the rows that the subtree then has, whatever the one before added or left out.
 
-def category_system(graph: SceneGraph, rows: NDArray[np.int64]) -> dict[str, int]:
-    """How many entities of each category are among the rows; "" counts those without one."""
-    found, counts = np.unique(graph.category[rows], return_counts=True)
-    names = ("", *graph.vocabulary)
-    return {names[index + 1]: int(count) for index, count in zip(found, counts, strict=True)}
+    Raises
+    ------
+    KeyError
+        If a system left out the root itself.
+    """
+    top = None if root is None else graph.uid[root]
+    for system in systems:
+        rows = np.arange(len(graph)) if top is None else subtree(graph, graph.row_of_uid[top])
+        graph = system(graph, rows)
+    return graph

@@ -20,6 +20,7 @@ KINDS = (
     "on_top_of", "inside", "above", "below", "left_of", "right_of", "in_front_of", "behind", "beside", "part_of",
     "connected_to",
 )  # fmt: skip
+"""The kinds of relations that are computed."""
 
 Found = tuple[int, str, int]
 """Row of the subject, kind, row of the target."""
@@ -61,16 +62,23 @@ class RelationTolerances:
     heading: float = 0.0
 
 
-def relate(graph: SceneGraph, tolerances: RelationTolerances = RelationTolerances()) -> SceneGraph:
-    """The scenegraph with its relations computed anew; relations of kinds of its user's own stay."""
-    found = find_relations(graph, tolerances)
+def relate(
+    graph: SceneGraph, rows: NDArray[np.integer] | None = None, tolerances: RelationTolerances = RelationTolerances()
+) -> SceneGraph:
+    """The scenegraph with its relations computed anew; relations of kinds of its user's own stay.
+
+    A :class:`~..scene.systems.System`: only relations whose subjects are among ``rows``, all when
+    omitted, are computed anew; their targets may be any objects of the scene.
+    """
+    subjects = set(range(len(graph)) if rows is None else map(int, rows))
+    found = [entry for entry in find_relations(graph, tolerances) if entry[0] in subjects]
     old = graph.components.get(components.RELATIONS)
     kept = [
         (int(row), kind, target)
         for row, kind, target in (
             [] if old is None else zip(old.rows, old.columns["kind"], old.columns["target"], strict=True)
         )
-        if kind not in KINDS
+        if kind not in KINDS or row not in subjects
     ]
     entries = kept + [(row, kind, graph.uid[target]) for row, kind, target in found]
     made = table(

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from ..scene.graph import SceneGraph
-from .cubes import cube_pairs, cubes
-from .living_room import living_room
-from .operating_room import operating_room
+from .cube_world import cube_pairs, cubes
+from .living_room_world import living_room
+from .operating_room_world import operating_room
 
 WORLDS: dict[str, Callable[[int], SceneGraph]] = {
     "operating-room": operating_room,

@@ -79,29 +79,22 @@ class ActionState:
 
 def compile_actions(
     graph: SceneGraph,
-    rows: NDArray[np.integer] | None = None,
     *,
     actions: Sequence[ActionData] | None = None,
     members: Sequence[Sequence[int]] | None = None,
     conditions: Mapping[str, Condition] | None = None,
 ) -> Checks:
-    """Make actions ready to be checked; also a system for :func:`~unisg_blender.scene.systems.run`.
+    """Make actions ready to be checked.
 
     Parameters
     ----------
-    rows
-        Take the actions that belong to these entities; all when omitted.
     actions, members
-        The actions themselves instead, which may repeat, and for each the places of
+        The actions instead of all of the scene, which may repeat, and for each the places of
         its members in that list; members are found by uid when omitted.
     conditions
         Types of your own, ``{"Lift": lift}``, besides those of :mod:`.custom_types`: see :mod:`.conditions`.
     """
-    if actions is None:
-        actions = all_actions(graph)
-        table = graph.components.get("actions")
-        if rows is not None and table is not None:
-            actions = [action for action, keep in zip(actions, np.isin(table.rows, rows), strict=True) if keep]
+    actions = all_actions(graph) if actions is None else actions
     if members is None:
         place_of = {action.uid: place for place, action in reversed(list(enumerate(actions)))}
         members = [[place_of[uid] for uid in action.members if uid in place_of] for action in actions]

@@ -25,6 +25,7 @@ from .deviation import placed
 from .snapshot import Moment
 
 Condition = Callable[[Batch, Moment], NDArray[np.bool_]]
+"""Says of K actions which of them hold at a moment, bool (K,)."""
 
 
 def insert(batch: Batch, moment: Moment) -> NDArray[np.bool_]:

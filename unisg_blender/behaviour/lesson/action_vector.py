@@ -36,6 +36,8 @@ CHANNELS = (
 """Names of the vector's channels, in order."""
 
 WIDTH = len(CHANNELS)
+"""Number of channels."""
+
 _FIRST = {name: CHANNELS.index(name) for name in CHANNELS}
 TYPE = slice(0, len(TYPES) + 1)
 THRESHOLDS = slice(TYPE.stop, TYPE.stop + len(_LIMITS))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,10 +11,8 @@ from numpy.typing import NDArray
 from ...errors import UniSGError
 from ...poses import FORMS
 from ...poses.reduction import rebuild
-from ...scene import components
-from ...scene.component_table import Table
 from ...scene.graph import SceneGraph
-from ...scene.hierarchy import world_matrices
+from ...scene.hierarchy import without_world, world_matrices
 from ..check.snapshot import Moment, moment
 
 PARENT = "parent"
@@ -127,13 +125,3 @@ def _stage(graph: SceneGraph, motion: Motion) -> tuple[SceneGraph, list[int]]:
                 )
             parent[rows[-1]] = row_of[track.frame] if track.frame else -1
     return without_world(graph, rows).replace(parent=parent), rows
-
-
-def without_world(graph: SceneGraph, rows: Collection[int]) -> SceneGraph:
-    """The scene in which these entities are no longer held where constraints put them."""
-    held = graph.components.get(components.WORLD)
-    if held is None:
-        return graph
-    kept = np.flatnonzero(~np.isin(held.rows, list(rows)))
-    columns = {key: value[kept] for key, value in held.columns.items()}
-    return graph.with_component(components.WORLD, Table(held.rows[kept], columns))

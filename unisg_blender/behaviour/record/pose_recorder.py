@@ -66,22 +66,6 @@ class PoseRecorder:
         return graph.with_component(RECORDING, found)
 
 
-def local_matrices(graph: SceneGraph, world: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Local matrices (N, 4, 4) of world matrices; relative to the world where a parent has no size."""
-    parent = np.asarray(graph.parent)
-    above = world[np.maximum(parent, 0)]
-    x, y, z = (above[:, :3, column] for column in range(3))
-    volume = np.einsum("ni,ni->n", x, np.cross(y, z))
-    hangs = np.flatnonzero((parent >= 0) & (np.abs(volume) > 1e-12))
-    cofactors = np.stack([np.cross(y, z), np.cross(z, x), np.cross(x, y)], axis=1)[hangs]
-    inverse = cofactors / volume[hangs, None, None]  # by hand: small systems are slow where LAPACK runs in threads
-    local = world.copy()
-    moved = world[hangs, :3]
-    moved[:, :, 3] -= above[hangs, :3, 3]
-    local[hangs, :3] = inverse @ moved
-    return local
-
-
 def needed_keys(
     times: NDArray[np.float64], matrices: NDArray[np.float64], millimetres: float, degrees: float
 ) -> NDArray[np.integer]:

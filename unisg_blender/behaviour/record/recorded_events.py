@@ -11,7 +11,7 @@ from ...scene.components import ANIMATION, EVENTS, RECORDING
 from ...scene.graph import SceneGraph
 from ...scene.recording_tables import RecordedEvent, event_table
 from ..check.snapshot import Moment
-from ..play.player import Event, Lesson
+from ..playing.player import Event, Lesson
 from .motion_tracks import Input, Motion, Track
 
 WORDS = {

@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ...behaviour.play.guide_lines import Points, box_lines, cone_lines, dashes, moved, sphere_lines
+from ...behaviour.playing.guide_lines import Points, box_lines, cone_lines, dashes, moved, sphere_lines
 from ...errors import UniSGError
 from ...scene.action_data import ActionData
 from ..lookup import objects_by_uid

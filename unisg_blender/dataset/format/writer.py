@@ -279,3 +279,4 @@ def write_steps(
 
 
 write_dataset = at_once(write_steps)
+"""Write scenes as a dataset, with the parameters of :func:`write_steps`; returns the manifest."""

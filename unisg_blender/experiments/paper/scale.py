@@ -15,7 +15,7 @@ from ...geometry.boxes import Boxes
 from ...metrics.edge_metrics import f1_score
 from ...predict.object_pairs import candidate_pairs, object_boxes
 from ...predict.support_prediction import TopologyModel
-from ...worlds.cubes import cube_pairs
+from ...worlds.cube_world import cube_pairs
 
 PAIRS_MADE = 500
 NEAREST = 4

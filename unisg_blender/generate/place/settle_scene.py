@@ -11,7 +11,7 @@ from ...dataset.assets.asset import object_graph
 from ...geometry.arrays import Bools, Floats
 from ...geometry.boxes import covers, part_tops
 from ...geometry.planar import turned
-from ...scene import SceneGraph
+from ...scene import SceneGraph, placed
 from ...scene.categories import FLOOR, STRUCTURE
 from ...spatial.objects import SceneObjects, scene_objects
 from ..observe.placeable import Placeable
@@ -71,6 +71,14 @@ def settle_rows(graph: SceneGraph, rows: Iterable[int]) -> list[Settled]:
         here = now if place is None else place
         found.append(Settled(row, placeable.world(here), "" if place is not None else "no free place was found"))
     return found
+
+
+def settle(graph: SceneGraph, rows: Iterable[int]) -> SceneGraph:
+    """The scenegraph with the objects at some rows settled as :func:`settle_rows` says: a system of the scenegraph."""
+    found = [each for each in settle_rows(graph, rows) if not each.note]
+    if not found:
+        return graph
+    return placed(graph, [each.row for each in found], np.array([each.world for each in found]))
 
 
 def _held_by(objects: SceneObjects, obj: int) -> list[int]:

@@ -88,13 +88,13 @@ _ROTATIONS = ("yaw", "full")
 
 
 def _pairs(count: int) -> SceneGraph:
-    from ...worlds.cubes import cube_pairs
+    from ...worlds.cube_world import cube_pairs
 
     return cube_pairs(0, count)
 
 
 def _cubes(count: int, rotation: str) -> Iterator[Sample]:
-    from ...worlds.cubes import cubes
+    from ...worlds.cube_world import cubes
 
     return (Sample(cubes(seed, 40, rotation)) for seed in range(count))
 

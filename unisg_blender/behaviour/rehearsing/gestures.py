@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from ...geometry.affine_rows import compose, gather, rotation_and_size
 from ..check.action_batch import Batch
 from ..check.body_contact import body_bounds, touching
-from ..play.player import Lesson
+from ..playing.player import Lesson
 
 _ROUNDS, _HEIGHTS = 4, 40
 """A height is looked for among so many at once, then between two of them, and so on: to less than a micrometre."""

@@ -15,7 +15,7 @@ from ..check.custom_types import OWN_GESTURES
 from ..check.deviation import away_by
 from ..check.snapshot import moment
 from ..lesson.lesson_progress import OPEN
-from ..play.player import Lesson
+from ..playing.player import Lesson
 from ..record.motion_tracks import Motion
 from .gestures import away_goal, place_goal, touch_goals
 from .hand import Hand
@@ -26,7 +26,7 @@ def rehearse(lesson: Lesson, rate: float = 10.0) -> Motion:
 
     Objects move straight to where they belong, through each other if need be: a proof
     that the lesson can be done, no model of a hand. :func:`~..record.motion_tracks.moments` and
-    :func:`~..play.timeline.simulate` play it.
+    :func:`~..playing.timeline.simulate` play it.
 
     Parameters
     ----------

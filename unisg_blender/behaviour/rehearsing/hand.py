@@ -6,10 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...scene import components
-from ...scene.hierarchy import world_matrices
+from ...scene.hierarchy import without_world, world_matrices
 from ..check.snapshot import moment
-from ..play.player import Lesson, PlayState, begin, play
-from ..record.motion_tracks import PARENT, Input, Motion, Track, without_world
+from ..playing.player import Lesson, PlayState, begin, play
+from ..record.motion_tracks import PARENT, Input, Motion, Track
 
 MOVE = 1.0
 """Seconds that a hand takes from one place to another."""
