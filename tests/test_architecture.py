@@ -32,18 +32,10 @@ OPEN: dict[str, set[str]] = {
         "unisg_blender/scene/__init__.py -> unisg_blender.spatial.entity_boxes",
     },
     "circles_of_files": {
-        "unisg_blender.scene.entity",
-        "unisg_blender.scene.graph",
-        "unisg_blender.scene.hierarchy",
-        "unisg_blender.scene.info_component",
         "unisg_blender.spatial.directions",
         "unisg_blender.spatial.relations",
     },
     "circles_within_rooms": {
-        "scene.entity",
-        "scene.graph",
-        "scene.hierarchy",
-        "scene.info_component",
         "spatial.directions",
         "spatial.relations",
     },
