@@ -56,7 +56,7 @@ ARROWS: dict[str, set[str]] = {
         "meshes": "scene geometry",
         "spatial": "scene geometry",
         "behaviour": "scene geometry poses",
-        "scene": "geometry poses",
+        "scene": "poses",
         "geometry": "poses",
         "poses": "",
     }.items()
