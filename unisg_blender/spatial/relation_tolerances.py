@@ -39,3 +39,6 @@ class RelationTolerances:
     walls: int = 4
     hollow: float = 0.25
     heading: float = 0.0
+
+
+DEFAULT = RelationTolerances()

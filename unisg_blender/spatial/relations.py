@@ -13,7 +13,7 @@ from ..scene.graph import SceneGraph
 from .directions import directions
 from .part_boxes import part_boxes
 from .relation_objects import RelationObjects, find_relation_objects
-from .relation_tolerances import RelationTolerances
+from .relation_tolerances import DEFAULT, RelationTolerances
 
 KINDS = (
     "on_top_of", "inside", "above", "below", "left_of", "right_of", "in_front_of", "behind", "beside", "part_of",
@@ -24,7 +24,7 @@ Found = tuple[int, str, int]
 """Row of the subject, kind, row of the target."""
 
 
-def relate(graph: SceneGraph, tolerances: RelationTolerances = RelationTolerances()) -> SceneGraph:
+def relate(graph: SceneGraph, tolerances: RelationTolerances = DEFAULT) -> SceneGraph:
     """The scenegraph with its relations computed anew; relations of kinds of its user's own stay."""
     found = find_relations(graph, tolerances)
     old = graph.components.get(components.RELATIONS)
@@ -44,7 +44,7 @@ def relate(graph: SceneGraph, tolerances: RelationTolerances = RelationTolerance
     return graph.with_component(components.RELATIONS, made)
 
 
-def find_relations(graph: SceneGraph, tolerances: RelationTolerances = RelationTolerances()) -> list[Found]:
+def find_relations(graph: SceneGraph, tolerances: RelationTolerances = DEFAULT) -> list[Found]:
     """All relations between the objects of a scene, sorted.
 
     An object is an entity with a mesh, or with a category and meshes below it. Oriented
