@@ -54,7 +54,8 @@ class UNISG_OT_relations(Operator):
         from ..unisg_blender.blender.authoring.identities import repair_identities
         from ..unisg_blender.scene.properties import RELATIONS, relations_of
         from ..unisg_blender.scene.relation import relations_to_json
-        from ..unisg_blender.spatial.relations import RelationTolerances, relate
+        from ..unisg_blender.spatial.relation_tolerances import RelationTolerances
+        from ..unisg_blender.spatial.relations import relate
 
         repair_identities(context.scene)  # relations name their targets by uid
         graph = read_scene(context.scene, details=False)

@@ -26,8 +26,7 @@ LAYERS: dict[str, tuple[str, ...]] = {
     "any scene file": ("formats",),
     "where scenes come from": ("blender", "usd", "worlds", "meshes"),
     "what a scene means": ("spatial", "behaviour"),
-    "the scenegraph": ("scene",),
-    "arrays": ("geometry",),
+    "the scenegraph; arrays": ("scene", "geometry"),
     "forms of a pose": ("poses",),
     "open to every room": ("runtime", "pretrained", "errors"),
 }

@@ -43,8 +43,8 @@ PLACES: dict[str, tuple[float, float]] = {
     "worlds": (10.7, 1.5),
     "behaviour": (5.3, 2.6),
     "spatial": (9.4, 2.2),
-    "scene": (7.3, 3.0),
-    "geometry": (7.3, 2.2),
+    "scene": (6.0, 2.8),
+    "geometry": (9.4, 2.2),
     "poses": (7.3, 2.2),
     "runtime": (4.7, 2.2),
     "pretrained": (7.3, 2.2),
@@ -54,18 +54,16 @@ PLACES: dict[str, tuple[float, float]] = {
 LANES: dict[tuple[str, str], float] = {
     ("operators", "predict"): 4.3,
     ("operators", "generate"): 4.75,
-    ("operators", "formats"): 2.2,
-    ("commands", "formats"): 5.45,
     ("learn", "predict"): 6.2,
     ("learn", "worlds"): 10.9,
     ("predict", "meshes"): 5.85,
-    ("dataset", "blender"): 6.5,
     ("dataset", "spatial"): 9.5,
     ("usd", "scene"): 3.2,
-    ("meshes", "scene"): 7.5,
+    ("meshes", "scene"): 6.95,
+    ("meshes", "geometry"): 7.7,
 }
 COLOURS = ["#e3edf6", "#e9f1e1", "#f8f0de", "#f5e7e9", "#eae6f4"]
-BANDS = [0, 0, 0, 1, 1, 1, 2, 2, 3, 3, 4, 4, 4, 4, 4]  # the colour of each layer
+BANDS = [0, 0, 0, 1, 1, 1, 2, 2, 3, 3, 4, 4, 4, 4]  # the colour of each layer
 
 
 def needed_arrows(pairs: set[tuple[str, str]]) -> set[tuple[str, str]]:

@@ -28,29 +28,6 @@ OPEN: dict[str, set[str]] = {
         "unisg_blender/geometry/surface_contact.py -> unisg_blender.scene.graph",
         "unisg_blender/geometry/surface_contact.py -> unisg_blender.scene.hierarchy",
     },
-    "circles_of_files": {
-        "unisg_blender.spatial.directions",
-        "unisg_blender.spatial.relations",
-    },
-    "circles_within_rooms": {
-        "spatial.directions",
-        "spatial.relations",
-    },
-    "blender_outside_its_rooms": {
-        "unisg_blender/commands/demo.py: bpy",
-        "unisg_blender/commands/generate.py: bpy",
-        "unisg_blender/commands/label.py: bpy",
-        "unisg_blender/commands/simulate.py: bpy",
-        "unisg_blender/commands/world.py: bpy",
-        "unisg_blender/dataset/export/dependencies.py: bpy",
-        "unisg_blender/formats/scene_files.py: bpy",
-    },
-    "usd_outside_its_room": {
-        "unisg_blender/dataset/export/dependencies.py: pxr",
-    },
-    "long_functions": {
-        "unisg_blender/dataset/export/batch_export.py: export_steps",
-    },
 }
 
 

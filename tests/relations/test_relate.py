@@ -8,7 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from unisg_blender.scene import Mesh, SceneBuilder, SceneGraph, mesh_from_faces
-from unisg_blender.spatial.relations import KINDS, RelationTolerances, find_relations, relate
+from unisg_blender.spatial.relation_tolerances import RelationTolerances
+from unisg_blender.spatial.relations import KINDS, find_relations, relate
 from unisg_blender.worlds import cubes, living_room, operating_room
 
 DEFAULT = RelationTolerances()

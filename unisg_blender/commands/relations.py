@@ -8,7 +8,8 @@ from pathlib import Path
 from ..errors import DONE, UniSGError
 from ..formats.scene_files import write_scene_file
 from ..scene.graph import SceneGraph
-from ..spatial.relations import KINDS, RelationTolerances, find_relations, relate
+from ..spatial.relation_tolerances import RelationTolerances
+from ..spatial.relations import KINDS, find_relations, relate
 from .common import add_scene, check_at_least, print_report, read_shown
 
 HELP = "Tell which thing stands on, in, above or beside which other, from geometry, or what is on what by a network."

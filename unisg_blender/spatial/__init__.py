@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from .entity_boxes import oriented_boxes
 from .floor_plan import room_outline
-from .relations import KINDS, RelationTolerances, find_relations, relate
+from .relation_tolerances import RelationTolerances
+from .relations import KINDS, find_relations, relate
 
 __all__ = ["KINDS", "RelationTolerances", "find_relations", "oriented_boxes", "relate", "room_outline"]

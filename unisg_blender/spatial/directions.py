@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 from numpy.typing import NDArray
 
 from ..geometry.box_overlap import nearby_pairs
 from ..geometry.boxes import Boxes
 from .relation_objects import RelationObjects
-
-if TYPE_CHECKING:
-    from .relations import RelationTolerances
+from .relation_tolerances import RelationTolerances
 
 OPPOSITE = {"left_of": "right_of", "in_front_of": "behind", "above": "below", "beside": "beside"}
 

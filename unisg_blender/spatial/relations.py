@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -15,6 +13,7 @@ from ..scene.graph import SceneGraph
 from .directions import directions
 from .part_boxes import part_boxes
 from .relation_objects import RelationObjects, find_relation_objects
+from .relation_tolerances import DEFAULT, RelationTolerances
 
 KINDS = (
     "on_top_of", "inside", "above", "below", "left_of", "right_of", "in_front_of", "behind", "beside", "part_of",
@@ -26,44 +25,8 @@ Found = tuple[int, str, int]
 """Row of the subject, kind, row of the target."""
 
 
-@dataclass(frozen=True)
-class RelationTolerances:
-    """What counts as what. Lengths in metres.
-
-    Attributes
-    ----------
-    gap, overlap
-        Largest distance, and largest depth, at which surfaces touch.
-    beside
-        Largest horizontal distance of objects that stand beside each other.
-    above
-        Largest height of one object over another that it hangs above.
-    shared
-        Least share of the smaller one's footprint (for above and below) or height
-        (for beside and the directions) that both have in common.
-    walls
-        In how many of six directions an object that is inside another meets it at least;
-        where nothing is over it, on all sides and below.
-    hollow
-        Least depth of something open at the top that objects can be inside of, as a
-        share of its narrower inner width: objects lie in a bowl, but on a tray.
-    heading
-        Direction in which the viewer looks, radians counter-clockwise from +Y: it
-        decides what is left, right, in front and behind.
-    """
-
-    gap: float = 0.01
-    overlap: float = 0.02
-    beside: float = 0.5
-    above: float = 2.0
-    shared: float = 0.25
-    walls: int = 4
-    hollow: float = 0.25
-    heading: float = 0.0
-
-
 def relate(
-    graph: SceneGraph, rows: NDArray[np.integer] | None = None, tolerances: RelationTolerances = RelationTolerances()
+    graph: SceneGraph, rows: NDArray[np.integer] | None = None, tolerances: RelationTolerances = DEFAULT
 ) -> SceneGraph:
     """The scenegraph with its relations computed anew; relations of kinds of its user's own stay.
 
@@ -89,7 +52,7 @@ def relate(
     return graph.with_component(components.RELATIONS, made)
 
 
-def find_relations(graph: SceneGraph, tolerances: RelationTolerances = RelationTolerances()) -> list[Found]:
+def find_relations(graph: SceneGraph, tolerances: RelationTolerances = DEFAULT) -> list[Found]:
     """All relations between the objects of a scene, sorted.
 
     An object is an entity with a mesh, or with a category and meshes below it. Oriented

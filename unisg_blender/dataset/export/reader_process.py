@@ -29,7 +29,7 @@ from ..category_mapping import apply_mapping
 from ..format.columns import Vocabulary
 from ..format.encoding import Sample, encode_scenes
 from ..format.shards import pack_shard
-from .dependencies import checksums
+from .file_checksums import checksums
 from .realized_instances import realize_objects
 
 MARK = "unisg-answer "

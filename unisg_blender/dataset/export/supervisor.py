@@ -25,7 +25,7 @@ from ...runtime.process_pool import blender_program
 from ..assets.asset_file import Arrays, Assets
 from ..format.columns import Columns
 from ..format.shards import map_shard
-from .dependencies import unchanged
+from .file_checksums import unchanged
 from .reader_process import ASSETS, MARK
 
 ROOT = Path(__file__).parents[2]

@@ -9,7 +9,7 @@ import numpy as np
 from ...geometry.arrays import Bools, Floats
 from ...geometry.boxes import turned_reach
 from ...geometry.planar import footprint_gap, turned
-from ...spatial.relations import RelationTolerances
+from ...spatial.relation_tolerances import RelationTolerances
 from ..observe.observed_scene import ObservedScene
 from .proposer import Proposals, Proposer, Query, Upcoming
 
