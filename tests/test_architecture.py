@@ -26,10 +26,6 @@ SHARED_FILE_NAMES = 15
 OPEN: dict[str, set[str]] = {
     "upward_or_unknown_arrows": {
         "operators/generate.py -> unisg_blender.commands.generate",
-        "unisg_blender/behaviour/check/body_contact.py -> unisg_blender.spatial.entity_boxes",
-        "unisg_blender/geometry/surface_contact.py -> unisg_blender.scene.graph",
-        "unisg_blender/geometry/surface_contact.py -> unisg_blender.scene.hierarchy",
-        "unisg_blender/scene/__init__.py -> unisg_blender.spatial.entity_boxes",
     },
     "circles_of_files": {
         "unisg_blender.scene.entity",

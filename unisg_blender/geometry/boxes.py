@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
+
+from .planar import turned
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,25 +49,62 @@ def orthonormal_axes(linear: NDArray[np.float64]) -> NDArray[np.float64]:
     return axes
 
 
-_CORNERS = np.stack(np.meshgrid(*[[-1.0, 1.0]] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
+SIGNS = np.array(list(product((-1.0, 1.0), repeat=3)))
+"""The eight corners of a cube from -1 to 1, the last axis fastest."""
 
 
-def upright_box(parts: Boxes, yaw: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Lowest and highest corner (3,) each, in the frame turned by ``yaw``, of the box around all parts."""
-    corners = parts.center[:, None] + (_CORNERS * parts.half[:, None]) @ np.swapaxes(parts.axes, 1, 2)
-    cos, sin = np.cos(yaw), np.sin(yaw)
-    seen = corners.reshape(-1, 3) @ np.array([[cos, -sin, 0], [sin, cos, 0], [0, 0, 1]])
-    return seen.min(axis=0), seen.max(axis=0)
+def corners(boxes: Boxes) -> NDArray[np.float64]:
+    """The corners of boxes, (N, 8, 3), in the order of :data:`SIGNS`."""
+    return boxes.center[:, None] + (SIGNS * boxes.half[:, None]) @ np.swapaxes(boxes.axes, 1, 2)
+
+
+def reach(boxes: Boxes) -> NDArray[np.float64]:
+    """How far boxes reach from their middles along the world's axes, (N, 3)."""
+    return (np.abs(boxes.axes) @ boxes.half[:, :, None])[:, :, 0]
+
+
+def world_bounds(boxes: Boxes) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Lowest and highest corners (N, 3) of boxes in the world."""
+    far = reach(boxes)
+    return boxes.center - far, boxes.center + far
+
+
+def upright_axes(yaw: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Axes (..., 3, 3) turned about the vertical by angles (...,), radians: the matrices of these turns."""
+    axes = np.zeros((*np.shape(yaw), 3, 3))
+    axes[..., 0, 0] = axes[..., 1, 1] = np.cos(yaw)
+    axes[..., 1, 0] = np.sin(yaw)
+    axes[..., 0, 1], axes[..., 2, 2] = -axes[..., 1, 0], 1
+    return axes
+
+
+def upright_boxes(
+    parts: Boxes, owner: NDArray[np.int64], yaw: NDArray[np.float64], origin: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Centres and half extents (K, 3) of boxes turned by ``yaw`` (K,) about the vertical around groups of parts.
+
+    ``owner`` int64 (P,), ascending, says to which group a part belongs; a group without parts is the point
+    ``origin`` (K, 3).
+    """
+    seen = turned(corners(parts), -yaw[owner][:, None])
+    low, high = np.full((len(yaw), 3), np.inf), np.full((len(yaw), 3), -np.inf)
+    if len(owner):
+        first = np.flatnonzero(np.diff(owner, prepend=-1))
+        low[owner[first]] = np.minimum.reduceat(seen.min(axis=1), first)
+        high[owner[first]] = np.maximum.reduceat(seen.max(axis=1), first)
+    bare = ~np.isfinite(low[:, 0])
+    low[bare] = high[bare] = turned(origin, -yaw)[bare]
+    return turned((low + high) / 2, yaw), (high - low) / 2
 
 
 def part_tops(parts: Boxes) -> NDArray[np.float64]:
     """Height of the highest point of each box, (P,)."""
-    return parts.center[:, 2] + (np.abs(parts.axes[:, 2, :]) * parts.half).sum(axis=1)
+    return parts.center[:, 2] + (np.abs(parts.axes[:, 2]) * parts.half).sum(axis=1)
 
 
 def part_bottoms(parts: Boxes) -> NDArray[np.float64]:
     """Height of the lowest point of each box, (P,)."""
-    return parts.center[:, 2] - (np.abs(parts.axes[:, 2, :]) * parts.half).sum(axis=1)
+    return parts.center[:, 2] - (np.abs(parts.axes[:, 2]) * parts.half).sum(axis=1)
 
 
 def covers(parts: Boxes, point: NDArray[np.float64], margin: float = 0.0) -> NDArray[np.bool_]:
@@ -74,9 +114,3 @@ def covers(parts: Boxes, point: NDArray[np.float64], margin: float = 0.0) -> NDA
     along = np.abs(np.einsum("pij,pi->pj", parts.axes, offset))
     upright = np.abs(parts.axes[:, 2, :]) > 0.7
     return (upright | (along <= parts.half + margin)).all(axis=1)
-
-
-def world_bounds(boxes: Boxes) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Lowest and highest corners (P, 3) of boxes in the world."""
-    reach = (np.abs(boxes.axes) @ boxes.half[:, :, None])[:, :, 0]
-    return boxes.center - reach, boxes.center + reach

@@ -5,9 +5,6 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ..scene.graph import SceneGraph
-from ..scene.hierarchy import world_matrices
-
 Triangles = NDArray[np.float64]
 """float64 (M, 3, 3): corners of triangles."""
 
@@ -15,29 +12,6 @@ GRID = 8
 SAMPLES = 48
 STEEPEST = 0.5
 """Surfaces bear objects up to the slope whose normal has this upward part: 60 degrees."""
-
-
-class MeshSurfaces:
-    """World triangles of groups of rows, made when they are asked for."""
-
-    def __init__(self, graph: SceneGraph, rows_of: list[NDArray[np.int64]]) -> None:
-        self._graph, self._rows_of = graph, rows_of
-        self._world = world_matrices(graph)
-        self._made: dict[int, Triangles] = {}
-
-    def of(self, obj: int) -> Triangles:
-        """Triangles of one group, those with points that are no numbers left out."""
-        if obj not in self._made:
-            parts = [self._row(int(row)) for row in self._rows_of[obj]]
-            corners = np.concatenate([np.zeros((0, 3, 3)), *parts])
-            self._made[obj] = corners[np.isfinite(corners).all(axis=(1, 2))]
-        return self._made[obj]
-
-    def _row(self, row: int) -> Triangles:
-        mesh, matrix = self._graph.meshes[self._graph.mesh[row]], self._world[row]
-        points = mesh.points.astype(np.float64) @ matrix[:3, :3].T + matrix[:3, 3]
-        mirrored = np.linalg.det(matrix[:3, :3]) < 0
-        return points[mesh.triangles[:, ::-1] if mirrored else mesh.triangles]
 
 
 def within(triangles: Triangles, low: NDArray[np.float64], high: NDArray[np.float64]) -> Triangles:

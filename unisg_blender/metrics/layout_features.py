@@ -12,13 +12,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..geometry.planar import heading
-from ..scene import SceneGraph, world_matrices
+from ..scene import SceneGraph
 from ..scene.categories import FLOOR
-from ..spatial import oriented_boxes
+from ..spatial import find_supports
 from ..spatial.floor_plan import room_outline
+from ..spatial.supports import levels_of
 from .scene_validity import counted_objects
-from .support_gaps import find_supports
 
 VERSION = 1
 SAMPLED = 5
@@ -65,7 +64,7 @@ class Features:
 
 @dataclass(frozen=True, eq=False)
 class _Objects:
-    """K objects: category, its number, support (-1: none) as a row of the graph, upright box and turn."""
+    """K objects: category, its number, number of its support (-1: none), upright box and turn."""
 
     category: NDArray[np.int64]
     support: NDArray[np.int64]
@@ -108,21 +107,15 @@ def _objects(graph: SceneGraph, vocabulary: tuple[str, ...]) -> _Objects:
     number = {name: place for place, name in enumerate(vocabulary)}
     codes = np.array([number.get(name, -1) for name in graph.vocabulary] + [-1], np.int64)[graph.category]
     rows = np.flatnonzero(counted_objects(graph) & (codes >= 0))
-    found = find_supports(graph)
-    support = np.full(len(graph), -1, np.int64)
-    support[found.row[::-1]] = found.on[::-1]  # the first of several
-    level = np.zeros(len(graph), np.int64)
-    for row in range(len(graph)):
-        on, depth = support[row], 0
-        while on >= 0 and depth < 16:
-            on, depth = support[on], depth + 1
-        level[row] = depth
-    boxes, yaw = oriented_boxes(graph), heading(world_matrices(graph)[:, :3, :3])
+    supports = find_supports(graph)
+    boxes, yaw = supports.objects.oriented, supports.objects.yaw
     frame = np.column_stack([boxes.center[:, :2], boxes.center[:, 2] - boxes.half[:, 2], yaw])
-    on = support[rows]
+    chosen = supports.objects.of_row[rows]
+    on, level = supports.first[chosen], levels_of(supports.first)[chosen]
+    category = codes[supports.objects.rows]
     return _Objects(
-        codes[rows], on, np.where(on >= 0, codes[on], -1), level[rows], boxes.center[rows], boxes.half[rows], yaw[rows],
-        np.where((on >= 0)[:, None], frame[on], 0.0),
+        codes[rows], on, np.where(on >= 0, category[on], -1), level, boxes.center[chosen], boxes.half[chosen],
+        yaw[chosen], np.where((on >= 0)[:, None], frame[on], 0.0),
     )  # fmt: skip
 
 

@@ -16,8 +16,9 @@ from ..generate.observe.placeable import Placeable
 from ..generate.propose.requests import BESIDE, COVERING, SHARED, THIN
 from ..geometry.planar import footprint_gap, heading
 from ..scene import SceneGraph, world_matrices
+from ..spatial import find_supports
 from .scene_validity import OFF_SUPPORT
-from .support_gaps import find_supports, support_gaps
+from .support_gaps import support_gaps
 
 
 def is_on(graph: SceneGraph, row: int, target: str) -> bool:
@@ -28,7 +29,7 @@ def is_on(graph: SceneGraph, row: int, target: str) -> bool:
     wanted = graph.row_of_uid[target]
     reached = wanted in on or (wanted in below and _covers(graph, below[wanted], wanted))
     mask = np.arange(len(graph)) == row
-    return reached and bool(abs(support_gaps(graph, mask)[row]) <= OFF_SUPPORT)
+    return reached and bool(abs(support_gaps(graph, mask, found)[row]) <= OFF_SUPPORT)
 
 
 def _covers(graph: SceneGraph, cover: int, row: int) -> bool:

@@ -1,4 +1,4 @@
-"""Objects as oriented boxes, pairs of them that may touch, and what a network is told about a pair."""
+"""Pairs of objects that may touch, and what a network is told about a pair."""
 
 from __future__ import annotations
 
@@ -9,11 +9,8 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from ..geometry.arrays import Floats, Ints
-from ..geometry.boxes import Boxes
+from ..geometry.boxes import Boxes, world_bounds
 from ..poses import FORMS
-from ..scene.graph import SceneGraph
-from ..scene.hierarchy import world_matrices
-from ..spatial.relation_objects import find_relation_objects
 
 NEAREST = 12
 LARGE = 4.0
@@ -32,25 +29,6 @@ PAIR_CHANNELS = (
 )  # fmt: skip
 
 
-def object_boxes(graph: SceneGraph) -> tuple[Ints, Boxes]:
-    """Rows of the objects of a scene and their boxes in the world, along the objects' own axes."""
-    objects = find_relation_objects(graph)
-    world = world_matrices(graph)
-    count = len(objects.rows)
-    center, half = np.zeros((count, 3)), np.zeros((count, 3))
-    for place, rows in enumerate(objects.meshes):
-        low, high = np.full(3, np.inf), np.full(3, -np.inf)
-        for row in rows:
-            points = graph.meshes[graph.mesh[row]].points @ world[row, :3, :3].T + world[row, :3, 3]
-            seen = points[np.isfinite(points).all(axis=1)] @ objects.axes[place]
-            if len(seen):
-                low, high = np.minimum(low, seen.min(axis=0)), np.maximum(high, seen.max(axis=0))
-        middle = np.where(np.isfinite(low), (low + high) / 2, 0.0)
-        center[place] = objects.axes[place] @ middle
-        half[place] = np.where(np.isfinite(low), (high - low) / 2, 0.0)
-    return objects.rows, Boxes(center, objects.axes, half, np.ones(count, bool))
-
-
 def candidate_pairs(boxes: Boxes, nearest: int = NEAREST) -> Ints:
     """Ordered pairs (P, 2), subject and target, of objects near each other; sorted, both ways.
 
@@ -65,7 +43,7 @@ def candidate_pairs(boxes: Boxes, nearest: int = NEAREST) -> Ints:
     _, near = cKDTree(boxes.center).query(boxes.center, wanted)
     subject = np.repeat(np.arange(count), wanted)
     codes = [subject * count + near.reshape(-1)]
-    low, high = axis_aligned(boxes)
+    low, high = world_bounds(boxes)
     for place in large:
         gap = np.maximum(np.maximum(low - high[place], low[place] - high), 0)
         others = np.flatnonzero((gap**2).sum(axis=1) <= REACH**2)
@@ -73,12 +51,6 @@ def candidate_pairs(boxes: Boxes, nearest: int = NEAREST) -> Ints:
     pairs = np.unique(np.concatenate(codes))
     pairs = np.stack([pairs // count, pairs % count], axis=1)
     return pairs[pairs[:, 0] != pairs[:, 1]]
-
-
-def axis_aligned(boxes: Boxes) -> tuple[Floats, Floats]:
-    """Lowest and highest corners (N, 3) of the boxes around the boxes, along the world's axes."""
-    reach = np.einsum("nij,nj->ni", np.abs(boxes.axes), boxes.half)
-    return boxes.center - reach, boxes.center + reach
 
 
 def box_poses(boxes: Boxes) -> Floats:
@@ -110,7 +82,7 @@ def pair_features(boxes: Boxes, pairs: Ints) -> NDArray[np.float32]:
     unit = np.maximum(boxes.half[subject].mean(axis=1), FLOOR_SIZE)[:, None]
     relative = relative_poses(box_poses(boxes), pairs)
     relative[:, :3, 3] /= unit
-    low, high = axis_aligned(boxes)
+    low, high = world_bounds(boxes)
     rise = low[subject, 2] - high[target, 2]
     common = np.minimum(high[subject], high[target]) - np.maximum(low[subject], low[target])
     channels = [

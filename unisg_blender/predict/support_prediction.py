@@ -14,7 +14,8 @@ from ..geometry.boxes import Boxes
 from ..scene import components
 from ..scene.component_table import table
 from ..scene.graph import SceneGraph
-from .object_pairs import PAIR_CHANNELS, candidate_pairs, in_chunks, object_boxes, pair_features
+from ..spatial import find_objects
+from .object_pairs import PAIR_CHANNELS, candidate_pairs, in_chunks, pair_features
 from .prediction_session import load_network
 
 KIND = "on_top_of"
@@ -43,7 +44,8 @@ class TopologyModel:
 
     def find(self, graph: SceneGraph, threshold: float | None = None) -> list[Found]:
         """Relations of a scene: row of the subject, "on_top_of", row of the target, and the chance; sorted by rows."""
-        rows, boxes = object_boxes(graph)
+        objects = find_objects(graph, empty=False)
+        rows, boxes = objects.rows, objects.oriented
         pairs = candidate_pairs(boxes)
         chance = self.chances(boxes, pairs)
         kept = chance >= (self.threshold if threshold is None else threshold)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..geometry.boxes import Boxes, part_bottoms, part_tops
-from .objects import CONTACT
+from .supports import CONTACT
 
 MOST = 8
 """Surfaces kept of one object, the largest ones."""

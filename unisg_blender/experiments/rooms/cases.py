@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from ...dataset.assets.asset import Asset, object_graph
 from ...metrics.requested_relations import place_of
-from ...metrics.support_gaps import find_supports
 from ...scene import SceneGraph, take, world_matrices
 from ...scene.categories import STRUCTURE
-from ...spatial.objects import object_rows
+from ...spatial import find_supports
+from ...spatial.object_rows import object_rows
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,9 +84,7 @@ def hole_of(graph: SceneGraph, known: Sequence[str], seed: int) -> Hole | None:
     for row in range(len(graph)):
         above = graph.parent[row]
         gone[row] |= above >= 0 and gone[above]
-    found = find_supports(graph)
-    on = np.full(len(graph), -1, np.int64)
-    on[found.row[::-1]] = found.on[::-1]
+    on = find_supports(graph).by_row
     taken = np.flatnonzero(gone & movable & (on >= 0) & ~gone[on])
     if not len(taken):
         return None

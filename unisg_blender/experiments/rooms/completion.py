@@ -21,7 +21,8 @@ from ...generate.propose.proposer import Query
 from ...metrics.layout_features import wrapped
 from ...metrics.requested_relations import is_beside, is_on, place_of
 from ...scene import SceneGraph, world_matrices
-from ...spatial.objects import object_rows, scene_objects
+from ...spatial.object_rows import object_rows
+from ...spatial.objects import scene_objects
 from .cases import Hole
 from .furnishing import ByCopying, ByModel
 

@@ -11,7 +11,8 @@ import numpy as np
 
 from ...geometry.box_overlap import nearby_pairs, penetration
 from ...geometry.boxes import covers, part_tops, turned_reach
-from ...spatial.objects import CONTACT, SceneObjects
+from ...spatial.objects import SceneObjects
+from ...spatial.supports import CONTACT
 from .reference_objects import find_reference_objects
 
 RESTS, HANGS, AT_SIDE, INSIDE = "rests", "hangs", "beside", "inside"

@@ -14,9 +14,9 @@ from ...geometry.planar import turned
 from ...scene import SceneGraph
 from ...scene.categories import FLOOR, STRUCTURE
 from ...spatial.objects import SceneObjects, scene_objects
+from ...spatial.supports import levels_of
 from ..observe.placeable import Placeable
 from ..observe.prior_tables import PriorTables
-from ..observe.room_shape import levels_of
 from ..observe.support_priors import AT_SIDE, HANGS, RESTS, CategoryPriors, SupportPrior, contact
 from .free_space import FreeSpace, find_outline
 from .settling import Support, fitting, rest, search

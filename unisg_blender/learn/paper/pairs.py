@@ -12,18 +12,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...dataset import open_dataset, to_scenegraph
-from ...geometry.boxes import Boxes
+from ...geometry.boxes import Boxes, world_bounds
 from ...metrics.edge_metrics import average_precision, best_threshold, f1_score
 from ...poses import FORMS
 from ...predict.object_pairs import (
-    axis_aligned,
     box_poses,
     candidate_pairs,
-    object_boxes,
     pair_features,
     relative_poses,
 )
 from ...scene.graph import SceneGraph
+from ...spatial import find_objects
 from ...spatial.relations import find_relations
 
 RATES = (3e-3, 1e-2, 3e-2)
@@ -66,7 +65,8 @@ def load_pairs(folder: Path, part: str) -> Pairs:
 
 
 def _scene_pairs(graph: SceneGraph) -> tuple[SceneGraph, Boxes, NDArray[np.int64], NDArray[np.bool_], int]:
-    rows, boxes = object_boxes(graph)
+    objects = find_objects(graph, empty=False)
+    rows, boxes = objects.rows, objects.oriented
     kept = np.array([graph.category_name(int(row)) != "Floor" for row in rows])
     rows, boxes = rows[kept], boxes.take(np.flatnonzero(kept))
     place = {int(row): number for number, row in enumerate(rows)}
@@ -169,7 +169,7 @@ def _distance(part: Pairs) -> NDArray[np.float64]:
 
 def box_rule(boxes: Boxes, pairs: NDArray[np.int64]) -> NDArray[np.bool_]:
     """The subject's lowest point is within 1 cm above and 2 cm below the target's highest, and they share ground."""
-    low, high = axis_aligned(boxes)
+    low, high = world_bounds(boxes)
     one, two = pairs[:, 0], pairs[:, 1]
     rise = low[one, 2] - high[two, 2]
     common = np.minimum(high[one, :2], high[two, :2]) - np.maximum(low[one, :2], low[two, :2])
@@ -179,7 +179,7 @@ def box_rule(boxes: Boxes, pairs: NDArray[np.int64]) -> NDArray[np.bool_]:
 def _surface_rule(part: Pairs) -> NDArray[np.bool_]:
     found = set()
     for graph, start in zip(part.graphs, part.starts, strict=True):
-        rows, _ = object_boxes(graph)
+        rows = find_objects(graph, empty=False).rows
         kept = [int(row) for row in rows if graph.category_name(int(row)) != "Floor"]
         place = {row: start + number for number, row in enumerate(kept)}
         found |= {
