@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from .boxes import Boxes
+from .boxes import Boxes, world_bounds
 
 _SWEEP_UP_TO = 4000
 
@@ -42,8 +42,8 @@ def nearby_pairs(boxes: Boxes, margin: float = 0.0) -> NDArray[np.int64]:
     out in space: every box is entered in a grid whose cells are as large as itself, and
     looks among the boxes of its own and of larger size only into the 27 cells around it.
     """
-    reach = np.abs(boxes.axes) @ boxes.half[:, :, None]
-    low, high = boxes.center - reach[:, :, 0] - margin / 2, boxes.center + reach[:, :, 0] + margin / 2
+    low, high = world_bounds(boxes)
+    low, high = low - margin / 2, high + margin / 2
     first, second = _swept_pairs(low, high) if len(low) <= _SWEEP_UP_TO else _grid_pairs(low, high)
     hit = ((low[first] <= high[second]) & (low[second] <= high[first])).all(axis=1)
     pairs = np.stack([first[hit], second[hit]], axis=1)

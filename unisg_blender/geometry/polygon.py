@@ -1,4 +1,7 @@
-"""Polygons in the plane: area, inside, distance."""
+"""Polygons in the plane: area, inside, distance.
+
+Three short functions, for which shapely would put compiled wheels for every platform into Blender's zip.
+"""
 
 from __future__ import annotations
 

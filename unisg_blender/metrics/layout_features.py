@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..geometry.planar import rectangle_gap, rotate
 from ..scene import SceneGraph
 from ..scene.categories import FLOOR
 from ..spatial import find_supports
@@ -136,14 +137,8 @@ def _to_wall(graph: SceneGraph, rows: _Objects) -> NDArray[np.float64]:
 def _apart(rows: _Objects) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
     """Of all pairs: horizontal distance, gap of footprints, and offset of j in the frame of i (K, K, 2)."""
     offset = rows.center[None, :, :2] - rows.center[:, None, :2]
-    cos, sin = np.cos(rows.yaw)[:, None], np.sin(rows.yaw)[:, None]
-    seen = np.stack([cos * offset[..., 0] + sin * offset[..., 1], cos * offset[..., 1] - sin * offset[..., 0]], -1)
-    turn = rows.yaw[None] - rows.yaw[:, None]
-    c, s = np.abs(np.cos(turn)), np.abs(np.sin(turn))
-    half = rows.half[None, :, :2]
-    reach = np.stack([c * half[..., 0] + s * half[..., 1], s * half[..., 0] + c * half[..., 1]], axis=-1)
-    gap = (np.abs(seen) - rows.half[:, None, :2] - reach).max(axis=-1)
-    return np.linalg.norm(offset, axis=-1), np.maximum(gap, gap.T), seen
+    gap = rectangle_gap(offset, rows.yaw[:, None], rows.half[:, None], rows.yaw[None], rows.half[None])
+    return np.linalg.norm(offset, axis=-1), gap, rotate(offset, -rows.yaw[:, None])
 
 
 def _object_features(rows: _Objects, walls: NDArray[np.float64], apart: tuple[NDArray[np.float64], ...]) -> NDArray:
@@ -184,8 +179,7 @@ def _middle_object(rows: _Objects) -> int:
 
 
 def _in_frame(points: NDArray[np.float64], frame: NDArray[np.float64]) -> NDArray[np.float64]:
-    offset, cos, sin = points - frame[:, :2], np.cos(frame[:, 3]), np.sin(frame[:, 3])
-    return np.column_stack([cos * offset[:, 0] + sin * offset[:, 1], cos * offset[:, 1] - sin * offset[:, 0]])
+    return rotate(points - frame[:, :2], -frame[:, 3])
 
 
 def _pairs_of(rows: _Objects, distance: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ..dataset.assets.asset import object_graph
 from ..generate.observe.placeable import Placeable
 from ..generate.propose.requests import BESIDE, COVERING, SHARED, THIN
-from ..geometry.planar import footprint_gap, heading
+from ..geometry.planar import footprint_gap, heading, rotate
 from ..scene import SceneGraph, world_matrices
 from ..spatial import find_supports
 from .scene_validity import OFF_SUPPORT
@@ -56,7 +56,6 @@ def half_of(graph: SceneGraph, row: int) -> NDArray[np.float64]:
 def place_of(graph: SceneGraph, row: int) -> NDArray[np.float64]:
     """Place (4,) of an entity: x, y and bottom of its upright box's middle, metres, and its turn, radians."""
     world = world_matrices(graph)
-    x, y, z = Placeable(object_graph(graph, row, world=world)).foot
     yaw = float(heading(world[row, :3, :3]))
-    cos, sin = np.cos(yaw), np.sin(yaw)
-    return np.array([*(world[row, :3, 3] + (cos * x - sin * y, sin * x + cos * y, z)), yaw])
+    foot = rotate(Placeable(object_graph(graph, row, world=world)).foot, yaw)
+    return np.array([*(world[row, :3, 3] + foot), yaw])

@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..geometry.box_overlap import nearby_pairs, penetration
-from ..geometry.boxes import Boxes, part_bottoms, part_tops, reach, upright_axes
+from ..geometry.boxes import Boxes, part_bottoms, part_tops, reach
+from ..geometry.planar import rotation
 from ..scene.graph import SceneGraph
 from ..spatial.part_boxes import PartBoxes
 from ..spatial.supports import Supports, find_supports
@@ -102,7 +103,7 @@ def _columns(boxes: Boxes) -> Boxes:
     """The boxes as columns without end: what overlaps here shares ground as seen from above."""
     level = np.argmax(np.linalg.norm(boxes.axes[:, :2], axis=1), axis=1)
     along = boxes.axes[np.arange(len(level)), :2, level]
-    axes = upright_axes(np.arctan2(along[:, 1], along[:, 0]))
+    axes = rotation(np.arctan2(along[:, 1], along[:, 0]))
     half = reach(Boxes(boxes.center, np.swapaxes(axes, 1, 2) @ boxes.axes, boxes.half, boxes.solid))
     half[:, 2] = 1e3
     return Boxes(boxes.center * (1.0, 1.0, 0.0), axes, half, boxes.solid)

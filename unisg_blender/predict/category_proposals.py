@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from ..geometry.arrays import Floats, Ints
+from ..geometry.planar import rotation
 from ..meshes.normalise import normalise
 from ..meshes.shape_feature import POINTS, AtlasNetEncoder, cloud, default_encoder
 from ..scene.assembly import index_categories
@@ -126,7 +127,7 @@ def _shapes(graph: SceneGraph, rows: Ints, encoder: AtlasNetEncoder) -> tuple[ND
     """Mesh features (M, 1024) as the entities stand, their heading taken back, and sizes (M, 3) in metres."""
     world = world_matrices(graph)[rows, :3, :3]
     heading = np.arctan2(world[:, 1, 0], world[:, 0, 0])
-    upright = _turn_back(heading) @ world
+    upright = rotation(-heading) @ world
     bounds = local_bounds(graph)[rows]
     sizes = np.einsum("nij,nj->ni", np.abs(upright), bounds[:, 1] - bounds[:, 0])
     scale = np.maximum(np.linalg.norm(upright, axis=(1, 2), keepdims=True), 1e-30)
@@ -140,13 +141,6 @@ def _shapes(graph: SceneGraph, rows: Ints, encoder: AtlasNetEncoder) -> tuple[ND
     vectors = encoder.encode_clouds(clouds)
     index = {key: number for number, key in enumerate(first)}
     return vectors[[index[key] for key in keys]], sizes
-
-
-def _turn_back(heading: Floats) -> Floats:
-    turn = np.zeros((len(heading), 3, 3))
-    turn[:, 0, 0] = turn[:, 1, 1] = np.cos(heading)
-    turn[:, 0, 1], turn[:, 1, 0], turn[:, 2, 2] = np.sin(heading), -np.sin(heading), 1.0
-    return turn
 
 
 def _neighbour_scores(graph: SceneGraph, wanted: Ints, chances: Floats, model: LabelModel) -> Floats:

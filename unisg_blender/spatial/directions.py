@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from ..geometry.box_overlap import nearby_pairs
 from ..geometry.boxes import Boxes
+from ..geometry.planar import rotate
 from .object_rows import Objects
 
 if TYPE_CHECKING:
@@ -72,5 +73,4 @@ def _horizontal(objects: Objects, tolerances: RelationTolerances) -> list[tuple[
 def _seen(objects: Objects, pairs: NDArray[np.int64], heading: float) -> NDArray[np.float64]:
     """From the first's middle to the second's, (K, 2): to the viewer's right, and away from the viewer."""
     offset = objects.aligned.center[pairs[:, 1], :2] - objects.aligned.center[pairs[:, 0], :2]
-    cosine, sine = np.cos(heading), np.sin(heading)
-    return offset @ np.array([[cosine, -sine], [sine, cosine]])
+    return rotate(offset, -heading)

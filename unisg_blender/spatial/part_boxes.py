@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from ..geometry.boxes import Boxes, orthonormal_axes
+from ..geometry.boxes import Boxes, boxes_around, orthonormal_axes
 from ..scene.graph import SceneGraph
 from ..scene.hierarchy import world_matrices
 from ..scene.mesh import Mesh
@@ -84,9 +84,4 @@ def part_boxes(graph: SceneGraph) -> PartBoxes:
     owner = np.repeat(rows, counts)
     bounds = np.concatenate([np.zeros((0, 2, 3)), *(parts[index] for index in graph.mesh[rows])])
     world = world_matrices(graph)
-    linear, axes = world[:, :3, :3], orthonormal_axes(world[:, :3, :3])
-    spread = np.abs(np.swapaxes(axes, 1, 2) @ linear)
-    middle, half = bounds.mean(axis=1), (bounds[:, 1] - bounds[:, 0]) / 2
-    center = world[owner, :3, 3] + np.einsum("pij,pj->pi", linear[owner], middle)
-    extent = np.einsum("pij,pj->pi", spread[owner], half)
-    return PartBoxes(Boxes(center, axes[owner], extent, np.ones(len(owner), bool)), owner)
+    return PartBoxes(boxes_around(bounds, world[owner], orthonormal_axes(world[:, :3, :3])[owner]), owner)

@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from ..geometry.boxes import Boxes, part_bottoms, part_tops
+from ..geometry.boxes import Boxes, part_bottoms, part_tops, reach
 from .supports import CONTACT
 
 MOST = 8
@@ -31,7 +31,7 @@ def support_surfaces(parts: Boxes, bottom: float) -> NDArray[np.float64]:
     if not len(parts.center):
         return np.zeros((0, 3))
     tops, lows = part_tops(parts), part_bottoms(parts)
-    reach = (np.abs(parts.axes[:, :2, :]) * parts.half[:, None, :]).sum(axis=2)
+    far = reach(parts)[:, :2]
     flat, each = np.abs(parts.axes[:, 2, :]).argmax(axis=1), np.arange(len(tops))
     area = 4 * (parts.half[each, (flat + 1) % 3] * parts.half[each, (flat + 2) % 3])
     order = np.argsort(tops, kind="stable")
@@ -42,7 +42,7 @@ def support_surfaces(parts: Boxes, bottom: float) -> NDArray[np.float64]:
     largest = np.array([order[start:stop][area[order[start:stop]].argmax()] for start, stop in levels])
     kept = np.flatnonzero(total >= SHARE * total.max())
     kept = np.sort(kept[np.argsort(-total[kept], kind="stable")[:MOST]])
-    rooms = [_headroom(part, tops, lows, parts.center[:, :2], reach) for part in largest[kept]]
+    rooms = [_headroom(part, tops, lows, parts.center[:, :2], far) for part in largest[kept]]
     return np.column_stack([tops[largest[kept]] - bottom, total[kept], rooms])
 
 

@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from ..geometry.arrays import Bools, Ints
 from ..geometry.box_overlap import penetration
-from ..geometry.boxes import Boxes, covers, part_tops, upright_axes
+from ..geometry.boxes import Boxes, covers, part_tops
+from ..geometry.planar import rotation
 from ..scene import components
 from ..scene.graph import SceneGraph
 from .object_rows import Objects, find_objects
@@ -139,7 +140,7 @@ def resting_on(objects: Objects, obj: int, support: Ints) -> int:
     under = near[covers(parts.boxes.take(near), center[obj, :2])]
     if not len(under):
         near = near[(support[parts.owner[near]] >= 0) | (bottom[parts.owner[near]] <= bottom[parts.owner].min())]
-        own = Boxes(center, upright_axes(objects.yaw), half, np.ones(len(objects), bool))
+        own = Boxes(center, rotation(objects.yaw), half, np.ones(len(objects), bool))
         depth = penetration(own.take(np.full(len(near), obj)), parts.boxes.take(near))
         under = near[depth >= -CONTACT]
     return int(parts.owner[under[np.argmax(tops[under])]]) if len(under) else -1

@@ -11,6 +11,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from ..geometry.planar import rotation
 from ..geometry.polygon import inside
 from ..scene.action_data import ActionData
 from ..scene.builder import SceneBuilder
@@ -141,8 +142,7 @@ class Layout:
         """Poses somewhere on a part of a surface, one for each turn with which the asset fits on it whole."""
         top, bounds = support.asset.surfaces[surface], asset.mesh.bounds
         half, middle = (bounds[1, :2] - bounds[0, :2]) / 2, (bounds[1, :2] + bounds[0, :2]) / 2
-        cos, sin = np.cos(turns), np.sin(turns)
-        ways = np.stack([cos, -sin, sin, cos], axis=1).reshape(-1, 2, 2)
+        ways = rotation(turns)[:, :2, :2]
         low, high = (np.array(area[:2]) - 0.5) * top.size, (np.array(area[2:]) - 0.5) * top.size
         room = (high - low) / 2 - np.abs(ways) @ half
         at = (low + high) / 2 + self.rng.uniform(-1, 1, (len(turns), 2)) * room + top.center[:2] - ways @ middle

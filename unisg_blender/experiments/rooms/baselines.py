@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from ...generate.observe.observed_scene import ObservedScene
 from ...generate.propose.proposer import Proposals, Proposer, Query
+from ...geometry.planar import outside_rectangle, rotate
 from ...scene import SceneGraph
 from ...scene.categories import FLOOR
 from ...spatial.floor_plan import room_outline
@@ -57,9 +58,7 @@ class GaussianProposer(Proposer):
         for row, obj in enumerate(supports):
             mean, deviation = self.fits.get((category, int(scene.category[obj])), _NOWHERE)
             offset = mean + self.spread * deviation * rng.standard_normal(4)
-            cos, sin = np.cos(scene.yaw[obj]), np.sin(scene.yaw[obj])
-            x, y = offset[:2]
-            places[row] = (cos * x - sin * y, sin * x + cos * y, offset[2], offset[3])
+            places[row] = *rotate(offset[:3], scene.yaw[obj]), offset[3]
             places[row] += (*scene.center[obj, :2], scene.center[obj, 2] - scene.half[obj, 2], scene.yaw[obj])
         return Proposals(supports.astype(np.int64), places)
 
@@ -71,9 +70,7 @@ class GaussianProposer(Proposer):
         origin = np.zeros(4)
         if support >= 0:
             origin[:] = *scene.center[support], scene.yaw[support]
-        cos, sin = np.cos(origin[3]), np.sin(origin[3])
-        x, y = place[:2] - origin[:2]
-        offset = np.array([cos * x + sin * y, cos * y - sin * x])
+        offset = rotate(place[:2] - origin[:2], -origin[3])
         return _log_normal(offset, place[3] - origin[3], mean, deviation)
 
 
@@ -115,9 +112,7 @@ def carrier_of(scene: ObservedScene, place: NDArray[np.float64], allowed: NDArra
     if not len(objects):
         return -1
     offset = place[:2] - scene.center[objects, :2]
-    cos, sin = np.cos(scene.yaw[objects]), np.sin(scene.yaw[objects])
-    local = np.column_stack([cos * offset[:, 0] + sin * offset[:, 1], cos * offset[:, 1] - sin * offset[:, 0]])
-    aside = np.linalg.norm(np.maximum(np.abs(local) - scene.half[objects, :2], 0), axis=1)
+    aside = outside_rectangle(offset, scene.yaw[objects], scene.half[objects, :2])
     low, high = scene.center[objects, 2] - scene.half[objects, 2], scene.center[objects, 2] + scene.half[objects, 2]
     apart = np.maximum(place[2] - high, 0) + np.maximum(low - place[2], 0) + 0.1 * np.abs(place[2] - high)
     return int(objects[np.argmin(aside + apart)])
@@ -130,10 +125,8 @@ def offsets(scene: ObservedScene) -> NDArray[np.float64]:
     offset = scene.center - np.where(held[:, None], scene.center[support], 0)
     yaw = np.where(held, scene.yaw[support], 0.0)
     below = np.where(held, scene.center[support, 2] - scene.half[support, 2], 0.0)
-    cos, sin = np.cos(yaw), np.sin(yaw)
-    x = cos * offset[:, 0] + sin * offset[:, 1]
-    y = cos * offset[:, 1] - sin * offset[:, 0]
-    return np.stack([x, y, scene.center[:, 2] - scene.half[:, 2] - below, scene.yaw - yaw], axis=1)
+    height = scene.center[:, 2] - scene.half[:, 2] - below
+    return np.column_stack([rotate(offset[:, :2], -yaw), height, scene.yaw - yaw])
 
 
 def _fit(values: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

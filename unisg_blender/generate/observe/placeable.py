@@ -9,8 +9,8 @@ import numpy as np
 
 from ...dataset.assets.asset import Asset
 from ...geometry.arrays import Floats
-from ...geometry.boxes import SIGNS, Boxes, corners, upright_axes
-from ...geometry.planar import turn
+from ...geometry.boxes import SIGNS, Boxes, corners
+from ...geometry.planar import rotation, turn
 from ...scene import Mesh, SceneGraph, mesh_from_faces
 from ...spatial.part_boxes import part_boxes
 from ...spatial.support_surfaces import support_surfaces
@@ -66,7 +66,7 @@ class Placeable:
 
     def boxes_at(self, places: Floats) -> Boxes:
         """World boxes of the parts at places (T, 4): T times P boxes, place by place."""
-        turns = upright_axes(places[:, 3])[:, None]
+        turns = rotation(places[:, 3])[:, None]
         center = (turns @ self.parts.center[None, :, :, None])[..., 0] + places[:, None, :3]
         axes = turns @ self.parts.axes[None]
         half = np.broadcast_to(self.parts.half, center.shape)

@@ -13,6 +13,7 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from ...geometry.arrays import Floats
+from ...geometry.planar import rotate
 from ...spatial.objects import SceneObjects
 
 FEWEST = 12
@@ -54,8 +55,7 @@ def _collect(objects: SceneObjects, offsets: Offsets) -> None:
     known, times = np.unique(kind, return_counts=True)
     for reference in known[times == 1].tolist():
         row = int(np.flatnonzero(kind == reference)[0])
-        (x, y), cos, sin = (place - place[row]).T, np.cos(yaw[row]), np.sin(yaw[row])
-        seen = np.column_stack([cos * x + sin * y, cos * y - sin * x])
+        seen = rotate(place - place[row], -yaw[row])
         for other in np.flatnonzero(np.arange(len(rows)) != row):
             offsets[reference, int(kind[other])].append(seen[other])
 

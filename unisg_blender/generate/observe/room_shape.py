@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...geometry.arrays import Bools, Floats, Ints
-from ...geometry.planar import turned
+from ...geometry.planar import rotate
 from ...spatial.supports import levels_of
 
 THIN, LONG, TALL = 0.15, 0.5, 0.6
@@ -50,6 +50,6 @@ class RoomShape:
         wall = (half[:, :2].min(axis=1, initial=np.inf) < THIN) & (half[:, :2].max(axis=1, initial=0) > LONG)
         wall &= half[:, 2] > TALL
         swap = wall & (half[:, 0] < half[:, 1])
-        side = turned(middle - center[:, :2], -(yaw + swap * (np.pi / 2)))[:, 1]
+        side = rotate(middle - center[:, :2], -(yaw + swap * (np.pi / 2)))[:, 1]
         inner = np.where(wall, np.where(side >= 0, 1.0, -1.0), 0.0)
         return RoomShape(middle, ground, levels_of(support), swap, inner)

@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 
 from ...geometry.box_overlap import nearby_pairs, penetration
-from ...geometry.boxes import covers, part_tops, turned_reach
+from ...geometry.boxes import covers, part_tops
+from ...geometry.planar import rotate, turned_reach
 from ...spatial.objects import SceneObjects
 from ...spatial.supports import CONTACT
 from .reference_objects import find_reference_objects
@@ -146,9 +147,7 @@ def contact(objects: SceneObjects, obj: int, support: int) -> tuple[str, float]:
 def side_gap(objects: SceneObjects, obj: int, support: int) -> float:
     """Horizontal clearance in metres between an object and its support's box, negative where they overlap."""
     reach = turned_reach(objects.half[obj], objects.yaw[obj] - objects.yaw[support])
-    offset = objects.center[obj, :2] - objects.center[support, :2]
-    c, s = np.cos(objects.yaw[support]), np.sin(objects.yaw[support])
-    local = np.abs([c * offset[0] + s * offset[1], c * offset[1] - s * offset[0]])
+    local = np.abs(rotate(objects.center[obj, :2] - objects.center[support, :2], -objects.yaw[support]))
     return float((local - reach - objects.half[support, :2]).max())
 
 

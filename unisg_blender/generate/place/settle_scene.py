@@ -10,7 +10,7 @@ import numpy as np
 from ...dataset.assets.asset import object_graph
 from ...geometry.arrays import Bools, Floats
 from ...geometry.boxes import covers, part_tops
-from ...geometry.planar import turned
+from ...geometry.planar import rotate
 from ...scene import SceneGraph
 from ...scene.categories import FLOOR, STRUCTURE
 from ...spatial.objects import SceneObjects, scene_objects
@@ -86,10 +86,10 @@ def _moved(objects: SceneObjects, moving: Iterable[int], before: Floats, after: 
 
     def carried(points: Floats, which: Bools) -> Floats:
         """Points (K, 3), those of ``which`` (K,) moved and turned with the object, metres."""
-        return np.where(which[:, None], turned(points - before[:3], spin) + after[:3], points)
+        return np.where(which[:, None], rotate(points - before[:3], spin) + after[:3], points)
 
     of_parts = chosen[objects.owner]
-    axes = np.swapaxes(turned(np.swapaxes(objects.parts.axes, 1, 2), spin), 1, 2)
+    axes = np.swapaxes(rotate(np.swapaxes(objects.parts.axes, 1, 2), spin), 1, 2)
     parts = replace(
         objects.parts, center=carried(objects.parts.center, of_parts),
         axes=np.where(of_parts[:, None, None], axes, objects.parts.axes),
@@ -120,7 +120,7 @@ def _settled(placeable: Placeable, now: Floats, support: Support, space: FreeSpa
         return place[0]
     steps = np.linspace(0.02, 0.6, 16)
     turns = np.linspace(0, 2 * np.pi, 16, endpoint=False)
-    ring = np.concatenate([[[np.cos(turn) * step, np.sin(turn) * step] for turn in turns] for step in steps])
+    ring = np.concatenate([rotate(np.array([step, 0.0]), turns) for step in steps])
     places = np.tile(now, (len(ring), 1))
     places[:, :2] += ring
     places = rest(placeable, places, support, space)

@@ -9,8 +9,8 @@ from functools import cached_property
 import numpy as np
 
 from ...geometry.arrays import Bools, Floats, Ints
-from ...geometry.boxes import Boxes, turned_reach
-from ...geometry.planar import footprints
+from ...geometry.boxes import Boxes, part_bottoms
+from ...geometry.planar import footprints, turned_reach
 from ...geometry.polygon import inside, next_corners, outside_distance
 from ...spatial.level_surfaces import LEVEL, LevelSurfaces, rectangles, with_joined
 from ..observe.placeable import Placeable
@@ -74,9 +74,7 @@ def rest(placeable: Placeable, places: Floats, support: Support, space: FreeSpac
         if support.floor:
             places = into_room(placeable, places, space)
     elif support.contact == HANGS and len(support.parts.center):
-        corners = support.parts
-        low = corners.center[:, 2] - (np.abs(corners.axes[:, 2, :]) * corners.half).sum(axis=1)
-        places[:, 2] = low.min() - 2 * placeable.half[2]
+        places[:, 2] = part_bottoms(support.parts).min() - 2 * placeable.half[2]
     elif support.contact == AT_SIDE and len(support.parts.center):
         places = _to_side(placeable, places, support, space)
     if support.contact != RESTS and len(support.parts.center) and len(placeable.parts.center):
