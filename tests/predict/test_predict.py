@@ -16,7 +16,7 @@ from unisg_blender.geometry.boxes import Boxes
 from unisg_blender.predict.object_pairs import candidate_pairs, pair_features, relative_poses
 from unisg_blender.predict.prediction_session import load_network
 from unisg_blender.predict.scene_kind import SceneModel
-from unisg_blender.predict.support_prediction import TopologyModel, with_relations
+from unisg_blender.predict.support_prediction import TopologyModel, with_supports
 from unisg_blender.scene import SceneGraph, world_matrices
 from unisg_blender.scene.properties import relations_of
 from unisg_blender.spatial import find_objects
@@ -108,7 +108,7 @@ def test_predicted_relations_replace_those_of_their_kind() -> None:
     scene = Scene()
     table = scene.box("table", None, (0, 0, 0), mesh=table_mesh(), relation=("on_top_of", "floor"))
     scene.box("cup", (0.1, 0.1, 0.1), (0, 0, 0.75), parent=table, relation=("belongs_to", "table"))
-    graph = with_relations(scene.build(), [(2, "on_top_of", 1, 0.9)])
+    graph = with_supports(scene.build(), [(2, "on_top_of", 1, 0.9)])
     assert [(item.kind, item.target) for item in relations_of(graph, 2)] == [
         ("belongs_to", "table"),
         ("on_top_of", "table"),

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from .arrays import Floats
 from .boxes import Boxes, corners
 
 _EDGES = np.array([(a, b) for a in range(8) for b in range(a + 1, 8) if (a ^ b).bit_count() == 1])
 _AT_ONCE = 500  # pairs of boxes: 144 pairs of edges each
 
 
-def separation(first: Boxes, second: Boxes) -> NDArray[np.float64]:
+def separation(first: Boxes, second: Boxes) -> Floats:
     """Distance (K,) in metres between box k of ``first`` and box k of ``second``; of no use where they overlap.
 
     Between convex bodies the shortest way joins a corner of one to the other box, or
@@ -24,13 +24,13 @@ def separation(first: Boxes, second: Boxes) -> NDArray[np.float64]:
     return result
 
 
-def _corner_distance(first: Boxes, second: Boxes) -> NDArray[np.float64]:
+def _corner_distance(first: Boxes, second: Boxes) -> Floats:
     seen = np.einsum("kij,kci->kcj", second.axes, corners(first) - second.center[:, None])
     outside = np.maximum(np.abs(seen) - second.half[:, None], 0)
     return _length(outside).min(axis=1)
 
 
-def _edge_distance(first: Boxes, second: Boxes) -> NDArray[np.float64]:
+def _edge_distance(first: Boxes, second: Boxes) -> Floats:
     """Shortest way between edges where both ends lie inside them; infinite where there is none."""
     p, q = corners(first), corners(second)
     start, along = p[:, _EDGES[:, 0], None], (p[:, _EDGES[:, 1]] - p[:, _EDGES[:, 0]])[:, :, None]
@@ -46,9 +46,9 @@ def _edge_distance(first: Boxes, second: Boxes) -> NDArray[np.float64]:
     return np.where(inside, _length(gap), np.inf).min(axis=(1, 2))
 
 
-def _dot(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64]:
+def _dot(a: Floats, b: Floats) -> Floats:
     return np.einsum("...i,...i->...", a, b)
 
 
-def _length(a: NDArray[np.float64]) -> NDArray[np.float64]:
+def _length(a: Floats) -> Floats:
     return np.sqrt(_dot(a, a))

@@ -14,8 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .affine_rows import Array, column_products, determinant, dot, length, linear, some, transform
-
-Bools = NDArray[np.bool_]
+from .arrays import Bools
 
 _ROUNDS = 2
 _SKEW = 1e-12

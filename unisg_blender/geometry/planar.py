@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .arrays import Floats
 
-Angles = NDArray[np.float64] | float
+Angles = Floats | float
 
 
 def rotate(points: Floats, angle: Angles) -> Floats:
@@ -47,6 +46,11 @@ def heading(linear: Floats) -> Floats:
     about a horizontal axis only.
     """
     return np.arctan2(linear[..., 1, 0] - linear[..., 0, 1], linear[..., 0, 0] + linear[..., 1, 1])
+
+
+def wrapped(angle: Floats) -> Floats:
+    """Angles in [-pi, pi)."""
+    return (angle + np.pi) % (2 * np.pi) - np.pi
 
 
 def turned_reach(half: Floats, angle: Angles) -> Floats:

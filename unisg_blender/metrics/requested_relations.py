@@ -9,11 +9,11 @@ is at most half a metre, and they share at least a quarter of the lower one's he
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..dataset.assets.asset import object_graph
 from ..generate.observe.placeable import Placeable
 from ..generate.propose.requests import BESIDE, COVERING, SHARED, THIN
+from ..geometry.arrays import Floats
 from ..geometry.planar import footprint_gap, heading, rotate
 from ..scene import SceneGraph, world_matrices
 from ..spatial import find_supports
@@ -48,12 +48,12 @@ def is_beside(graph: SceneGraph, row: int, target: str) -> bool:
     return bool(footprint_gap(theirs[:3], wide, float(theirs[3]), mine[None], half)[0] <= BESIDE)
 
 
-def half_of(graph: SceneGraph, row: int) -> NDArray[np.float64]:
+def half_of(graph: SceneGraph, row: int) -> Floats:
     """Half extents (3,) of an entity's upright box, metres."""
     return Placeable(object_graph(graph, row)).half
 
 
-def place_of(graph: SceneGraph, row: int) -> NDArray[np.float64]:
+def place_of(graph: SceneGraph, row: int) -> Floats:
     """Place (4,) of an entity: x, y and bottom of its upright box's middle, metres, and its turn, radians."""
     world = world_matrices(graph)
     yaw = float(heading(world[row, :3, :3]))

@@ -14,8 +14,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..geometry.arrays import Bools, Floats, Ints
 from ..geometry.box_overlap import nearby_pairs, penetration
 from ..geometry.boxes import Boxes, corners
 from ..geometry.polygon import outside_distance
@@ -41,9 +41,9 @@ class Collisions:
     plain limits, bool (K,): the others are flat objects.
     """
 
-    pairs: NDArray[np.int64]
-    depth: NDArray[np.float64]
-    deep: NDArray[np.bool_]
+    pairs: Ints
+    depth: Floats
+    deep: Bools
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,21 +53,21 @@ class SceneReport:
     ``colliding`` is by the plain limits, ``overlapping`` by the stricter ones.
     """
 
-    counted: NDArray[np.bool_]
-    colliding: NDArray[np.bool_]
-    overlapping: NDArray[np.bool_]
-    off_support: NDArray[np.bool_]
-    outside: NDArray[np.bool_]
-    level: NDArray[np.int64]
+    counted: Bools
+    colliding: Bools
+    overlapping: Bools
+    off_support: Bools
+    outside: Bools
+    level: Ints
     collisions: Collisions
 
     @property
-    def faults(self) -> NDArray[np.bool_]:
+    def faults(self) -> Bools:
         """Objects with any fault, by the stricter limits."""
         return self.overlapping | self.off_support | self.outside
 
 
-def counted_objects(graph: SceneGraph) -> NDArray[np.bool_]:
+def counted_objects(graph: SceneGraph) -> Bools:
     """Which rows are objects with geometry and no structure, bool (N,)."""
     found = np.zeros(len(graph), bool)
     found[find_objects(graph, empty=False).rows] = True
@@ -136,7 +136,7 @@ def _whole_boxes(objects: Objects) -> PartBoxes:
     return PartBoxes(objects.oriented.take(solid), solid)
 
 
-def _support_pairs(supports: Supports) -> NDArray[np.int64]:
+def _support_pairs(supports: Supports) -> Ints:
     """(S, 2) pairs of objects of which the second holds the first, or is next above it in the hierarchy."""
     above = supports.objects.above
     pairs = [np.stack([np.arange(len(above)), above], axis=1), np.stack([supports.subject, supports.target], axis=1)]
@@ -144,15 +144,13 @@ def _support_pairs(supports: Supports) -> NDArray[np.int64]:
     return joined[joined[:, 1] >= 0]
 
 
-def _is_among(pairs: NDArray[np.int64], known: NDArray[np.int64], count: int) -> NDArray[np.bool_]:
+def _is_among(pairs: Ints, known: Ints, count: int) -> Bools:
     """Which pairs occur among the known ones, in either order."""
     key = np.sort(pairs, axis=1) @ (count, 1) if len(pairs) else np.zeros(0, np.int64)
     return np.isin(key, np.sort(known, axis=1) @ (count, 1) if len(known) else ())
 
 
-def outside_room(
-    graph: SceneGraph, objects: Objects | None = None, outline: NDArray[np.float64] | None = None
-) -> NDArray[np.float64]:
+def outside_room(graph: SceneGraph, objects: Objects | None = None, outline: Floats | None = None) -> Floats:
     """How far each object reaches out of the room's outline seen from above, float64 (N,) metres, 0 inside.
 
     The largest distance of a corner of its part boxes to the outline, or the depth
@@ -172,7 +170,7 @@ def outside_room(
     return result
 
 
-def _poked(boxes: Boxes, outline: NDArray[np.float64]) -> NDArray[np.float64]:
+def _poked(boxes: Boxes, outline: Floats) -> Floats:
     """How deep corners of the room that point inwards reach into boxes, float64 (P,)."""
     before, after = outline - np.roll(outline, 1, axis=0), np.roll(outline, -1, axis=0) - outline
     reflex = outline[before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0] < -1e-9]
@@ -185,7 +183,7 @@ def _poked(boxes: Boxes, outline: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.where(upright, np.maximum(deep, 0.0), 0.0)
 
 
-def support_levels(graph: SceneGraph, supports: Supports | None = None) -> NDArray[np.int64]:
+def support_levels(graph: SceneGraph, supports: Supports | None = None) -> Ints:
     """On how many objects an object stands, one on another, int64 (N,): floor 0, table 1, tray 2, tool 3.
 
     The longest way down over what holds it, see :func:`~..spatial.supports.find_supports`; 0 for what is no object.

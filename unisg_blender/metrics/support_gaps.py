@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..geometry.arrays import Bools, Floats, Ints
 from ..geometry.box_overlap import nearby_pairs, penetration
 from ..geometry.boxes import Boxes, part_bottoms, part_tops, reach
 from ..geometry.planar import rotation
@@ -16,9 +16,7 @@ _FOOT = 0.02
 """Parts whose bottom is no more than this above the lowest one are what an object stands on, metres."""
 
 
-def support_gaps(
-    graph: SceneGraph, rows: NDArray[np.bool_] | None = None, supports: Supports | None = None
-) -> NDArray[np.float64]:
+def support_gaps(graph: SceneGraph, rows: Bools | None = None, supports: Supports | None = None) -> Floats:
     """How far each object floats above (positive) or is sunk into (negative) what holds it, float64 (N,) metres.
 
     gap = (lowest point of the object) - (top of that part of its support, among those
@@ -62,9 +60,7 @@ def support_gaps(
     return result
 
 
-def _parts_of_pairs(
-    boxes: PartBoxes, count: int, rows: NDArray[np.int64], on: NDArray[np.int64]
-) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def _parts_of_pairs(boxes: PartBoxes, count: int, rows: Ints, on: Ints) -> tuple[Ints, Ints]:
     """All pairs (part of a row, part of what it is on) for pairs of ``count`` rows."""
     start, stop = (np.searchsorted(boxes.owner, np.arange(count), side) for side in ("left", "right"))
     sizes = stop - start
@@ -75,7 +71,7 @@ def _parts_of_pairs(
     return start[rows][pair] + place // np.maximum(width, 1), start[on][pair] + place % np.maximum(width, 1)
 
 
-def _parts_on_common_ground(boxes: PartBoxes, rows: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def _parts_on_common_ground(boxes: PartBoxes, rows: Ints) -> tuple[Ints, Ints]:
     """All pairs (part of one of the rows, part of another entity) that may share ground seen from above."""
     pairs = nearby_pairs(_columns(boxes.boxes))
     pairs = np.concatenate([pairs, pairs[:, ::-1]])
@@ -85,8 +81,8 @@ def _parts_on_common_ground(boxes: PartBoxes, rows: NDArray[np.int64]) -> tuple[
 
 
 def _nearest_top(
-    gaps: NDArray[np.float64], boxes: PartBoxes, bottom: NDArray[np.float64], high: NDArray[np.float64],
-    first: NDArray[np.int64], second: NDArray[np.int64],
+    gaps: Floats, boxes: PartBoxes, bottom: Floats, high: Floats,
+    first: Ints, second: Ints,
 ) -> None:  # fmt: skip
     """Enter, for each owner of ``first``, the gap to that top of ``second`` under it which is nearest."""
     ground = _columns(boxes.boxes)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..geometry.arrays import Floats, Ints
 from ..geometry.box_overlap import nearby_pairs
 from ..geometry.boxes import Boxes
 from ..geometry.planar import rotate
@@ -70,7 +70,7 @@ def _horizontal(objects: Objects, tolerances: RelationTolerances) -> list[tuple[
     return found
 
 
-def _seen(objects: Objects, pairs: NDArray[np.int64], heading: float) -> NDArray[np.float64]:
+def _seen(objects: Objects, pairs: Ints, heading: float) -> Floats:
     """From the first's middle to the second's, (K, 2): to the viewer's right, and away from the viewer."""
     offset = objects.aligned.center[pairs[:, 1], :2] - objects.aligned.center[pairs[:, 0], :2]
     return rotate(offset, -heading)

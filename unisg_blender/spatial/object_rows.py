@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..geometry.arrays import Bools, Floats, Ints
 from ..geometry.boxes import Boxes, orthonormal_axes, upright_boxes
 from ..geometry.planar import heading
 from ..geometry.surface_contact import Triangles
@@ -16,7 +16,7 @@ from ..scene.hierarchy import world_matrices
 from .part_boxes import PartBoxes, part_boxes
 
 
-def object_rows(graph: SceneGraph) -> NDArray[np.int64]:
+def object_rows(graph: SceneGraph) -> Ints:
     """int64 (N,): for each entity the row of the object that it is or belongs to, -1 for none.
 
     An object is an entity with a category, or one with a mesh that hangs under none. What
@@ -48,41 +48,41 @@ class Objects:
     """
 
     graph: SceneGraph
-    rows: NDArray[np.int64]
-    of_row: NDArray[np.int64]
+    rows: Ints
+    of_row: Ints
 
     def __len__(self) -> int:
         return len(self.rows)
 
     @cached_property
-    def world(self) -> NDArray[np.float64]:
+    def world(self) -> Floats:
         """World matrices of all rows of the scene, (N, 4, 4)."""
         return world_matrices(self.graph)
 
     @cached_property
-    def meshes(self) -> list[NDArray[np.int64]]:
+    def meshes(self) -> list[Ints]:
         """Rows of the meshes with points of each object, ascending."""
         shown = np.flatnonzero(_shown(self.graph) & (self.of_row >= 0))
         shown = shown[np.argsort(self.of_row[shown], kind="stable")]
         return np.split(shown, np.searchsorted(self.of_row[shown], np.arange(1, len(self)))) if len(self) else []
 
     @cached_property
-    def axes(self) -> NDArray[np.float64]:
+    def axes(self) -> Floats:
         """The objects' own axes as columns, (K, 3, 3)."""
         return orthonormal_axes(self.world[self.rows, :3, :3])
 
     @cached_property
-    def bounds(self) -> NDArray[np.float64]:
+    def bounds(self) -> Floats:
         """Lowest and highest corner along the world's axes, exact, (2, K, 3)."""
         return self._bounds(np.broadcast_to(np.eye(3), (len(self), 3, 3)))
 
     @property
-    def low(self) -> NDArray[np.float64]:
+    def low(self) -> Floats:
         """Lowest corners along the world's axes, (K, 3)."""
         return self.bounds[0]
 
     @property
-    def high(self) -> NDArray[np.float64]:
+    def high(self) -> Floats:
         """Highest corners along the world's axes, (K, 3)."""
         return self.bounds[1]
 
@@ -99,7 +99,7 @@ class Objects:
         center = np.einsum("kij,kj->ki", self.axes, (low + high) / 2)
         return Boxes(center, self.axes, (high - low) / 2, np.ones(len(self), bool))
 
-    def _bounds(self, axes: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _bounds(self, axes: Floats) -> Floats:
         """Lowest and highest corner of each object seen along axes of its own (K, 3, 3); its origin without points."""
         found = np.empty((2, len(self), 3))
         for obj, rows in enumerate(self.meshes):
@@ -123,17 +123,17 @@ class Objects:
         return PartBoxes(found.boxes.take(order), owner[order])
 
     @cached_property
-    def yaw(self) -> NDArray[np.float64]:
+    def yaw(self) -> Floats:
         """Turns about the vertical, radians (K,)."""
         return heading(self.world[self.rows, :3, :3])
 
     @cached_property
-    def upright(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def upright(self) -> tuple[Floats, Floats]:
         """Centres and half extents (K, 3) of the boxes around the parts that are turned by ``yaw`` only."""
         return upright_boxes(self.parts.boxes, self.parts.owner, self.yaw, self.world[self.rows, :3, 3])
 
     @cached_property
-    def above(self) -> NDArray[np.int64]:
+    def above(self) -> Ints:
         """int64 (K,): the next object up the hierarchy, -1 for none."""
         nearest: list[int] = []
         own = np.full(len(self.graph), -1, np.int64)
@@ -181,6 +181,6 @@ def find_objects(graph: SceneGraph, empty: bool = True) -> Objects:
     return Objects(graph, rows, of_row)
 
 
-def _shown(graph: SceneGraph) -> NDArray[np.bool_]:
+def _shown(graph: SceneGraph) -> Bools:
     """Which rows have a mesh with points, bool (N,)."""
     return np.array([len(mesh.points) > 0 for mesh in graph.meshes] + [False], bool)[graph.mesh]

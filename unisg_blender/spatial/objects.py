@@ -6,11 +6,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..errors import UniSGError
+from ..geometry.arrays import Floats, Ints
 from ..geometry.boxes import Boxes
 from ..scene import SceneGraph
+from ..scene.categories import category_numbers
 from .object_rows import object_rows
 from .supports import find_supports
 
@@ -37,26 +38,26 @@ class SceneObjects:
         K strings: the relation in which each stands to its support ("on_top_of" ...), "" for none.
     """
 
-    row: NDArray[np.int64]
-    category: NDArray[np.int64]
-    support: NDArray[np.int64]
-    center: NDArray[np.float64]
-    half: NDArray[np.float64]
-    yaw: NDArray[np.float64]
+    row: Ints
+    category: Ints
+    support: Ints
+    center: Floats
+    half: Floats
+    yaw: Floats
     parts: Boxes
-    owner: NDArray[np.int64]
+    owner: Ints
     relation: tuple[str, ...]
 
     def __len__(self) -> int:
         return len(self.row)
 
     @property
-    def bottom(self) -> NDArray[np.float64]:
+    def bottom(self) -> Floats:
         """Heights of the lowest points, (K,)."""
         return self.center[:, 2] - self.half[:, 2]
 
     @property
-    def top(self) -> NDArray[np.float64]:
+    def top(self) -> Floats:
         """Heights of the highest points, (K,)."""
         return self.center[:, 2] + self.half[:, 2]
 
@@ -69,10 +70,8 @@ def scene_objects(graph: SceneGraph, vocabulary: Sequence[str]) -> SceneObjects:
     """The objects of a scene, categories numbered as in ``vocabulary``."""
     supports = find_supports(graph)
     objects = supports.objects
-    known = {name: position for position, name in enumerate(vocabulary)}
-    codes = np.array([known.get(name, -1) for name in graph.vocabulary] + [-1], np.int64)
     return SceneObjects(
-        objects.rows, codes[graph.category[objects.rows]], supports.first, *objects.upright, objects.yaw,
+        objects.rows, category_numbers(graph, vocabulary)[objects.rows], supports.first, *objects.upright, objects.yaw,
         objects.parts.boxes, objects.parts.owner, tuple(supports.first_kind.tolist()),
     )  # fmt: skip
 

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..geometry.arrays import Ints
 from ..geometry.box_overlap import nearby_pairs, penetration
 from ..geometry.surface_contact import contact_heights, surface_gap, walls_around, within
 from ..scene import components
@@ -62,22 +63,17 @@ class RelationTolerances:
 
 def relate(graph: SceneGraph, tolerances: RelationTolerances = RelationTolerances()) -> SceneGraph:
     """The scenegraph with its relations computed anew; relations of kinds of its user's own stay."""
-    found = find_relations(graph, tolerances)
+    return with_relations(graph, find_relations(graph, tolerances), KINDS)
+
+
+def with_relations(graph: SceneGraph, found: Iterable[Found], kinds: Collection[str]) -> SceneGraph:
+    """The scenegraph with these relations for those of some ``kinds`` that it had; all others stay."""
     old = graph.components.get(components.RELATIONS)
-    kept = [
-        (int(row), kind, target)
-        for row, kind, target in (
-            [] if old is None else zip(old.rows, old.columns["kind"], old.columns["target"], strict=True)
-        )
-        if kind not in KINDS
-    ]
-    entries = kept + [(row, kind, graph.uid[target]) for row, kind, target in found]
-    made = table(
-        [row for row, _, _ in entries],
-        kind=[kind for _, kind, _ in entries],
-        target=[target for _, _, target in entries],
-    )
-    return graph.with_component(components.RELATIONS, made)
+    entries = [] if old is None else [*zip(old.rows.tolist(), old.columns["kind"], old.columns["target"], strict=True)]
+    entries = [entry for entry in entries if entry[1] not in kinds]
+    entries += [(row, kind, graph.uid[target]) for row, kind, target in found]
+    rows, kind, target = zip(*entries, strict=True) if entries else ((), (), ())
+    return graph.with_component(components.RELATIONS, table(list(rows), kind=list(kind), target=list(target)))
 
 
 def find_relations(graph: SceneGraph, tolerances: RelationTolerances = RelationTolerances()) -> list[Found]:
@@ -102,7 +98,7 @@ def find_relations(graph: SceneGraph, tolerances: RelationTolerances = RelationT
     return sorted(rows + [(row, "part_of", above) for row, above in own.items() if row != above])
 
 
-def _close_pairs(objects: Objects, tolerances: RelationTolerances) -> NDArray[np.int64]:
+def _close_pairs(objects: Objects, tolerances: RelationTolerances) -> Ints:
     """Pairs (K, 2) of objects of which some parts' oriented boxes touch, or one stands in the other's box."""
     parts = objects.parts
     pairs = nearby_pairs(parts.boxes, tolerances.gap)
@@ -122,7 +118,7 @@ def _close_pairs(objects: Objects, tolerances: RelationTolerances) -> NDArray[np
     return np.unique(np.concatenate([touching, near[nested]]), axis=0)
 
 
-def _touching(objects: Objects, pairs: NDArray[np.int64], tolerances: RelationTolerances) -> list[Found]:
+def _touching(objects: Objects, pairs: Ints, tolerances: RelationTolerances) -> list[Found]:
     """What rests on, lies in, belongs to or is joined with what."""
     found: list[Found] = []
     for one, two in pairs.tolist():

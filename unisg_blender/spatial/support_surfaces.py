@@ -5,8 +5,8 @@ from __future__ import annotations
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..geometry.arrays import Floats
 from ..geometry.boxes import Boxes, part_bottoms, part_tops, reach
 from .supports import CONTACT
 
@@ -23,7 +23,7 @@ OPEN = 2.0
 """Metres of headroom told where nothing of the object itself is above."""
 
 
-def support_surfaces(parts: Boxes, bottom: float) -> NDArray[np.float64]:
+def support_surfaces(parts: Boxes, bottom: float) -> Floats:
     """The surfaces of an object (S, 3), lowest first: height above its bottom, area (m2) and headroom, metres.
 
     Headroom is the clear height up to the next part of the object that covers a quarter of the surface.
@@ -47,8 +47,8 @@ def support_surfaces(parts: Boxes, bottom: float) -> NDArray[np.float64]:
 
 
 def _headroom(
-    part: int, tops: NDArray[np.float64], lows: NDArray[np.float64], middle: NDArray[np.float64],
-    reach: NDArray[np.float64],
+    part: int, tops: Floats, lows: Floats, middle: Floats,
+    reach: Floats,
 ) -> float:  # fmt: skip
     right, left = middle + reach, middle - reach
     over = np.minimum(right[part], right) - np.maximum(left[part], left)
@@ -57,7 +57,7 @@ def _headroom(
     return float(min((lows[above] - tops[part]).min(initial=OPEN), OPEN))
 
 
-def surface_at(surfaces: NDArray[np.float64], height: float) -> int:
+def surface_at(surfaces: Floats, height: float) -> int:
     """Which surface (S, 3) something stands on whose bottom is at a height above the object's bottom; -1 for none."""
     if not len(surfaces):
         return -1

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..geometry.arrays import Bools, Floats
 from ..geometry.planar import rectangle_gap, rotation
 
 TOUCH = 0.001
@@ -16,8 +16,8 @@ TOUCH = 0.001
 class Shapes(NamedTuple):
     """The parts of an asset in its frame: their middles (K, 3) and half sizes (K, 3)."""
 
-    middle: NDArray[np.float64]
-    half: NDArray[np.float64]
+    middle: Floats
+    half: Floats
 
 
 class Occupancy:
@@ -31,7 +31,7 @@ class Occupancy:
         self._owner = np.empty(512, np.int64)
         self._extent = np.empty((6, 512))  # along the world's axes: lowest x, y, z, highest x, y, z
 
-    def add(self, shapes: Shapes, pose: NDArray[np.float64], owner: int) -> None:
+    def add(self, shapes: Shapes, pose: Floats, owner: int) -> None:
         """Enter the parts of an asset that stands at ``pose`` (x, y, z, yaw)."""
         center, reach = _in_world(shapes, pose[None])
         stop = self._count + len(shapes.half)
@@ -50,9 +50,7 @@ class Occupancy:
         self._extent[:3, rows], self._extent[3:, rows] = (center[0] - reach[0]).T, (center[0] + reach[0]).T
         self._count = stop
 
-    def free(
-        self, shapes: Shapes, poses: NDArray[np.float64], ignore: int = -2, clearance: float = 0.0
-    ) -> NDArray[np.bool_]:
+    def free(self, shapes: Shapes, poses: Floats, ignore: int = -2, clearance: float = 0.0) -> Bools:
         """At which poses (T, 4: x, y, z, yaw) the parts meet nothing, bool (T,).
 
         ``ignore`` is an owner that may be met (what the object stands in or on);
@@ -81,7 +79,7 @@ class Occupancy:
         return ~hit.any(axis=1)
 
 
-def _in_world(shapes: Shapes, poses: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _in_world(shapes: Shapes, poses: Floats) -> tuple[Floats, Floats]:
     """Centres (T, K, 3) and half sizes along the world's axes (T, K, 3) of parts at poses."""
     flipped = rotation(poses[:, 3]).transpose(0, 2, 1)
     return shapes.middle @ flipped + poses[:, None, :3], shapes.half @ np.abs(flipped)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ...geometry.arrays import Bools, Floats, Ints
 from ...scene import SceneGraph, world_matrices
-from ...scene.categories import has_category
+from ...scene.categories import category_numbers, has_category
 from ...spatial import find_supports
 from ...spatial.supports import SUPPORT_KINDS
 from .action_kinds import Kinds
@@ -84,14 +84,12 @@ def observe_behaviour(
     rows = _participants(graph, kinds, above)
     number = np.full(len(graph) + 1, -1, np.int64)
     number[rows] = np.arange(len(rows))
-    known = {name: position for position, name in enumerate(kinds.categories)}
-    codes = np.array([known.get(name, -1) for name in graph.vocabulary] + [-1], np.int64)
     actions = list(read_roled_actions(graph) if roled_actions is None else roled_actions)
     relation = [RELATIONS.index(kind) for kind in held[rows]]
     stage = [-1 if roled.stage is None else kinds.stage_number.get(roled.stage.name, -1) for roled in actions]
     return BehaviourObservation(
         rows=rows,
-        category=codes[graph.category[rows]],
+        category=category_numbers(graph, kinds.categories)[rows],
         new=np.array([graph.uid[row] in wanted for row in rows.tolist()], bool),
         support=number[above[rows]],
         relation=np.array(relation, np.int64),

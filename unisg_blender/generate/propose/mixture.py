@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from scipy.special import i0e, ndtr, ndtri
 
 from ...geometry.arrays import Bools, Floats
-from ...geometry.planar import rotate_by
+from ...geometry.planar import rotate_by, wrapped
 from ..observe.scene_tokens import Arrays
 
 COMPONENTS = 48
@@ -35,7 +35,7 @@ def draw_places(
     part = np.searchsorted(total, rng.random(count) * total[-1]).clip(max=len(total) - 1)
     cos, sin = box[part // COMPONENTS, 6:].T.astype(np.float64)
     offset = ndtri(rng.uniform(ndtr(-TAIL), ndtr(TAIL), (count, 2))) * sigma[part]
-    turn = rng.vonmises(_wrapped(heading[part]), kappa[part])
+    turn = rng.vonmises(wrapped(heading[part]), kappa[part])
     place = mean[part] + rotate_by(offset, cos, sin)
     axis = np.arctan2(sin.copy(), cos.copy())  # of strided columns it varies by the last bit
     return np.column_stack([place, turn]), axis, kappa[part]
@@ -65,14 +65,10 @@ def behind_walls(box: NDArray[np.float32], flags: NDArray[np.float32], mean: Flo
     return ((np.abs(along) < long) & (into < thick + half / 2) & (into > -BEHIND)).any(axis=1)
 
 
-def _wrapped(angle: Floats) -> Floats:
-    return (angle + np.pi) % (2 * np.pi) - np.pi
-
-
 def snapped(yaw: Floats, axis: Floats, kappa: Floats, slack: float) -> Floats:
     """Headings (T,), turned towards the nearest quarter from ``axis`` where the model is sure and they are near it.
 
     A share ``slack`` of what they are off is left.
     """
-    off = _wrapped(4 * (yaw - axis)) / 4
+    off = wrapped(4 * (yaw - axis)) / 4
     return yaw - (1 - slack) * np.where((kappa >= ALIGNED) & (np.abs(off) < SNAP), off, 0.0)
