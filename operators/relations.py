@@ -76,10 +76,10 @@ class UNISG_OT_relations(Operator):
 
 
 def _predicted(graph: SceneGraph, model: str) -> SceneGraph:
-    from ..unisg_blender.predict.support_prediction import TopologyModel, with_relations
+    from ..unisg_blender.predict.support_prediction import TopologyModel, with_supports
 
     path = None if model == SHIPPED else bpy.path.abspath(model)
-    return with_relations(graph, TopologyModel(path).find(graph))
+    return with_supports(graph, TopologyModel(path).find(graph))
 
 
 CLASSES = (UNISG_OT_relations,)

@@ -15,15 +15,15 @@ from unisg_blender.behaviour.check.deviation import away_by, placed
 from unisg_blender.geometry.affine_rows import gather, rotation_and_size, turn_between
 from unisg_blender.geometry.box_distance import separation
 from unisg_blender.geometry.box_overlap import penetration
+from unisg_blender.geometry.boxes import Boxes
 from unisg_blender.scene import (
     ActionData,
-    Boxes,
     SceneBuilder,
     Thresholds,
     mesh_from_faces,
-    oriented_boxes,
     world_matrices,
 )
+from unisg_blender.spatial import oriented_boxes
 
 CUBE = mesh_from_faces(
     "cube",

@@ -16,7 +16,7 @@ from unisg_blender.dataset.assets.asset_file import AssetFile, Assets, assets_by
 from unisg_blender.dataset.shaped_scenes import scenes_with_shapes
 from unisg_blender.errors import UniSGError
 from unisg_blender.scene import Material, Mesh, SceneBuilder, SceneGraph, mesh_from_faces
-from unisg_blender.spatial.objects import object_rows
+from unisg_blender.spatial.object_rows import object_rows
 
 
 def room(number: int, shapes: int = 1, faces: int = 6) -> SceneGraph:

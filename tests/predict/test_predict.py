@@ -13,12 +13,13 @@ from tests.evaluate.hand_made import Scene, box_mesh, table_mesh
 from unisg_blender.cli import main
 from unisg_blender.errors import UniSGError
 from unisg_blender.geometry.boxes import Boxes
-from unisg_blender.predict.object_pairs import candidate_pairs, object_boxes, pair_features, relative_poses
+from unisg_blender.predict.object_pairs import candidate_pairs, pair_features, relative_poses
 from unisg_blender.predict.prediction_session import load_network
 from unisg_blender.predict.scene_kind import SceneModel
-from unisg_blender.predict.support_prediction import TopologyModel, with_relations
+from unisg_blender.predict.support_prediction import TopologyModel, with_supports
 from unisg_blender.scene import SceneGraph, world_matrices
 from unisg_blender.scene.properties import relations_of
+from unisg_blender.spatial import find_objects
 from unisg_blender.worlds import cubes, living_room, operating_room
 
 
@@ -39,14 +40,16 @@ def boxes(count: int, seed: int = 0) -> Boxes:
 
 
 def test_boxes_of_things_follow_their_own_axes(stack: SceneGraph) -> None:
-    rows, found = object_boxes(stack)
+    objects = find_objects(stack, empty=False)
+    rows, found = objects.rows, objects.oriented
     place = rows.tolist().index(stack.row("above"))
     np.testing.assert_allclose(np.sort(found.half[place]), [0.1, 0.1, 0.1], atol=1e-6)
     np.testing.assert_allclose(found.center[place], [0.02, 0.01, 0.4], atol=1e-6)
 
 
 def test_near_things_and_large_ones_are_candidates(stack: SceneGraph) -> None:
-    rows, found = object_boxes(stack)
+    objects = find_objects(stack, empty=False)
+    rows, found = objects.rows, objects.oriented
     pairs = {(int(rows[a]), int(rows[b])) for a, b in candidate_pairs(found, 1)}
     floor, above, below = (stack.row(name) for name in ("floor", "above", "below"))
     assert {(above, below), (below, floor), (floor, below)} <= pairs
@@ -105,7 +108,7 @@ def test_predicted_relations_replace_those_of_their_kind() -> None:
     scene = Scene()
     table = scene.box("table", None, (0, 0, 0), mesh=table_mesh(), relation=("on_top_of", "floor"))
     scene.box("cup", (0.1, 0.1, 0.1), (0, 0, 0.75), parent=table, relation=("belongs_to", "table"))
-    graph = with_relations(scene.build(), [(2, "on_top_of", 1, 0.9)])
+    graph = with_supports(scene.build(), [(2, "on_top_of", 1, 0.9)])
     assert [(item.kind, item.target) for item in relations_of(graph, 2)] == [
         ("belongs_to", "table"),
         ("on_top_of", "table"),
@@ -164,6 +167,6 @@ def test_a_bent_scene_still_has_finite_features() -> None:
     graph = scene.build()
     local = graph.local.copy()
     local[1, :3, 0] = 0  # a zero scale
-    _, found = object_boxes(graph.replace(local=local))
+    found = find_objects(graph.replace(local=local), empty=False).oriented
     assert np.isfinite(pair_features(found, candidate_pairs(found))).all()
     assert len(world_matrices(graph)) == len(graph)

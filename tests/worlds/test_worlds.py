@@ -12,10 +12,10 @@ import pytest
 from unisg_blender.behaviour import check_scene, moments, operations, prepare, rehearse, simulate
 from unisg_blender.geometry.polygon import area
 from unisg_blender.metrics.scene_validity import measure_scene, support_levels
-from unisg_blender.metrics.support_gaps import find_supports
 from unisg_blender.scene import SceneGraph, world_matrices
 from unisg_blender.spatial import oriented_boxes
 from unisg_blender.spatial.floor_plan import room_outline
+from unisg_blender.spatial.supports import find_supports
 from unisg_blender.worlds import WORLDS, cube_pairs, cubes, living_room, operating_room
 
 from .digest import digest

@@ -56,7 +56,7 @@ def run(args: argparse.Namespace) -> int:
 
 def _run_model(args: argparse.Namespace) -> int:
     """The same by a trained network; with ``--out`` it replaces what the scene says about what is on top of what."""
-    from ..predict.support_prediction import KIND, TopologyModel, with_relations
+    from ..predict.support_prediction import KIND, TopologyModel, with_supports
 
     if args.kind not in (None, [KIND]):
         raise UniSGError(f"the network knows {KIND!r} only: leave out --kind, or --model")
@@ -64,7 +64,7 @@ def _run_model(args: argparse.Namespace) -> int:
     graph, _ = read_shown(args, args.file, args.out)
     found = model.find(graph)
     if args.out is not None:
-        write_scene_file(with_relations(graph, found), args.out)
+        write_scene_file(with_supports(graph, found), args.out)
     records = _records(graph, [entry[:3] for entry in found])
     chances = [record | {"chance": entry[3]} for record, entry in zip(records, found, strict=True)]
     lines = (f"{_line(graph, *entry[:3])}  {entry[3]:.0%}" for entry in found)

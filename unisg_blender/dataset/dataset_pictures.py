@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import MissingPackageError
+from ..geometry.boxes import corners
 from ..runtime.atomic_files import filling
 from ..spatial import oriented_boxes
 from .dataset_description import describe_dataset, entity_sizes, scene_numbers
@@ -19,7 +20,6 @@ from .rebuild import BOX_FACES, to_scenegraph
 SCENES = 24
 COLUMNS = 6
 CATEGORIES = 40
-CORNERS = np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
 
 
 def draw_dataset(path: str | os.PathLike[str], out: str | os.PathLike[str]) -> list[Path]:
@@ -90,9 +90,9 @@ def draw_top_view(axes: Any, scene: Scene) -> None:
 
     boxes = oriented_boxes(to_scenegraph(scene))
     solid = np.flatnonzero(boxes.solid)
-    corners = boxes.center[:, None] + np.einsum("nij,knj->nki", boxes.axes, CORNERS[:, None] * boxes.half)
-    order = solid[np.argsort(corners[solid, :, 2].max(axis=1))]
-    quads: NDArray[np.float64] = corners[order][:, BOX_FACES][..., :2].reshape(-1, 4, 2)
+    points = corners(boxes)
+    order = solid[np.argsort(points[solid, :, 2].max(axis=1))]
+    quads: NDArray[np.float64] = points[order][:, BOX_FACES][..., :2].reshape(-1, 4, 2)
     colour = colormaps["tab20"](scene["entity.category"][order] % 20)
     colour[scene["entity.category"][order] < 0] = (0.85, 0.85, 0.85, 1.0)
     faces = np.repeat(colour, len(BOX_FACES), axis=0)

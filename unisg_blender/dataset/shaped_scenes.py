@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
+from ..geometry.boxes import SIGNS
 from ..scene import Mesh, SceneGraph, mesh_from_faces
 from .format.columns import mesh_checksums
 from .format.reader import Dataset
@@ -43,8 +44,7 @@ def _shape_mesh(box: Mesh, parts: NDArray[np.float32] | None, outline: NDArray[n
         return mesh_from_faces(box.name, points, [steps[::-1].tolist(), (count + steps).tolist(), *sides.tolist()])
     if parts is None or not len(parts):
         return box
-    corners = np.stack(np.meshgrid(*[[0, 1]] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
-    points = parts[:, corners, np.arange(3)]
+    points = parts[:, (SIGNS > 0).astype(int), np.arange(3)]
     faces = [[8 * place + corner for corner in face] for place in range(len(parts)) for face in BOX_FACES]
     return mesh_from_faces(box.name, points.reshape(-1, 3), faces)
 

@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..poses.polar import pose_rotation
+from .arrays import Bools, Floats
 
-Array = NDArray[np.float64]
+Array = Floats
 
 _ORTHOGONAL = 1e-12
 
@@ -71,7 +72,7 @@ def length(a: Array) -> Array:
     return np.sqrt(dot(a, a))
 
 
-def rotation_and_size(a: Array) -> tuple[Array, Array, NDArray[np.bool_]]:
+def rotation_and_size(a: Array) -> tuple[Array, Array, Bools]:
     """Rotations as columns (9, K), the lengths (3, K) of the matrices' columns, and where these are at right angles.
 
     The rotation is that of the polar decomposition. Without shear the columns scaled

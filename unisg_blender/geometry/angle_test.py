@@ -8,9 +8,9 @@ doubt, nothing else is needed. :mod:`..behaviour.check.deviation` computes the a
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .affine_rows import Array, column_products, determinant
+from .arrays import Bools
 
 _SKEW = 1e-13
 """By this much less than 1 may the volume of columns of length 1 be: they are askew by at most 5e-7."""
@@ -32,7 +32,7 @@ def compose_turns(first: Array, second: Array) -> Array:
     return result
 
 
-def plainly_turned(first: Array, second: Array, trace: Array) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+def plainly_turned(first: Array, second: Array, trace: Array) -> tuple[Bools, Bools]:
     """Where the turn between matrices (3, 3, K) is plainly below, and where plainly above the angle of ``trace``.
 
     Both bool (K,); neither is true where the limit is too near, or a matrix is sheared,

@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-from itertools import product
-
 import numpy as np
-from numpy.typing import NDArray
 
-from .boxes import Boxes
+from .arrays import Floats
+from .boxes import Boxes, corners
 
-_CORNERS = np.array(list(product((-1.0, 1.0), repeat=3)))
 _EDGES = np.array([(a, b) for a in range(8) for b in range(a + 1, 8) if (a ^ b).bit_count() == 1])
 _AT_ONCE = 500  # pairs of boxes: 144 pairs of edges each
 
 
-def separation(first: Boxes, second: Boxes) -> NDArray[np.float64]:
+def separation(first: Boxes, second: Boxes) -> Floats:
     """Distance (K,) in metres between box k of ``first`` and box k of ``second``; of no use where they overlap.
 
     Between convex bodies the shortest way joins a corner of one to the other box, or
@@ -27,19 +24,15 @@ def separation(first: Boxes, second: Boxes) -> NDArray[np.float64]:
     return result
 
 
-def _corners(boxes: Boxes) -> NDArray[np.float64]:
-    return boxes.center[:, None] + np.einsum("kij,kcj->kci", boxes.axes, _CORNERS * boxes.half[:, None])
-
-
-def _corner_distance(first: Boxes, second: Boxes) -> NDArray[np.float64]:
-    seen = np.einsum("kij,kci->kcj", second.axes, _corners(first) - second.center[:, None])
+def _corner_distance(first: Boxes, second: Boxes) -> Floats:
+    seen = np.einsum("kij,kci->kcj", second.axes, corners(first) - second.center[:, None])
     outside = np.maximum(np.abs(seen) - second.half[:, None], 0)
     return _length(outside).min(axis=1)
 
 
-def _edge_distance(first: Boxes, second: Boxes) -> NDArray[np.float64]:
+def _edge_distance(first: Boxes, second: Boxes) -> Floats:
     """Shortest way between edges where both ends lie inside them; infinite where there is none."""
-    p, q = _corners(first), _corners(second)
+    p, q = corners(first), corners(second)
     start, along = p[:, _EDGES[:, 0], None], (p[:, _EDGES[:, 1]] - p[:, _EDGES[:, 0]])[:, :, None]
     other, across = q[:, None, _EDGES[:, 0]], (q[:, _EDGES[:, 1]] - q[:, _EDGES[:, 0]])[:, None]
     offset = other - start
@@ -53,9 +46,9 @@ def _edge_distance(first: Boxes, second: Boxes) -> NDArray[np.float64]:
     return np.where(inside, _length(gap), np.inf).min(axis=(1, 2))
 
 
-def _dot(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64]:
+def _dot(a: Floats, b: Floats) -> Floats:
     return np.einsum("...i,...i->...", a, b)
 
 
-def _length(a: NDArray[np.float64]) -> NDArray[np.float64]:
+def _length(a: Floats) -> Floats:
     return np.sqrt(_dot(a, a))

@@ -2,8 +2,8 @@
 
 From a point of one box to the nearest point of the other, and back from there: if the
 two are near enough, the boxes are; if all of the first box lies too far beyond, seen
-along the line between them, they are not. Then the separating axes are tried. What is
-left open, and what is too close to call, is for the exact test in :mod:`..behaviour.check.body_contact`.
+along the line between them, they are not. What is left open, and what is too close to call, is
+for the exact test in :mod:`..behaviour.check.body_contact`.
 """
 
 from __future__ import annotations
@@ -14,8 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .affine_rows import Array, column_products, determinant, dot, length, linear, some, transform
-
-Bools = NDArray[np.bool_]
+from .arrays import Bools
 
 _ROUNDS = 2
 _SKEW = 1e-12
@@ -23,9 +22,6 @@ _SKEW = 1e-12
 
 _SLACK = 1e-5
 """Part of the sizes and the distance within which nothing is decided: more than skew and rounding can change."""
-
-_PARALLEL = 1e-3
-"""Sine of the angle between edges below which their product is no axis to trust."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,8 +97,6 @@ def _there_and_back(to: Bricks, of: Bricks, distance: Array, slack: Array, sound
             break
         rows, distance, slack = rows[left], distance[left], slack[left]
         of, to, point = to.take(left), of.take(left), some(point, left)
-    else:
-        near[rows], apart[rows] = _by_axes(of, to, distance, slack)
     return near, apart
 
 
@@ -112,28 +106,3 @@ def _way_out(boxes: Bricks, points: Array) -> tuple[Array, Array]:
     beyond = np.abs(seen) - boxes.half
     outside = np.copysign(np.maximum(beyond, 0.0), seen)
     return beyond.max(axis=0), np.einsum("ijk,jk->ik", boxes.axes, outside)
-
-
-def _by_axes(first: Bricks, second: Bricks, distance: Array, slack: Array) -> tuple[Bools, Bools]:
-    """Near, because they overlap seen along all 15 axes; apart, because along one they are too far from each other."""
-    offset = second.center - first.center
-    turn = np.einsum("kip,kjp->ijp", first.axes, second.axes)  # the second's axes in the first's frame
-    size = np.abs(turn)
-    seen = np.einsum("kip,kp->ip", first.axes, offset)
-    over = first.half + np.einsum("ijp,jp->ip", size, second.half) - np.abs(seen)
-    back = second.half + np.einsum("ijp,ip->jp", size, first.half)
-    back -= np.abs(np.einsum("kjp,kp->jp", second.axes, offset))
-    faces = np.minimum(over.min(axis=0), back.min(axis=0))
-    sine = np.sqrt(np.maximum(1.0 - turn * turn, 0.0))
-    skewed = sine > _PARALLEL
-    cross, apart = np.ones(len(slack), bool), faces < -(distance + slack)
-    one, two = [1, 2, 0], [2, 0, 1]
-    for i, j, k in zip(range(3), one, two, strict=True):
-        reach = first.half[j] * size[k] + first.half[k] * size[j]
-        reach += second.half[one] * size[i, two] + second.half[two] * size[i, one]
-        reach -= np.abs(seen[k] * turn[j] - seen[j] * turn[k])
-        cross &= ((reach >= slack) | ~skewed[i]).all(axis=0)
-        apart |= ((reach < -(distance + slack) * sine[i]) & (reach < -slack) & skewed[i]).any(axis=0)
-    # where edges are nearly parallel the faces decide, if they leave more room than the angle between the edges
-    enough = np.where(skewed.all(axis=(0, 1)), slack, 4 * _PARALLEL / _SLACK * slack)
-    return (faces >= enough) & cross, apart

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-from .boxes import Boxes
+from .arrays import Floats, Ints
+from .boxes import Boxes, world_bounds
 
 _SWEEP_UP_TO = 4000
 
 
-def penetration(first: Boxes, second: Boxes) -> NDArray[np.float64]:
+def penetration(first: Boxes, second: Boxes) -> Floats:
     """How deep box k of ``first`` reaches into box k of ``second``, float64 (K,), metres.
 
     Separating-axis test over 3 + 3 face normals and 9 products of edges (Gottschalk,
@@ -35,22 +35,22 @@ def penetration(first: Boxes, second: Boxes) -> NDArray[np.float64]:
     return np.minimum(depth, edges.min(axis=(1, 2)))
 
 
-def nearby_pairs(boxes: Boxes, margin: float = 0.0) -> NDArray[np.int64]:
+def nearby_pairs(boxes: Boxes, margin: float = 0.0) -> Ints:
     """Pairs (K, 2) of boxes whose axis-aligned boxes come within ``margin`` metres; first < second, sorted.
 
     Up to some thousand boxes are swept along one axis. More are O(N log N) for objects spread
     out in space: every box is entered in a grid whose cells are as large as itself, and
     looks among the boxes of its own and of larger size only into the 27 cells around it.
     """
-    reach = np.abs(boxes.axes) @ boxes.half[:, :, None]
-    low, high = boxes.center - reach[:, :, 0] - margin / 2, boxes.center + reach[:, :, 0] + margin / 2
+    low, high = world_bounds(boxes)
+    low, high = low - margin / 2, high + margin / 2
     first, second = _swept_pairs(low, high) if len(low) <= _SWEEP_UP_TO else _grid_pairs(low, high)
     hit = ((low[first] <= high[second]) & (low[second] <= high[first])).all(axis=1)
     pairs = np.stack([first[hit], second[hit]], axis=1)
     return pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
 
 
-def _swept_pairs(low: NDArray[np.float64], high: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def _swept_pairs(low: Floats, high: Floats) -> tuple[Ints, Ints]:
     """Candidates that overlap along the axis on which the boxes are spread out most, each once."""
     axis = int((low.max(axis=0, initial=-np.inf) - low.min(axis=0, initial=np.inf)).argmax())
     order = np.argsort(low[:, axis], kind="stable")
@@ -61,7 +61,7 @@ def _swept_pairs(low: NDArray[np.float64], high: NDArray[np.float64]) -> tuple[N
     return np.minimum(one, two), np.maximum(one, two)
 
 
-def _grid_pairs(low: NDArray[np.float64], high: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def _grid_pairs(low: Floats, high: Floats) -> tuple[Ints, Ints]:
     """Candidates out of a grid per size class; every pair that overlaps is among them, each once."""
     middle, longest = (low + high) / 2, np.maximum((high - low).max(axis=1), 1e-3)
     level = np.ceil(np.log2(longest)).astype(np.int64)
@@ -86,7 +86,7 @@ def _grid_pairs(low: NDArray[np.float64], high: NDArray[np.float64]) -> tuple[ND
     return np.minimum(visitor, resident), np.maximum(visitor, resident)
 
 
-def _cell_keys(points: NDArray[np.float64], rows: NDArray[np.int64], cell: float) -> NDArray[np.int64]:
+def _cell_keys(points: Floats, rows: Ints, cell: float) -> Ints:
     """One number per cell; cells far apart may share one, which costs a test and never loses a pair."""
     x, y, z = (np.floor(points[rows] / cell).astype(np.int64) & 0x1FFFFF).T
     return x << 42 | y << 21 | z

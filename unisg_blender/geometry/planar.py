@@ -1,58 +1,45 @@
-"""Turns about the vertical, footprints and the gaps between them."""
+"""Turns about the vertical, rectangles that are turned, and the gaps between them."""
 
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
+
+from .arrays import Floats
+
+Angles = Floats | float
 
 
-def footprint_gap(
-    center: NDArray[np.float64], half: NDArray[np.float64], yaw: float, places: NDArray[np.float64],
-    other: NDArray[np.float64],
-) -> NDArray[np.float64]:  # fmt: skip
-    """Separation (T,) of a rectangle from others at places (T, 4), seen from above, metres; negative: they overlap.
-
-    The largest along the axes of the two, of half extents ``half`` and ``other``.
-    """
-    dx, dy = (places[:, :2] - center[:2]).T
-    cos, sin = np.abs(np.cos(places[:, 3] - yaw)), np.abs(np.sin(places[:, 3] - yaw))
-    gaps = []
-    for turn, own, them in ((np.full(len(places), yaw), half, other), (places[:, 3], other, half)):
-        c, s = np.cos(turn), np.sin(turn)
-        gaps.append(np.abs(c * dx + s * dy) - own[0] - cos * them[0] - sin * them[1])
-        gaps.append(np.abs(c * dy - s * dx) - own[1] - sin * them[0] - cos * them[1])
-    return np.max(gaps, axis=0)
+def rotate(points: Floats, angle: Angles) -> Floats:
+    """Points (..., 2) or (..., 3) turned about the vertical by angles (...,), radians; both broadcast."""
+    return rotate_by(points, np.cos(angle), np.sin(angle))
 
 
-def turned(points: NDArray[np.float64], angle: NDArray[np.float64] | float) -> NDArray[np.float64]:
-    """Points (..., 3) or (..., 2) turned about the vertical by angles (...,), radians."""
-    cos, sin = np.cos(angle), np.sin(angle)
-    result = np.array(points, np.float64)
-    result[..., 0] = cos * points[..., 0] - sin * points[..., 1]
-    result[..., 1] = sin * points[..., 0] + cos * points[..., 1]
+def rotate_by(points: Floats, cos: Angles, sin: Angles) -> Floats:
+    """The same for angles with these cosines and sines (...,)."""
+    x, y = points[..., 0], points[..., 1]
+    turned_x = cos * x - sin * y
+    result = np.empty((*np.shape(turned_x), points.shape[-1]))
+    result[..., 0], result[..., 1], result[..., 2:] = turned_x, sin * x + cos * y, points[..., 2:]
     return result
 
 
-def outside_rectangle(
-    points: NDArray[np.float64], yaw: NDArray[np.float64] | float, half: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """How far points (..., 2) are outside of rectangles around the origin, turned by angles (...,), metres (...,).
-
-    ``half`` (..., 2) are half extents.
-    """
-    beyond = np.maximum(np.abs(turned(points, -yaw)) - half, 0)
-    return np.hypot(beyond[..., 0], beyond[..., 1])
+def rotation(angle: Angles) -> Floats:
+    """The matrices (..., 3, 3) of turns about the vertical by angles (...,), radians."""
+    matrix = np.zeros((*np.shape(angle), 3, 3))
+    matrix[..., 0, 0] = matrix[..., 1, 1] = np.cos(angle)
+    matrix[..., 1, 0], matrix[..., 2, 2] = np.sin(angle), 1
+    matrix[..., 0, 1] = -matrix[..., 1, 0]
+    return matrix
 
 
-def footprints(half: NDArray[np.float64], places: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Corners (T, 4, 2) of the box's footprint at places (T, 4), world metres."""
-    cos, sin = np.cos(places[:, 3]), np.sin(places[:, 3])
-    u = half[0] * np.stack([cos, sin], axis=1)
-    v = half[1] * np.stack([-sin, cos], axis=1)
-    return places[:, None, :2] + np.stack([u + v, v - u, -u - v, u - v], axis=1)
+def turn(angle: float) -> Floats:
+    """The 4x4 matrix of a turn about the vertical, radians."""
+    matrix = np.eye(4)
+    matrix[:3, :3] = rotation(angle)
+    return matrix
 
 
-def heading(linear: NDArray[np.float64]) -> NDArray[np.float64]:
+def heading(linear: Floats) -> Floats:
     """Turn about the vertical, radians (...,), of the linear parts (..., 3, 3) of world matrices.
 
     The twist of a swing-twist decomposition: what is left, R_z(-heading) R, turns
@@ -61,8 +48,44 @@ def heading(linear: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.arctan2(linear[..., 1, 0] - linear[..., 0, 1], linear[..., 0, 0] + linear[..., 1, 1])
 
 
-def turn(angle: float) -> NDArray[np.float64]:
-    """The 4x4 matrix of a turn about the vertical, radians."""
-    matrix = np.eye(4)
-    matrix[:2, :2] = [[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]]
-    return matrix
+def wrapped(angle: Floats) -> Floats:
+    """Angles in [-pi, pi)."""
+    return (angle + np.pi) % (2 * np.pi) - np.pi
+
+
+def turned_reach(half: Floats, angle: Angles) -> Floats:
+    """How far rectangles of half extents (..., 2) reach along x and y, (..., 2), turned by angles (...,), radians."""
+    cos, sin = np.abs(np.cos(angle)), np.abs(np.sin(angle))
+    return np.stack([cos * half[..., 0] + sin * half[..., 1], sin * half[..., 0] + cos * half[..., 1]], axis=-1)
+
+
+def rectangle_gap(offset: Floats, yaw: Angles, half: Floats, other_yaw: Angles, other_half: Floats) -> Floats:
+    """Separation (...,) of rectangles from others whose middles are at ``offset`` (..., 2), metres; all broadcast.
+
+    The largest along the axes of the two, which are turned by angles and have half extents (..., 2). Negative: they
+    overlap.
+    """
+    spin = np.asarray(other_yaw) - yaw
+    own = np.abs(rotate(offset, -np.asarray(yaw))) - half[..., :2] - turned_reach(other_half, spin)
+    other = np.abs(rotate(offset, -np.asarray(other_yaw))) - other_half[..., :2] - turned_reach(half, spin)
+    return np.maximum(own.max(axis=-1), other.max(axis=-1))
+
+
+def footprint_gap(center: Floats, half: Floats, yaw: float, places: Floats, other: Floats) -> Floats:
+    """:func:`rectangle_gap` (T,) of a box's footprint to that of another of half extents ``other`` at places (T, 4)."""
+    return rectangle_gap(places[:, :2] - center[:2], yaw, half, places[:, 3], other)
+
+
+def outside_rectangle(points: Floats, yaw: Angles, half: Floats) -> Floats:
+    """How far points (..., 2) are outside of rectangles around the origin, turned by angles (...,), metres (...,).
+
+    ``half`` (..., 2) are half extents.
+    """
+    beyond = np.maximum(np.abs(rotate(points, -np.asarray(yaw))) - half, 0)
+    return np.hypot(beyond[..., 0], beyond[..., 1])
+
+
+def footprints(half: Floats, places: Floats) -> Floats:
+    """Corners (T, 4, 2) of the box's footprint at places (T, 4), world metres, counter-clockwise."""
+    corners = half[:2] * np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]])
+    return places[:, None, :2] + rotate(corners, places[:, 3:])

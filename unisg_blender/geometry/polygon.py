@@ -1,35 +1,44 @@
-"""Polygons in the plane: area, inside, distance."""
+"""Polygons in the plane: area, inside, distance.
+
+Three short functions, for which shapely would put compiled wheels for every platform into Blender's zip.
+"""
 
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
+
+from .arrays import Bools, Floats
 
 
-def area(polygon: NDArray[np.float64]) -> float:
+def area(polygon: Floats) -> float:
     """Signed area of a polygon (K, 2), positive if counter-clockwise, square metres."""
     x, y = polygon.T
     return float(0.5 * (x @ np.roll(y, -1) - y @ np.roll(x, -1)))
 
 
-def next_corners(polygon: NDArray[np.float64]) -> NDArray[np.float64]:
+def next_corners(polygon: Floats) -> Floats:
     """The corner that follows each corner of a polygon, (K, 2)."""
     return np.concatenate([polygon[1:], polygon[:1]])
 
 
-def outside_distance(polygon: NDArray[np.float64], points: NDArray[np.float64]) -> NDArray[np.float64]:
+def outside_distance(polygon: Floats, points: Floats) -> Floats:
     """How far points (..., 2) lie outside a polygon (K, 2), metres; 0 for points inside."""
     outside = ~inside(polygon, points)
     distance = np.zeros(outside.shape)
     if outside.any():  # mostly none are
-        edge = next_corners(polygon) - polygon
-        offset = points[outside][:, None] - polygon
-        along = np.clip((offset * edge).sum(-1) / np.maximum((edge**2).sum(-1), 1e-18), 0, 1)
-        distance[outside] = np.linalg.norm(offset - along[..., None] * edge, axis=-1).min(axis=-1)
+        distance[outside] = np.linalg.norm(to_edges(polygon, points[outside]), axis=-1).min(axis=-1)
     return distance
 
 
-def inside(polygon: NDArray[np.float64], points: NDArray[np.float64]) -> NDArray[np.bool_]:
+def to_edges(polygon: Floats, points: Floats) -> Floats:
+    """The shortest ways (..., K, 2) from points (..., 2) to each edge of a polygon (K, 2), metres."""
+    edge = next_corners(polygon) - polygon
+    offset = points[..., None, :] - polygon
+    along = np.clip((offset * edge).sum(-1) / np.maximum((edge**2).sum(-1), 1e-18), 0, 1)
+    return along[..., None] * edge - offset
+
+
+def inside(polygon: Floats, points: Floats) -> Bools:
     """Which points (..., 2) lie inside a polygon (K, 2) of any shape (a ray to the right crosses it oddly often)."""
     (x0, y0), (x1, y1) = polygon.T, next_corners(polygon).T
     x, y = points[..., 0, None], points[..., 1, None]

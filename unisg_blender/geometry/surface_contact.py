@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..scene.graph import SceneGraph
-from ..scene.hierarchy import world_matrices
+from .arrays import Floats
 
-Triangles = NDArray[np.float64]
+Triangles = Floats
 """float64 (M, 3, 3): corners of triangles."""
 
 GRID = 8
@@ -17,36 +15,13 @@ STEEPEST = 0.5
 """Surfaces bear objects up to the slope whose normal has this upward part: 60 degrees."""
 
 
-class MeshSurfaces:
-    """World triangles of groups of rows, made when they are asked for."""
-
-    def __init__(self, graph: SceneGraph, rows_of: list[NDArray[np.int64]]) -> None:
-        self._graph, self._rows_of = graph, rows_of
-        self._world = world_matrices(graph)
-        self._made: dict[int, Triangles] = {}
-
-    def of(self, obj: int) -> Triangles:
-        """Triangles of one group, those with points that are no numbers left out."""
-        if obj not in self._made:
-            parts = [self._row(int(row)) for row in self._rows_of[obj]]
-            corners = np.concatenate([np.zeros((0, 3, 3)), *parts])
-            self._made[obj] = corners[np.isfinite(corners).all(axis=(1, 2))]
-        return self._made[obj]
-
-    def _row(self, row: int) -> Triangles:
-        mesh, matrix = self._graph.meshes[self._graph.mesh[row]], self._world[row]
-        points = mesh.points.astype(np.float64) @ matrix[:3, :3].T + matrix[:3, 3]
-        mirrored = np.linalg.det(matrix[:3, :3]) < 0
-        return points[mesh.triangles[:, ::-1] if mirrored else mesh.triangles]
-
-
-def within(triangles: Triangles, low: NDArray[np.float64], high: NDArray[np.float64]) -> Triangles:
+def within(triangles: Triangles, low: Floats, high: Floats) -> Triangles:
     """The triangles whose boxes reach into an axis-aligned box."""
     inside = (triangles.min(axis=1) <= high) & (triangles.max(axis=1) >= low)
     return triangles[inside.all(axis=1)]
 
 
-def heights(places: NDArray[np.float64], triangles: Triangles) -> NDArray[np.float64]:
+def heights(places: Floats, triangles: Triangles) -> Floats:
     """Height at which the vertical line through place k meets triangle m, float64 (K, M); NaN where it misses."""
     first, second, third = triangles[:, 0], triangles[:, 1], triangles[:, 2]
     one, two = second - first, third - first
@@ -60,8 +35,8 @@ def heights(places: NDArray[np.float64], triangles: Triangles) -> NDArray[np.flo
 
 
 def contact_heights(
-    upper: Triangles, lower: Triangles, low: NDArray[np.float64], high: NDArray[np.float64], gap: float, overlap: float
-) -> NDArray[np.float64]:
+    upper: Triangles, lower: Triangles, low: Floats, high: Floats, gap: float, overlap: float
+) -> Floats:
     """Heights of the places where ``upper`` rests on ``lower``.
 
     The vertical lines through a grid and through points of both surfaces are
@@ -89,7 +64,7 @@ def contact_heights(
     return below[place[first], bearer[first]]
 
 
-def _facing(places: NDArray[np.float64], triangles: Triangles, down: bool) -> NDArray[np.float64]:
+def _facing(places: Floats, triangles: Triangles, down: bool) -> Floats:
     """Heights of the surfaces that look down, or up; a line that meets only one surface takes it as it is."""
     found = heights(places, triangles)
     one, two = triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]
@@ -103,9 +78,7 @@ def _bearing(triangles: Triangles) -> Triangles:
     return triangles[np.abs(normal[:, 2]) > STEEPEST * np.linalg.norm(normal, axis=1)]
 
 
-def _places(
-    upper: Triangles, lower: Triangles, low: NDArray[np.float64], high: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def _places(upper: Triangles, lower: Triangles, low: Floats, high: Floats) -> Floats:
     steps = (np.arange(GRID) + 0.5) / GRID
     grid = np.stack(np.meshgrid(steps, steps), axis=-1).reshape(-1, 2)
     found = [low[:2] + grid * (high - low)[:2]]
@@ -116,7 +89,7 @@ def _places(
     return np.concatenate(found)
 
 
-def walls_around(point: NDArray[np.float64], triangles: Triangles, axes: NDArray[np.float64]) -> NDArray[np.float64]:
+def walls_around(point: Floats, triangles: Triangles, axes: Floats) -> Floats:
     """Distances from a point to a surface along and against each column of ``axes``, (3, 2) metres; inf for none."""
     found = np.full((3, 2), np.inf)
     local = (triangles - point) @ axes
@@ -133,14 +106,18 @@ def surface_gap(first: Triangles, second: Triangles) -> float:
     return min(_nearest(_probes(first), second), _nearest(_probes(second), first))
 
 
-def _probes(triangles: Triangles) -> NDArray[np.float64]:
+def _probes(triangles: Triangles) -> Floats:
     middles = (triangles + np.roll(triangles, 1, axis=1)) / 2
     points = np.concatenate([triangles.reshape(-1, 3), middles.reshape(-1, 3), triangles.mean(axis=1)])
     return points[:: max(1, len(points) // 256)]
 
 
-def _nearest(points: NDArray[np.float64], triangles: Triangles) -> float:
-    """Smallest distance of points from triangles: to the face where the foot is on it, else to an edge."""
+def _nearest(points: Floats, triangles: Triangles) -> float:
+    """Smallest distance of points from triangles: to the face where the foot is on it, else to an edge.
+
+    ``trimesh.triangles.closest_point`` says the same at the same speed, but to import it takes longer than to find
+    the relations of a room, and triangles of no size make it divide by zero.
+    """
     first = triangles[:, 0]
     one, two = triangles[:, 1] - first, triangles[:, 2] - first
     normal = np.cross(one, two)

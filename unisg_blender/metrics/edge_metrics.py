@@ -9,8 +9,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from ..geometry.arrays import Bools, Ints
 
-def average_precision(score: NDArray[np.floating], truth: NDArray[np.bool_]) -> float:
+
+def average_precision(score: NDArray[np.floating], truth: Bools) -> float:
     """Sum over thresholds of (recall gained) x (precision); ties in score count as one threshold.
 
     AP = sum_k (R_k - R_{k-1}) P_k, 0..1. Source: Zhu, "Recall, precision and average precision", 2004; the same as
@@ -24,7 +26,7 @@ def average_precision(score: NDArray[np.floating], truth: NDArray[np.bool_]) -> 
     return float((gained * right / called).sum())
 
 
-def area_under_roc(score: NDArray[np.floating], truth: NDArray[np.bool_]) -> float:
+def area_under_roc(score: NDArray[np.floating], truth: Bools) -> float:
     """Chance that a true pair scores higher than a false one, ties half, 0..1 (Hanley and McNeil, 1982).
 
     NaN without true or without false pairs.
@@ -37,7 +39,7 @@ def area_under_roc(score: NDArray[np.floating], truth: NDArray[np.bool_]) -> flo
     return float((np.diff(false) * (hit[1:] + hit[:-1]) / 2).sum())
 
 
-def f1_score(found: NDArray[np.bool_], truth: NDArray[np.bool_], missed: int = 0) -> float:
+def f1_score(found: Bools, truth: Bools, missed: int = 0) -> float:
     """2 TP / (2 TP + FP + FN), 0..1; 1 where there is nothing to find and nothing was found.
 
     ``missed`` counts true pairs that were not among the candidates at all.
@@ -47,16 +49,14 @@ def f1_score(found: NDArray[np.bool_], truth: NDArray[np.bool_], missed: int = 0
     return 2 * right / wrong if wrong else 1.0
 
 
-def best_threshold(score: NDArray[np.floating], truth: NDArray[np.bool_]) -> float:
+def best_threshold(score: NDArray[np.floating], truth: Bools) -> float:
     """The score from which on pairs are called true where F1 is greatest (for a validation set)."""
     order = np.sort(np.unique(score))[::-1]
     right, called = _at_thresholds(score, truth)
     return float(order[np.argmax(2 * right / (called + max(int(truth.sum()), 1)))])
 
 
-def _at_thresholds(
-    score: NDArray[np.floating], truth: NDArray[np.bool_]
-) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def _at_thresholds(score: NDArray[np.floating], truth: Bools) -> tuple[Ints, Ints]:
     """True pairs among the called ones, and the called ones, at every distinct score, highest first."""
     order = np.argsort(-score, kind="stable")
     last = np.append(np.flatnonzero(np.diff(score[order])), len(score) - 1)

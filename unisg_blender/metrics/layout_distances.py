@@ -13,9 +13,10 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from ..geometry.arrays import Floats
 from ..scene import SceneGraph
-from ..scene.categories import FLOOR
-from ..spatial import oriented_boxes
+from ..scene.categories import FLOOR, category_numbers
+from ..spatial import find_objects
 from ..spatial.floor_plan import room_outline
 from .scene_validity import counted_objects
 
@@ -41,7 +42,7 @@ class LayoutSet:
                 mine = room[room[:, 0] == category, 1:]
                 self.places[category][:, number, : len(mine)] = mine.T
 
-    def distances(self, layout: NDArray[np.float32]) -> NDArray[np.float64]:
+    def distances(self, layout: NDArray[np.float32]) -> Floats:
         """How far a layout is from each room, (S,) metres."""
         rooms = self.places[0].shape[1]
         if not len(layout):
@@ -62,10 +63,10 @@ class LayoutSet:
 
 def layout_of(graph: SceneGraph, vocabulary: tuple[str, ...]) -> NDArray[np.float32]:
     """The objects of a scene: number of the category, x and y from the middle of the room, float32 (K, 3)."""
-    number = {name: place for place, name in enumerate(vocabulary)}
-    codes = np.array([number.get(name, -1) for name in graph.vocabulary] + [-1], np.int64)[graph.category]
+    codes = category_numbers(graph, vocabulary)
     rows = np.flatnonzero(counted_objects(graph) & (codes >= 0))
-    center = oriented_boxes(graph).center[rows, :2]
+    objects = find_objects(graph, empty=False)
+    center = objects.oriented.center[objects.of_row[rows], :2]
     middle = np.zeros(2)
     if FLOOR in graph.vocabulary:
         outline = room_outline(graph)
@@ -73,12 +74,12 @@ def layout_of(graph: SceneGraph, vocabulary: tuple[str, ...]) -> NDArray[np.floa
     return np.column_stack([codes[rows], center - middle]).astype(np.float32)
 
 
-def nearest_room_distances(layouts: Sequence[NDArray[np.float32]], training: LayoutSet) -> NDArray[np.float64]:
+def nearest_room_distances(layouts: Sequence[NDArray[np.float32]], training: LayoutSet) -> Floats:
     """How far each layout is from the training room that is nearest to it, (S,) metres."""
     return np.array([training.distances(layout).min() for layout in layouts])
 
 
-def novelty_limit(real: NDArray[np.float64]) -> float:
+def novelty_limit(real: Floats) -> float:
     """Distance from the nearest training room beyond which a room counts as new, metres.
 
     All but :data:`COPIED` of the unseen real rooms, whose distances are given, are beyond it.

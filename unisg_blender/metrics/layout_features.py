@@ -12,13 +12,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..geometry.planar import heading
-from ..scene import SceneGraph, world_matrices
-from ..scene.categories import FLOOR
-from ..spatial import oriented_boxes
+from ..geometry.arrays import Floats, Ints
+from ..geometry.planar import rectangle_gap, rotate, wrapped
+from ..geometry.polygon import next_corners, to_edges
+from ..scene import SceneGraph
+from ..scene.categories import FLOOR, category_numbers
+from ..spatial import find_supports
 from ..spatial.floor_plan import room_outline
+from ..spatial.supports import levels_of
 from .scene_validity import counted_objects
-from .support_gaps import find_supports
 
 VERSION = 1
 SAMPLED = 5
@@ -58,23 +60,23 @@ FAR = 9.0
 class Features:
     """Features of one scene: objects (SAMPLED or fewer, len(OBJECT)), pairs (..., len(PAIR)) and the scene (W,)."""
 
-    objects: NDArray[np.float64]
-    pairs: NDArray[np.float64]
-    scene: NDArray[np.float64]
+    objects: Floats
+    pairs: Floats
+    scene: Floats
 
 
 @dataclass(frozen=True, eq=False)
 class _Objects:
-    """K objects: category, its number, support (-1: none) as a row of the graph, upright box and turn."""
+    """K objects: category, its number, number of its support (-1: none), upright box and turn."""
 
-    category: NDArray[np.int64]
-    support: NDArray[np.int64]
-    support_category: NDArray[np.int64]
-    level: NDArray[np.int64]
-    center: NDArray[np.float64]
-    half: NDArray[np.float64]
-    yaw: NDArray[np.float64]
-    frame: NDArray[np.float64]
+    category: Ints
+    support: Ints
+    support_category: Ints
+    level: Ints
+    center: Floats
+    half: Floats
+    yaw: Floats
+    frame: Floats
     """x, y, bottom and yaw of the support."""
 
 
@@ -99,61 +101,44 @@ def scene_width(vocabulary: tuple[str, ...]) -> int:
     return len(BY_CATEGORY) * (len(vocabulary) + LEVELS)
 
 
-def scene_kinds(vocabulary: tuple[str, ...]) -> NDArray[np.int64]:
+def scene_kinds(vocabulary: tuple[str, ...]) -> Ints:
     """Kinds of a scene's features, int64 (W,)."""
     return np.tile([OBJECT[name] for name in BY_CATEGORY], len(vocabulary) + LEVELS)
 
 
 def _objects(graph: SceneGraph, vocabulary: tuple[str, ...]) -> _Objects:
-    number = {name: place for place, name in enumerate(vocabulary)}
-    codes = np.array([number.get(name, -1) for name in graph.vocabulary] + [-1], np.int64)[graph.category]
+    codes = category_numbers(graph, vocabulary)
     rows = np.flatnonzero(counted_objects(graph) & (codes >= 0))
-    found = find_supports(graph)
-    support = np.full(len(graph), -1, np.int64)
-    support[found.row[::-1]] = found.on[::-1]  # the first of several
-    level = np.zeros(len(graph), np.int64)
-    for row in range(len(graph)):
-        on, depth = support[row], 0
-        while on >= 0 and depth < 16:
-            on, depth = support[on], depth + 1
-        level[row] = depth
-    boxes, yaw = oriented_boxes(graph), heading(world_matrices(graph)[:, :3, :3])
+    supports = find_supports(graph)
+    boxes, yaw = supports.objects.oriented, supports.objects.yaw
     frame = np.column_stack([boxes.center[:, :2], boxes.center[:, 2] - boxes.half[:, 2], yaw])
-    on = support[rows]
+    chosen = supports.objects.of_row[rows]
+    on, level = supports.first[chosen], levels_of(supports.first)[chosen]
+    category = codes[supports.objects.rows]
     return _Objects(
-        codes[rows], on, np.where(on >= 0, codes[on], -1), level[rows], boxes.center[rows], boxes.half[rows], yaw[rows],
-        np.where((on >= 0)[:, None], frame[on], 0.0),
+        codes[rows], on, np.where(on >= 0, category[on], -1), level, boxes.center[chosen], boxes.half[chosen],
+        yaw[chosen], np.where((on >= 0)[:, None], frame[on], 0.0),
     )  # fmt: skip
 
 
-def _to_wall(graph: SceneGraph, rows: _Objects) -> NDArray[np.float64]:
+def _to_wall(graph: SceneGraph, rows: _Objects) -> Floats:
     """Distance of each centre to the nearest edge of the room, and the turn against that edge, (K, 2)."""
     if FLOOR not in graph.vocabulary:
         return np.tile([FAR, 0.0], (len(rows.category), 1))
     outline = room_outline(graph)
-    edge = np.roll(outline, -1, axis=0) - outline
-    offset = rows.center[:, None, :2] - outline
-    along = np.clip((offset * edge).sum(-1) / (edge**2).sum(-1), 0, 1)
-    distance = np.linalg.norm(offset - along[..., None] * edge, axis=-1)
-    nearest = distance.argmin(axis=1)
-    direction = np.arctan2(edge[nearest, 1], edge[nearest, 0])
-    return np.column_stack([distance[np.arange(len(nearest)), nearest], wrapped(rows.yaw - direction)])
+    distance = np.linalg.norm(to_edges(outline, rows.center[:, :2]), axis=-1)
+    edge = (next_corners(outline) - outline)[distance.argmin(axis=1)]
+    return np.column_stack([distance.min(axis=1), wrapped(rows.yaw - np.arctan2(edge[:, 1], edge[:, 0]))])
 
 
-def _apart(rows: _Objects) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+def _apart(rows: _Objects) -> tuple[Floats, Floats, Floats]:
     """Of all pairs: horizontal distance, gap of footprints, and offset of j in the frame of i (K, K, 2)."""
     offset = rows.center[None, :, :2] - rows.center[:, None, :2]
-    cos, sin = np.cos(rows.yaw)[:, None], np.sin(rows.yaw)[:, None]
-    seen = np.stack([cos * offset[..., 0] + sin * offset[..., 1], cos * offset[..., 1] - sin * offset[..., 0]], -1)
-    turn = rows.yaw[None] - rows.yaw[:, None]
-    c, s = np.abs(np.cos(turn)), np.abs(np.sin(turn))
-    half = rows.half[None, :, :2]
-    reach = np.stack([c * half[..., 0] + s * half[..., 1], s * half[..., 0] + c * half[..., 1]], axis=-1)
-    gap = (np.abs(seen) - rows.half[:, None, :2] - reach).max(axis=-1)
-    return np.linalg.norm(offset, axis=-1), np.maximum(gap, gap.T), seen
+    gap = rectangle_gap(offset, rows.yaw[:, None], rows.half[:, None], rows.yaw[None], rows.half[None])
+    return np.linalg.norm(offset, axis=-1), gap, rotate(offset, -rows.yaw[:, None])
 
 
-def _object_features(rows: _Objects, walls: NDArray[np.float64], apart: tuple[NDArray[np.float64], ...]) -> NDArray:
+def _object_features(rows: _Objects, walls: Floats, apart: tuple[Floats, ...]) -> NDArray:
     distance, gap, seen = apart
     count, each = len(rows.category), np.arange(len(rows.category))
     same_support = (rows.support[:, None] == rows.support) & ~np.eye(count, dtype=bool)
@@ -190,12 +175,11 @@ def _middle_object(rows: _Objects) -> int:
     return int(near[(rows.half[near, 0] * rows.half[near, 1]).argmax()])
 
 
-def _in_frame(points: NDArray[np.float64], frame: NDArray[np.float64]) -> NDArray[np.float64]:
-    offset, cos, sin = points - frame[:, :2], np.cos(frame[:, 3]), np.sin(frame[:, 3])
-    return np.column_stack([cos * offset[:, 0] + sin * offset[:, 1], cos * offset[:, 1] - sin * offset[:, 0]])
+def _in_frame(points: Floats, frame: Floats) -> Floats:
+    return rotate(points - frame[:, :2], -frame[:, 3])
 
 
-def _pairs_of(rows: _Objects, distance: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def _pairs_of(rows: _Objects, distance: Floats) -> tuple[Ints, Ints]:
     """Each object with its two nearest on the same support."""
     same = (rows.support[:, None] == rows.support) & ~np.eye(len(distance), dtype=bool)
     order = np.where(same, distance, np.inf).argsort(axis=1, kind="stable")[:, :2]
@@ -205,9 +189,7 @@ def _pairs_of(rows: _Objects, distance: NDArray[np.float64]) -> tuple[NDArray[np
     return first[real], second[real]
 
 
-def _pair_features(
-    rows: _Objects, first: NDArray[np.int64], second: NDArray[np.int64], apart: tuple[NDArray[np.float64], ...]
-) -> NDArray[np.float64]:
+def _pair_features(rows: _Objects, first: Ints, second: Ints, apart: tuple[Floats, ...]) -> Floats:
     distance, gap, seen = apart
     columns = [
         rows.category[first], rows.category[second], rows.support_category[first], *rows.half[first, :2].T,
@@ -217,7 +199,7 @@ def _pair_features(
     return np.column_stack(columns)
 
 
-def _scene_vector(rows: _Objects, objects: NDArray[np.float64], categories: int) -> NDArray[np.float64]:
+def _scene_vector(rows: _Objects, objects: Floats, categories: int) -> Floats:
     places = [list(OBJECT).index(name) for name in BY_CATEGORY]
     values = objects[:, places]
     turn = BY_CATEGORY.index("turn to wall")
@@ -229,8 +211,3 @@ def _scene_vector(rows: _Objects, objects: NDArray[np.float64], categories: int)
     mean = total / np.maximum(count, 1)[:, None]
     mean[count == 0] = -FAR
     return mean.reshape(-1)
-
-
-def wrapped(angle: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Angles in [-pi, pi)."""
-    return (angle + np.pi) % (2 * np.pi) - np.pi

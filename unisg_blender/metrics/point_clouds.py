@@ -6,6 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from ..geometry.arrays import Floats
+
 
 def chamfer_l2(first: NDArray[np.floating], second: NDArray[np.floating]) -> float:
     """Mean squared distance to the nearest point of the other cloud, both directions added, in squared units."""
@@ -23,9 +25,7 @@ def f_score(first: NDArray[np.floating], second: NDArray[np.floating], threshold
     return 2 * precision * recall / (precision + recall) if precision + recall else 0.0
 
 
-def nearest_distances(
-    first: NDArray[np.floating], second: NDArray[np.floating]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def nearest_distances(first: NDArray[np.floating], second: NDArray[np.floating]) -> tuple[Floats, Floats]:
     """Distances (n,) from each point of one cloud (n, 3) to the nearest of the other (m, 3), and back (m,)."""
     return np.asarray(cKDTree(second).query(first)[0]), np.asarray(cKDTree(first).query(second)[0])
 

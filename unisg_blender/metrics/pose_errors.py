@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from ..geometry.arrays import Floats
 from ..poses import FORMS
 from ..scene.mesh import Mesh
 
@@ -18,12 +19,12 @@ SYMMETRY_TOLERANCE = 0.01
 """A mesh is symmetric where every point has one within this share of the mesh's radius after the turn."""
 
 
-def translation_errors(found: Matrices, truth: Matrices) -> NDArray[np.float64]:
+def translation_errors(found: Matrices, truth: Matrices) -> Floats:
     """Centimetres between the origins of poses (..., 4, 4) in metres: 100 |t' - t|."""
     return 100.0 * np.linalg.norm(np.float64(found[..., :3, 3]) - truth[..., :3, 3], axis=-1)
 
 
-def rotation_errors(found: Matrices, truth: Matrices, folds: NDArray[np.integer] | None = None) -> NDArray[np.float64]:
+def rotation_errors(found: Matrices, truth: Matrices, folds: NDArray[np.integer] | None = None) -> Floats:
     """Degrees of the turn from one rotation to the other, 0..180: the geodesic distance on SO(3).
 
     angle(R^T R') (Huynh, "Metrics for 3D rotations", 2009, Phi_6), by the quaternion: exact for small angles too.
@@ -106,7 +107,7 @@ def _is_motor(form: str) -> bool:
     return form.startswith(("pga", "cga", "dual"))
 
 
-def projected(features: NDArray[np.floating], form: str) -> NDArray[np.float64]:
+def projected(features: NDArray[np.floating], form: str) -> Floats:
     """Nearest valid features of raw output (K, width); rows of zeros, which have none, are nudged first."""
     x = np.asarray(features, np.float64)
     empty = np.abs(x).max(axis=1, keepdims=True) < 1e-9

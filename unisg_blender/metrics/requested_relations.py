@@ -9,15 +9,16 @@ is at most half a metre, and they share at least a quarter of the lower one's he
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..dataset.assets.asset import object_graph
 from ..generate.observe.placeable import Placeable
 from ..generate.propose.requests import BESIDE, COVERING, SHARED, THIN
-from ..geometry.planar import footprint_gap, heading
+from ..geometry.arrays import Floats
+from ..geometry.planar import footprint_gap, heading, rotate
 from ..scene import SceneGraph, world_matrices
+from ..spatial import find_supports
 from .scene_validity import OFF_SUPPORT
-from .support_gaps import find_supports, support_gaps
+from .support_gaps import support_gaps
 
 
 def is_on(graph: SceneGraph, row: int, target: str) -> bool:
@@ -28,7 +29,7 @@ def is_on(graph: SceneGraph, row: int, target: str) -> bool:
     wanted = graph.row_of_uid[target]
     reached = wanted in on or (wanted in below and _covers(graph, below[wanted], wanted))
     mask = np.arange(len(graph)) == row
-    return reached and bool(abs(support_gaps(graph, mask)[row]) <= OFF_SUPPORT)
+    return reached and bool(abs(support_gaps(graph, mask, found)[row]) <= OFF_SUPPORT)
 
 
 def _covers(graph: SceneGraph, cover: int, row: int) -> bool:
@@ -47,15 +48,14 @@ def is_beside(graph: SceneGraph, row: int, target: str) -> bool:
     return bool(footprint_gap(theirs[:3], wide, float(theirs[3]), mine[None], half)[0] <= BESIDE)
 
 
-def half_of(graph: SceneGraph, row: int) -> NDArray[np.float64]:
+def half_of(graph: SceneGraph, row: int) -> Floats:
     """Half extents (3,) of an entity's upright box, metres."""
     return Placeable(object_graph(graph, row)).half
 
 
-def place_of(graph: SceneGraph, row: int) -> NDArray[np.float64]:
+def place_of(graph: SceneGraph, row: int) -> Floats:
     """Place (4,) of an entity: x, y and bottom of its upright box's middle, metres, and its turn, radians."""
     world = world_matrices(graph)
-    x, y, z = Placeable(object_graph(graph, row, world=world)).foot
     yaw = float(heading(world[row, :3, :3]))
-    cos, sin = np.cos(yaw), np.sin(yaw)
-    return np.array([*(world[row, :3, 3] + (cos * x - sin * y, sin * x + cos * y, z)), yaw])
+    foot = rotate(Placeable(object_graph(graph, row, world=world)).foot, yaw)
+    return np.array([*(world[row, :3, 3] + foot), yaw])

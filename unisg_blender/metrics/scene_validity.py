@@ -14,17 +14,18 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..geometry.arrays import Bools, Floats, Ints
 from ..geometry.box_overlap import nearby_pairs, penetration
-from ..geometry.boxes import Boxes
+from ..geometry.boxes import Boxes, corners
 from ..geometry.polygon import outside_distance
 from ..scene.categories import FLOOR, STRUCTURE, has_category
 from ..scene.graph import SceneGraph
-from ..spatial import oriented_boxes
 from ..spatial.floor_plan import room_outline
-from ..spatial.part_boxes import PartBoxes, part_boxes
-from .support_gaps import find_supports, support_gaps
+from ..spatial.object_rows import Objects, find_objects
+from ..spatial.part_boxes import PartBoxes
+from ..spatial.supports import Supports, find_supports
+from .support_gaps import support_gaps
 
 DEEP, DEEP_SMALL, SMALL = 0.02, 0.01, 0.10
 """Collision limits in metres: for most objects, where one is small, and how small that is (longest edge)."""
@@ -40,9 +41,9 @@ class Collisions:
     plain limits, bool (K,): the others are flat objects.
     """
 
-    pairs: NDArray[np.int64]
-    depth: NDArray[np.float64]
-    deep: NDArray[np.bool_]
+    pairs: Ints
+    depth: Floats
+    deep: Bools
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,28 +53,29 @@ class SceneReport:
     ``colliding`` is by the plain limits, ``overlapping`` by the stricter ones.
     """
 
-    counted: NDArray[np.bool_]
-    colliding: NDArray[np.bool_]
-    overlapping: NDArray[np.bool_]
-    off_support: NDArray[np.bool_]
-    outside: NDArray[np.bool_]
-    level: NDArray[np.int64]
+    counted: Bools
+    colliding: Bools
+    overlapping: Bools
+    off_support: Bools
+    outside: Bools
+    level: Ints
     collisions: Collisions
 
     @property
-    def faults(self) -> NDArray[np.bool_]:
+    def faults(self) -> Bools:
         """Objects with any fault, by the stricter limits."""
         return self.overlapping | self.off_support | self.outside
 
 
-def counted_objects(graph: SceneGraph) -> NDArray[np.bool_]:
-    """Which rows are objects: they have geometry and are no structure, bool (N,)."""
-    filled = np.array([len(mesh.points) > 0 for mesh in graph.meshes] + [False])
-    return filled[graph.mesh] & ~has_category(graph, STRUCTURE)
+def counted_objects(graph: SceneGraph) -> Bools:
+    """Which rows are objects with geometry and no structure, bool (N,)."""
+    found = np.zeros(len(graph), bool)
+    found[find_objects(graph, empty=False).rows] = True
+    return found & ~has_category(graph, STRUCTURE)
 
 
 def find_collisions(
-    graph: SceneGraph, *, parts: bool = True, allowed: Iterable[CategoryPair] = (), boxes: PartBoxes | None = None
+    graph: SceneGraph, *, parts: bool = True, allowed: Iterable[CategoryPair] = (), supports: Supports | None = None
 ) -> Collisions:
     """All pairs of objects that overlap deeper than the limits, in metres.
 
@@ -84,21 +86,22 @@ def find_collisions(
     more than half the thinnest edge of the two boxes that meet, since two scalpels
     6 mm high in one place reach only 6 mm into each other.
 
-    Left out are pairs where one stands on, stands in or hangs from the other (parent
-    and child, and the relations on_top_of, inside and hangs_from), pairs of two
-    pieces of structure, and pairs of categories in ``allowed``.
+    Left out are pairs where one holds the other (see :func:`~..spatial.supports.find_supports`) or is above it in the
+    hierarchy, pairs of two pieces of structure, and pairs of categories in ``allowed``. ``supports`` are those of the
+    scene, for who has them already.
     """
-    if boxes is None:
-        boxes = part_boxes(graph) if parts else _whole_boxes(graph)
+    supports = find_supports(graph) if supports is None else supports
+    objects = supports.objects
+    boxes = objects.parts if parts else _whole_boxes(objects)
     near = nearby_pairs(boxes.boxes)
     owners = boxes.owner[near]
     kept = owners[:, 0] != owners[:, 1]
-    counted = counted_objects(graph)
+    counted = counted_objects(graph)[objects.rows]
     kept &= counted[owners].any(axis=1)
-    kept &= ~_is_among(owners, _support_pairs(graph), len(graph))
+    kept &= ~_is_among(owners, _support_pairs(supports), len(objects))
     near, owners = near[kept], owners[kept]
     depth = penetration(boxes.boxes.take(near[:, 0]), boxes.boxes.take(near[:, 1]))
-    longest = 2 * oriented_boxes(graph).half.max(axis=1)
+    longest = 2 * objects.oriented.half.max(axis=1)
     limit = np.where(longest[owners].min(axis=1) < SMALL, DEEP_SMALL, DEEP)
     thinnest = 2 * boxes.boxes.half.min(axis=1)
     strict = np.maximum(np.minimum(limit, thinnest[near].min(axis=1) / 2), 1e-6)
@@ -107,6 +110,7 @@ def find_collisions(
     deepest, deep = np.zeros(len(found)), np.zeros(len(found), bool)
     np.maximum.at(deepest, index.reshape(-1), depth[hit])
     np.logical_or.at(deep, index.reshape(-1), (depth > limit)[hit])
+    found = objects.rows[found]
     banned = {tuple(sorted(pair)) for pair in allowed}
     names = [tuple(sorted((graph.category_name(a), graph.category_name(b)))) for a, b in found]
     keep = np.array([pair not in banned for pair in names], bool)
@@ -127,52 +131,46 @@ def overlapping_categories(graphs: Iterable[SceneGraph], *, parts: bool = False)
     return found
 
 
-def _whole_boxes(graph: SceneGraph) -> PartBoxes:
-    boxes = oriented_boxes(graph)
-    rows = np.flatnonzero(boxes.solid)
-    return PartBoxes(boxes.take(rows), rows)
+def _whole_boxes(objects: Objects) -> PartBoxes:
+    solid = np.unique(objects.parts.owner)
+    return PartBoxes(objects.oriented.take(solid), solid)
 
 
-def _support_pairs(graph: SceneGraph) -> NDArray[np.int64]:
-    """(K, 2) pairs of what stands on, in or hangs from what."""
-    found = find_supports(graph)
-    pairs = [np.stack([np.arange(len(graph)), graph.parent], axis=1), np.stack([found.row, found.on], axis=1)]
-    joined = np.concatenate(pairs).astype(np.int64)
+def _support_pairs(supports: Supports) -> Ints:
+    """(S, 2) pairs of objects of which the second holds the first, or is next above it in the hierarchy."""
+    above = supports.objects.above
+    pairs = [np.stack([np.arange(len(above)), above], axis=1), np.stack([supports.subject, supports.target], axis=1)]
+    joined = np.concatenate(pairs)
     return joined[joined[:, 1] >= 0]
 
 
-def _is_among(pairs: NDArray[np.int64], known: NDArray[np.int64], count: int) -> NDArray[np.bool_]:
+def _is_among(pairs: Ints, known: Ints, count: int) -> Bools:
     """Which pairs occur among the known ones, in either order."""
     key = np.sort(pairs, axis=1) @ (count, 1) if len(pairs) else np.zeros(0, np.int64)
     return np.isin(key, np.sort(known, axis=1) @ (count, 1) if len(known) else ())
 
 
-def outside_room(
-    graph: SceneGraph, boxes: PartBoxes | None = None, outline: NDArray[np.float64] | None = None
-) -> NDArray[np.float64]:
+def outside_room(graph: SceneGraph, objects: Objects | None = None, outline: Floats | None = None) -> Floats:
     """How far each object reaches out of the room's outline seen from above, float64 (N,) metres, 0 inside.
 
     The largest distance of a corner of its part boxes to the outline, or the depth
     to which a corner of the room that points inwards reaches into one of them. NaN
-    for rows without geometry, and everywhere in a scene without a floor.
+    for rows without geometry, and everywhere in a scene without a floor. ``objects`` are those of the scene, for who
+    has them already.
     """
     result = np.full(len(graph), np.nan)
     if outline is None and FLOOR not in graph.vocabulary:
         return result
     outline = room_outline(graph) if outline is None else outline
-    boxes = part_boxes(graph) if boxes is None else boxes
-    signs = np.stack(np.meshgrid(*[[-1, 1]] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
-    corners = boxes.boxes.center[:, None] + np.einsum(
-        "pij,cj,pj->pci", boxes.boxes.axes, signs.astype(float), boxes.boxes.half
-    )
-    reach = outside_distance(outline, corners[:, :, :2]).max(axis=1)
-    reach = np.maximum(reach, _poked(boxes.boxes, outline))
-    result[boxes.owner] = 0.0
-    np.maximum.at(result, boxes.owner, reach)
+    objects = find_objects(graph) if objects is None else objects
+    parts, owner = objects.parts.boxes, objects.rows[objects.parts.owner]
+    out = outside_distance(outline, corners(parts)[:, :, :2]).max(axis=1)
+    result[owner] = 0.0
+    np.maximum.at(result, owner, np.maximum(out, _poked(parts, outline)))
     return result
 
 
-def _poked(boxes: Boxes, outline: NDArray[np.float64]) -> NDArray[np.float64]:
+def _poked(boxes: Boxes, outline: Floats) -> Floats:
     """How deep corners of the room that point inwards reach into boxes, float64 (P,)."""
     before, after = outline - np.roll(outline, 1, axis=0), np.roll(outline, -1, axis=0) - outline
     reflex = outline[before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0] < -1e-9]
@@ -185,12 +183,12 @@ def _poked(boxes: Boxes, outline: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.where(upright, np.maximum(deep, 0.0), 0.0)
 
 
-def support_levels(graph: SceneGraph) -> NDArray[np.int64]:
-    """On how many objects an entity stands, one on another, int64 (N,): floor 0, table 1, tray 2, tool 3.
+def support_levels(graph: SceneGraph, supports: Supports | None = None) -> Ints:
+    """On how many objects an object stands, one on another, int64 (N,): floor 0, table 1, tray 2, tool 3.
 
-    The longest way down over what carries it, see :func:`~.support_gaps.find_supports`.
+    The longest way down over what holds it, see :func:`~..spatial.supports.find_supports`; 0 for what is no object.
     """
-    found = find_supports(graph)
+    found = find_supports(graph) if supports is None else supports
     level = np.zeros(len(graph), np.int64)
     for _ in range(len(graph)):  # objects that carry each other in a circle end this
         higher = level.copy()
@@ -212,16 +210,16 @@ def measure_scene(graph: SceneGraph, *, parts: bool = True, allowed: Iterable[Ca
         As for :func:`find_collisions`.
     """
     counted = counted_objects(graph)
-    boxes = part_boxes(graph)
-    collisions = find_collisions(graph, parts=parts, allowed=allowed, boxes=boxes if parts else None)
+    supports = find_supports(graph)
+    collisions = find_collisions(graph, parts=parts, allowed=allowed, supports=supports)
     colliding, overlapping = np.zeros(len(graph), bool), np.zeros(len(graph), bool)
     overlapping[collisions.pairs.reshape(-1)] = True
     colliding[collisions.pairs[collisions.deep].reshape(-1)] = True
-    gap = support_gaps(graph, counted, boxes)
-    outside = np.nan_to_num(outside_room(graph, boxes)) > OUTSIDE
+    gap = support_gaps(graph, counted, supports)
+    outside = np.nan_to_num(outside_room(graph, supports.objects)) > OUTSIDE
     return SceneReport(
         counted, colliding & counted, overlapping & counted, np.abs(np.nan_to_num(gap, posinf=np.inf)) > OFF_SUPPORT,
-        outside & counted, support_levels(graph), collisions,
+        outside & counted, support_levels(graph, supports), collisions,
     )  # fmt: skip
 
 

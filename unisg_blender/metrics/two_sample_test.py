@@ -14,7 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import MissingPackageError
-from .layout_features import ANGLE, LENGTH, OBJECT, PAIR, Features, scene_kinds, wrapped
+from ..geometry.arrays import Floats, Ints
+from ..geometry.planar import wrapped
+from .layout_features import ANGLE, LENGTH, OBJECT, PAIR, Features, scene_kinds
 
 TREES, FOLDS = 500, 3
 ARM = 0.5
@@ -27,7 +29,7 @@ LEVELS = ("objects", "pairs", "scene")
 def c2st(
     real: Sequence[Features], made: Sequence[Features], level: str, noise: float, vocabulary: tuple[str, ...],
     seed: int = 0, trees: int = TREES,
-) -> NDArray[np.float64]:  # fmt: skip
+) -> Floats:  # fmt: skip
     """Share of right answers for each scene, real ones first, float64 (len(real) + len(made),); NaN without any.
 
     Scene k of both sides falls into the same fold, so that a classifier never sees
@@ -70,9 +72,7 @@ def c2st(
         return np.bincount(owner, weights=right, minlength=len(parts)) / count
 
 
-def noisy(
-    values: NDArray[np.float64], kinds: NDArray[np.int64], noise: float, rng: np.random.Generator
-) -> NDArray[np.float32]:
+def noisy(values: Floats, kinds: Ints, noise: float, rng: np.random.Generator) -> NDArray[np.float32]:
     """The features with noise; angles become cosines and sines behind the others."""
     length, angle = kinds == LENGTH, kinds == ANGLE
     drawn = rng.standard_normal(values.shape)

@@ -11,7 +11,7 @@ from scipy.spatial import cKDTree
 from scipy.special import softmax
 
 from ..geometry.arrays import Floats, Ints
-from ..geometry.planar import turned
+from ..geometry.planar import rotation
 from ..meshes.normalise import normalise
 from ..meshes.shape_feature import POINTS, AtlasNetEncoder, cloud, default_encoder
 from ..scene.assembly import index_categories
@@ -126,7 +126,7 @@ def _shapes(graph: SceneGraph, rows: Ints, encoder: AtlasNetEncoder) -> tuple[ND
     """Mesh features (M, 1024) as the entities stand, their heading taken back, and sizes (M, 3) in metres."""
     world = world_matrices(graph)[rows, :3, :3]
     heading = np.arctan2(world[:, 1, 0], world[:, 0, 0])
-    upright = turned(world.swapaxes(1, 2), -heading[:, None]).swapaxes(1, 2)
+    upright = rotation(-heading) @ world
     bounds = local_bounds(graph)[rows]
     sizes = np.einsum("nij,nj->ni", np.abs(upright), bounds[:, 1] - bounds[:, 0])
     scale = np.maximum(np.linalg.norm(upright, axis=(1, 2), keepdims=True), 1e-30)

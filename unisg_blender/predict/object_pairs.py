@@ -1,4 +1,4 @@
-"""Objects as oriented boxes, pairs of them that may touch, and what a network is told about a pair."""
+"""Pairs of objects that may touch, and what a network is told about a pair."""
 
 from __future__ import annotations
 
@@ -11,9 +11,6 @@ from scipy.spatial import cKDTree
 from ..geometry.arrays import Floats, Ints
 from ..geometry.boxes import Boxes, world_bounds
 from ..poses import FORMS
-from ..scene.graph import SceneGraph
-from ..scene.hierarchy import world_matrices
-from ..spatial.relation_objects import find_relation_objects
 
 NEAREST = 12
 LARGE = 4.0
@@ -30,25 +27,6 @@ PAIR_CHANNELS = (
     *(f"half_{axis}" for axis in "xyz"), *(f"target_half_{axis}" for axis in "xyz"),
     "log_size", "rise", "top_to_bottom", "middle", "overlap_x", "overlap_y", "rise_metres",
 )  # fmt: skip
-
-
-def object_boxes(graph: SceneGraph) -> tuple[Ints, Boxes]:
-    """Rows of the objects of a scene and their boxes in the world, along the objects' own axes."""
-    objects = find_relation_objects(graph)
-    world = world_matrices(graph)
-    count = len(objects.rows)
-    center, half = np.zeros((count, 3)), np.zeros((count, 3))
-    for place, rows in enumerate(objects.meshes):
-        low, high = np.full(3, np.inf), np.full(3, -np.inf)
-        for row in rows:
-            points = graph.meshes[graph.mesh[row]].points @ world[row, :3, :3].T + world[row, :3, 3]
-            seen = points[np.isfinite(points).all(axis=1)] @ objects.axes[place]
-            if len(seen):
-                low, high = np.minimum(low, seen.min(axis=0)), np.maximum(high, seen.max(axis=0))
-        middle = np.where(np.isfinite(low), (low + high) / 2, 0.0)
-        center[place] = objects.axes[place] @ middle
-        half[place] = np.where(np.isfinite(low), (high - low) / 2, 0.0)
-    return objects.rows, Boxes(center, objects.axes, half, np.ones(count, bool))
 
 
 def candidate_pairs(boxes: Boxes, nearest: int = NEAREST) -> Ints:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Iterable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 from ..errors import UniSGError
 from ..geometry.arrays import Ints
 from ..geometry.boxes import Boxes
-from ..scene import components
-from ..scene.component_table import table
 from ..scene.graph import SceneGraph
-from .object_pairs import PAIR_CHANNELS, candidate_pairs, in_chunks, object_boxes, pair_features
+from ..spatial import find_objects
+from ..spatial.relations import with_relations
+from .object_pairs import PAIR_CHANNELS, candidate_pairs, in_chunks, pair_features
 from .prediction_session import load_network
 
 KIND = "on_top_of"
@@ -43,7 +43,8 @@ class TopologyModel:
 
     def find(self, graph: SceneGraph, threshold: float | None = None) -> list[Found]:
         """Relations of a scene: row of the subject, "on_top_of", row of the target, and the chance; sorted by rows."""
-        rows, boxes = object_boxes(graph)
+        objects = find_objects(graph, empty=False)
+        rows, boxes = objects.rows, objects.oriented
         pairs = candidate_pairs(boxes)
         chance = self.chances(boxes, pairs)
         kept = chance >= (self.threshold if threshold is None else threshold)
@@ -51,20 +52,6 @@ class TopologyModel:
         return sorted((subject, KIND, target, round(value, 4)) for (subject, target), value in found)
 
 
-def with_relations(graph: SceneGraph, found: Sequence[Found]) -> SceneGraph:
+def with_supports(graph: SceneGraph, found: Iterable[Found]) -> SceneGraph:
     """The scene with these relations for the ones of the kind "on_top_of" that it had; all others stay."""
-    old = graph.components.get(components.RELATIONS)
-    entries = [
-        (int(row), str(kind), str(target))
-        for row, kind, target in (
-            () if old is None else zip(old.rows, old.columns["kind"], old.columns["target"], strict=True)
-        )
-        if kind != KIND
-    ]
-    entries += [(subject, kind, graph.uid[target]) for subject, kind, target, _ in found]
-    made = table(
-        [row for row, _, _ in entries],
-        kind=[kind for _, kind, _ in entries],
-        target=[target for _, _, target in entries],
-    )
-    return graph.with_component(components.RELATIONS, made)
+    return with_relations(graph, [entry[:3] for entry in found], [KIND])

@@ -21,8 +21,9 @@ from .action_data import ActionData
 from .categories import STRUCTURE, has_category
 from .component_table import Table, table
 from .graph import SceneGraph
-from .hierarchy import subtree, take
+from .hierarchy import take
 from .mesh import Mesh
+from .parents import with_rows_below
 
 Matrix = NDArray[np.float64]
 
@@ -116,9 +117,7 @@ def category_dropout(
     rng = np.random.default_rng((seed, 14))
     gone = rng.random(len(graph.vocabulary)) < probability
     gone &= np.array([name not in kept for name in graph.vocabulary], bool)
-    dropped = np.append(gone, False)[graph.category]
-    for row in np.flatnonzero(dropped):
-        dropped[subtree(graph, int(row))] = True
+    dropped = with_rows_below(graph.parent, np.append(gone, False)[graph.category])
     return take(graph, np.flatnonzero(~dropped))
 
 

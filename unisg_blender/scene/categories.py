@@ -1,8 +1,8 @@
-"""Which categories are the building, and which rows are of some categories."""
+"""Which categories are the building, and of which category rows are."""
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,3 +22,9 @@ from the building, such as a ceiling rail, is not of it.
 def has_category(graph: SceneGraph, names: Collection[str]) -> NDArray[np.bool_]:
     """Which rows are of one of these categories, bool (N,)."""
     return np.array([name in names for name in graph.vocabulary] + [False], bool)[graph.category]
+
+
+def category_numbers(graph: SceneGraph, vocabulary: Sequence[str]) -> NDArray[np.int64]:
+    """Category of each row as a position in another vocabulary, int64 (N,), -1 for none and for others."""
+    known = {name: position for position, name in enumerate(vocabulary)}
+    return np.array([known.get(name, -1) for name in graph.vocabulary] + [-1], np.int64)[graph.category]

@@ -78,6 +78,14 @@ class Mesh:
         picked = np.stack([first, first + step + 1, first + step + 2], axis=1)
         return self.corners[picked].astype(np.int32)
 
+    @property
+    def following(self) -> NDArray[np.int64]:
+        """int64 (C,): number of the corner that follows each corner in its face."""
+        result = np.arange(1, len(self.corners) + 1)
+        filled = np.diff(self.offsets) > 0
+        result[self.offsets[1:][filled] - 1] = self.offsets[:-1][filled]
+        return result
+
     @cached_property
     def checksum(self) -> str:
         """Hexadecimal digest of the geometry: points, faces and loose edges."""

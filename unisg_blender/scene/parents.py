@@ -46,11 +46,14 @@ def compose_world(local: NDArray[np.float64], parent: NDArray[np.integer]) -> ND
     return world
 
 
+def with_rows_below(parent: NDArray[np.integer], chosen: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """bool (N,): the ``chosen`` rows and all rows below them."""
+    inside = chosen.copy()
+    while (more := (parent >= 0) & inside[parent] & ~inside).any():
+        inside |= more
+    return inside
+
+
 def subtree_rows(parent: NDArray[np.integer], row: int) -> NDArray[np.int64]:
     """int64 (K,): a row and all rows below it, ascending."""
-    inside = np.zeros(len(parent), bool)
-    level = np.array([row])
-    while len(level):
-        inside[level] = True
-        level = np.flatnonzero(np.isin(parent, level))
-    return np.flatnonzero(inside)
+    return np.flatnonzero(with_rows_below(parent, np.arange(len(parent)) == row))

@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..geometry.arrays import Floats, Ints
 from ..geometry.box_overlap import nearby_pairs
 from ..geometry.boxes import Boxes
-from .relation_objects import RelationObjects
+from ..geometry.planar import rotate
+from .object_rows import Objects
 from .relation_tolerances import RelationTolerances
 
 OPPOSITE = {"left_of": "right_of", "in_front_of": "behind", "above": "below", "beside": "beside"}
 
 
 def directions(
-    objects: RelationObjects, tolerances: RelationTolerances, joined: set[tuple[int, int]]
+    objects: Objects, tolerances: RelationTolerances, joined: set[tuple[int, int]]
 ) -> list[tuple[int, str, int]]:
     """Relations of place, both ways: (subject, kind, target) as numbers of objects.
 
@@ -28,14 +29,14 @@ def directions(
     return found
 
 
-def _grown(objects: RelationObjects, horizontal: float, vertical: float) -> Boxes:
-    boxes = objects.boxes
+def _grown(objects: Objects, horizontal: float, vertical: float) -> Boxes:
+    boxes = objects.aligned
     return Boxes(boxes.center, boxes.axes, boxes.half + np.array([horizontal, horizontal, vertical]) / 2, boxes.solid)
 
 
-def _vertical(objects: RelationObjects, tolerances: RelationTolerances) -> list[tuple[str, int, int]]:
+def _vertical(objects: Objects, tolerances: RelationTolerances) -> list[tuple[str, int, int]]:
     pairs = nearby_pairs(_grown(objects, 0.0, tolerances.above))
-    low, high = objects.low[pairs], objects.high[pairs]
+    low, high = objects.bounds[:, pairs]
     common = np.minimum(high[:, 0, :2], high[:, 1, :2]) - np.maximum(low[:, 0, :2], low[:, 1, :2])
     smaller = np.minimum(high[:, 0, :2] - low[:, 0, :2], high[:, 1, :2] - low[:, 1, :2])
     over = (common > 0).all(axis=1) & (common.prod(axis=1) >= tolerances.shared * smaller.prod(axis=1))
@@ -46,9 +47,9 @@ def _vertical(objects: RelationObjects, tolerances: RelationTolerances) -> list[
     ]
 
 
-def _horizontal(objects: RelationObjects, tolerances: RelationTolerances) -> list[tuple[str, int, int]]:
+def _horizontal(objects: Objects, tolerances: RelationTolerances) -> list[tuple[str, int, int]]:
     pairs = nearby_pairs(_grown(objects, tolerances.beside, 0.0))
-    low, high = objects.low[pairs], objects.high[pairs]
+    low, high = objects.bounds[:, pairs]
     common = np.minimum(high[:, 0, 2], high[:, 1, 2]) - np.maximum(low[:, 0, 2], low[:, 1, 2])
     lower = np.minimum(high[:, 0, 2] - low[:, 0, 2], high[:, 1, 2] - low[:, 1, 2])
     space = np.maximum(low[:, 0, :2], low[:, 1, :2]) - np.minimum(high[:, 0, :2], high[:, 1, :2])
@@ -65,8 +66,7 @@ def _horizontal(objects: RelationObjects, tolerances: RelationTolerances) -> lis
     return found
 
 
-def _seen(objects: RelationObjects, pairs: NDArray[np.int64], heading: float) -> NDArray[np.float64]:
+def _seen(objects: Objects, pairs: Ints, heading: float) -> Floats:
     """From the first's middle to the second's, (K, 2): to the viewer's right, and away from the viewer."""
-    offset = objects.boxes.center[pairs[:, 1], :2] - objects.boxes.center[pairs[:, 0], :2]
-    cosine, sine = np.cos(heading), np.sin(heading)
-    return offset @ np.array([[cosine, -sine], [sine, cosine]])
+    offset = objects.aligned.center[pairs[:, 1], :2] - objects.aligned.center[pairs[:, 0], :2]
+    return rotate(offset, -heading)

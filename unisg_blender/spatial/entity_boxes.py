@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import numpy as np
+from dataclasses import replace
 
-from ..geometry.boxes import Boxes, orthonormal_axes
+from ..geometry.boxes import Boxes, boxes_around, orthonormal_axes
 from ..scene.graph import SceneGraph
 from ..scene.hierarchy import local_bounds, world_matrices
 
@@ -15,14 +15,6 @@ def oriented_boxes(graph: SceneGraph) -> Boxes:
     The axes are the object's own, made orthonormal one after another where scale
     and shear bend them (the box then still contains the mesh).
     """
-    world, bounds = world_matrices(graph), local_bounds(graph)
-    middle, half = bounds.mean(axis=1), (bounds[:, 1] - bounds[:, 0]) / 2
-    linear = world[:, :3, :3]
-    axes = orthonormal_axes(linear)
-    spread = np.abs(np.swapaxes(axes, 1, 2) @ linear)  # extent along our axes of a unit step along each local axis
-    return Boxes(
-        center=world[:, :3, 3] + np.einsum("nij,nj->ni", linear, middle),
-        axes=axes,
-        half=np.einsum("nij,nj->ni", spread, half),
-        solid=graph.mesh >= 0,
-    )
+    world = world_matrices(graph)
+    boxes = boxes_around(local_bounds(graph), world, orthonormal_axes(world[:, :3, :3]))
+    return replace(boxes, solid=graph.mesh >= 0)

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import UniSGError
+from ..geometry.arrays import Floats
 from ..geometry.polygon import area
 from ..scene.categories import FLOOR, has_category
 from ..scene.graph import SceneGraph
@@ -31,7 +32,7 @@ def floor_row(graph: SceneGraph) -> int:
     return int(rows[np.argmax(sizes)])
 
 
-def room_outline(graph: SceneGraph) -> NDArray[np.float64]:
+def room_outline(graph: SceneGraph) -> Floats:
     """The outline of the room's floor seen from above, float64 (K, 2), world metres, counter-clockwise.
 
     Raises
@@ -43,20 +44,18 @@ def room_outline(graph: SceneGraph) -> NDArray[np.float64]:
     return _outline(graph.meshes[graph.mesh[row]], world_matrices(graph)[row])
 
 
-def mesh_outline(mesh: Mesh) -> NDArray[np.float64]:
+def mesh_outline(mesh: Mesh) -> Floats:
     """The outline of a floor's mesh in its own frame, float64 (K, 2), counter-clockwise."""
     return _outline(mesh, np.eye(4))
 
 
-def _outline(mesh: Mesh, matrix: NDArray[np.float64]) -> NDArray[np.float64]:
+def _outline(mesh: Mesh, matrix: Floats) -> Floats:
     """Largest border of the faces that look up; the convex hull of the points where there is none."""
     points = mesh.points.astype(np.float64) @ matrix[:3, :3].T + matrix[:3, 3]
-    following = np.arange(1, len(mesh.corners) + 1)
-    filled = np.diff(mesh.offsets) > 0
-    following[mesh.offsets[1:][filled] - 1] = mesh.offsets[:-1][filled]
-    start, stop = mesh.corners, mesh.corners[following]
-    face = np.repeat(np.arange(len(filled)), np.diff(mesh.offsets))
-    normal = np.zeros((len(filled), 3))  # twice the area, by Newell's method: faces need not be convex
+    start, stop = mesh.corners, mesh.corners[mesh.following]
+    sizes = np.diff(mesh.offsets)
+    face = np.repeat(np.arange(len(sizes)), sizes)
+    normal = np.zeros((len(sizes), 3))  # twice the area, by Newell's method: faces need not be convex
     np.add.at(normal, face, np.cross(points[start], points[stop]))
     normal *= np.sign(np.linalg.det(matrix[:3, :3]))  # a mirrored floor still looks up
     up = (normal[:, 2] > 0.5 * np.linalg.norm(normal, axis=1))[face]
@@ -84,14 +83,14 @@ def _border_loops(edges: NDArray[np.integer]) -> list[list[int]]:
     return loops
 
 
-def _without_straight_corners(polygon: NDArray[np.float64]) -> NDArray[np.float64]:
+def _without_straight_corners(polygon: Floats) -> Floats:
     before, after = polygon - np.roll(polygon, 1, axis=0), np.roll(polygon, -1, axis=0) - polygon
     bend = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
     kept = np.abs(bend) > 1e-6 * np.linalg.norm(before, axis=1) * np.linalg.norm(after, axis=1)
     return polygon[kept] if kept.sum() >= 3 else polygon
 
 
-def _convex_hull(points: NDArray[np.float64]) -> NDArray[np.float64]:
+def _convex_hull(points: Floats) -> Floats:
     from scipy.spatial import ConvexHull, QhullError
 
     try:

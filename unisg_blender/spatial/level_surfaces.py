@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..geometry.arrays import Floats, Ints
 from ..geometry.boxes import Boxes
 
 LEVEL = 0.01
@@ -20,10 +20,10 @@ FILLED = 0.75
 class LevelSurfaces:
     """Level rectangles: ``center``, direction ``along`` of the first side, ``half`` (S, 2) each, and height ``top``."""
 
-    center: NDArray[np.float64]
-    along: NDArray[np.float64]
-    half: NDArray[np.float64]
-    top: NDArray[np.float64]
+    center: Floats
+    along: Floats
+    half: Floats
+    top: Floats
 
 
 def rectangles(parts: Boxes) -> LevelSurfaces:
@@ -52,9 +52,7 @@ def with_joined(surfaces: LevelSurfaces) -> LevelSurfaces:
     )  # fmt: skip
 
 
-def _joined(
-    surfaces: LevelSurfaces, group: NDArray[np.int64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], float] | None:
+def _joined(surfaces: LevelSurfaces, group: Ints) -> tuple[Floats, Floats, Floats, float] | None:
     """Centre, direction, half extents and height of the rectangle around a group, None if they do not fill it."""
     half = surfaces.half[group]
     area = half.prod(axis=1)

@@ -10,14 +10,15 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from ..geometry.boxes import Boxes, orthonormal_axes
+from ..geometry.arrays import Floats, Ints
+from ..geometry.boxes import Boxes, boxes_around, orthonormal_axes
 from ..scene.graph import SceneGraph
 from ..scene.hierarchy import world_matrices
 from ..scene.mesh import Mesh
 
 PART_LIMIT = 64
 """A mesh with more connected parts than this has them gathered in a 4 x 4 x 4 grid of boxes."""
-_parts_of: WeakKeyDictionary[Mesh, NDArray[np.float64]] = WeakKeyDictionary()
+_parts_of: WeakKeyDictionary[Mesh, Floats] = WeakKeyDictionary()
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,14 +26,14 @@ class PartBoxes:
     """World boxes of all parts of all entities; ``owner`` int64 (P,) is the row that a part belongs to, ascending."""
 
     boxes: Boxes
-    owner: NDArray[np.int64]
+    owner: Ints
 
     def of(self, row: int) -> Boxes:
         """The parts of one entity."""
         return self.boxes.take(np.arange(*np.searchsorted(self.owner, (row, row + 1))))
 
 
-def mesh_parts(mesh: Mesh) -> NDArray[np.float64]:
+def mesh_parts(mesh: Mesh) -> Floats:
     """Boxes around the connected parts of a mesh, float64 (K, 2, 3) lowest and highest corner in the mesh's frame.
 
     Points in the very same place count as one (importers split them at seams), so a
@@ -44,17 +45,14 @@ def mesh_parts(mesh: Mesh) -> NDArray[np.float64]:
     return _parts_of[mesh]
 
 
-def _find_parts(mesh: Mesh) -> NDArray[np.float64]:
+def _find_parts(mesh: Mesh) -> Floats:
     finite = np.isfinite(mesh.points).all(axis=1)
     if not finite.any():
         return np.zeros((0, 2, 3))
     places, weld = np.unique(mesh.points, axis=0, return_inverse=True)
     weld = weld.reshape(-1)
-    following = np.arange(1, len(mesh.corners) + 1)
-    sizes = np.diff(mesh.offsets)
-    following[mesh.offsets[1:][sizes > 0] - 1] = mesh.offsets[:-1][sizes > 0]
     start = np.concatenate([weld[mesh.corners], weld[mesh.edges[:, 0]]])
-    stop = np.concatenate([weld[mesh.corners[following]], weld[mesh.edges[:, 1]]])
+    stop = np.concatenate([weld[mesh.corners[mesh.following]], weld[mesh.edges[:, 1]]])
     links = coo_array((np.ones(len(start), bool), (start, stop)), shape=(len(places),) * 2)
     _, part = connected_components(links, directed=False)
     kept = np.isfinite(places).all(axis=1)
@@ -67,7 +65,7 @@ def _find_parts(mesh: Mesh) -> NDArray[np.float64]:
     return boxes
 
 
-def _boxes_by_group(points: NDArray[np.floating], group: NDArray[np.integer]) -> NDArray[np.float64]:
+def _boxes_by_group(points: NDArray[np.floating], group: NDArray[np.integer]) -> Floats:
     _, index = np.unique(group, return_inverse=True)
     count = index.max() + 1
     low, high = np.full((count, 3), np.inf), np.full((count, 3), -np.inf)
@@ -84,9 +82,4 @@ def part_boxes(graph: SceneGraph) -> PartBoxes:
     owner = np.repeat(rows, counts)
     bounds = np.concatenate([np.zeros((0, 2, 3)), *(parts[index] for index in graph.mesh[rows])])
     world = world_matrices(graph)
-    linear, axes = world[:, :3, :3], orthonormal_axes(world[:, :3, :3])
-    spread = np.abs(np.swapaxes(axes, 1, 2) @ linear)
-    middle, half = bounds.mean(axis=1), (bounds[:, 1] - bounds[:, 0]) / 2
-    center = world[owner, :3, 3] + np.einsum("pij,pj->pi", linear[owner], middle)
-    extent = np.einsum("pij,pj->pi", spread[owner], half)
-    return PartBoxes(Boxes(center, axes[owner], extent, np.ones(len(owner), bool)), owner)
+    return PartBoxes(boxes_around(bounds, world[owner], orthonormal_axes(world[:, :3, :3])[owner]), owner)

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
+from collections.abc import Collection, Iterable
 
+import numpy as np
+
+from ..geometry.arrays import Ints
 from ..geometry.box_overlap import nearby_pairs, penetration
-from ..geometry.surface_contact import MeshSurfaces, contact_heights, surface_gap, walls_around, within
+from ..geometry.surface_contact import contact_heights, surface_gap, walls_around, within
 from ..scene import components
 from ..scene.component_table import table
 from ..scene.graph import SceneGraph
 from .directions import directions
-from .part_boxes import part_boxes
-from .relation_objects import RelationObjects, find_relation_objects
+from .object_rows import Objects, find_objects
 from .relation_tolerances import DEFAULT, RelationTolerances
 
 KINDS = (
@@ -25,9 +26,7 @@ Found = tuple[int, str, int]
 """Row of the subject, kind, row of the target."""
 
 
-def relate(
-    graph: SceneGraph, rows: NDArray[np.integer] | None = None, tolerances: RelationTolerances = DEFAULT
-) -> SceneGraph:
+def relate(graph: SceneGraph, rows: Ints | None = None, tolerances: RelationTolerances = DEFAULT) -> SceneGraph:
     """The scenegraph with its relations computed anew; relations of kinds of its user's own stay.
 
     A :class:`~..scene.systems.System`: only relations whose subjects are among ``rows``, all when
@@ -35,21 +34,19 @@ def relate(
     """
     subjects = set(range(len(graph)) if rows is None else map(int, rows))
     found = [entry for entry in find_relations(graph, tolerances) if entry[0] in subjects]
+    return with_relations(graph, found, KINDS, subjects)
+
+
+def with_relations(
+    graph: SceneGraph, found: Iterable[Found], kinds: Collection[str], subjects: Collection[int] | None = None
+) -> SceneGraph:
+    """The scenegraph with these relations for those of some ``kinds`` that some rows, or all, had; others stay."""
     old = graph.components.get(components.RELATIONS)
-    kept = [
-        (int(row), kind, target)
-        for row, kind, target in (
-            [] if old is None else zip(old.rows, old.columns["kind"], old.columns["target"], strict=True)
-        )
-        if kind not in KINDS or row not in subjects
-    ]
-    entries = kept + [(row, kind, graph.uid[target]) for row, kind, target in found]
-    made = table(
-        [row for row, _, _ in entries],
-        kind=[kind for _, kind, _ in entries],
-        target=[target for _, _, target in entries],
-    )
-    return graph.with_component(components.RELATIONS, made)
+    entries = [] if old is None else [*zip(old.rows.tolist(), old.columns["kind"], old.columns["target"], strict=True)]
+    entries = [entry for entry in entries if entry[1] not in kinds or not (subjects is None or entry[0] in subjects)]
+    entries += [(row, kind, graph.uid[target]) for row, kind, target in found]
+    rows_of, kind, target = zip(*entries, strict=True) if entries else ((), (), ())
+    return graph.with_component(components.RELATIONS, table(list(rows_of), kind=list(kind), target=list(target)))
 
 
 def find_relations(graph: SceneGraph, tolerances: RelationTolerances = DEFAULT) -> list[Found]:
@@ -65,26 +62,26 @@ def find_relations(graph: SceneGraph, tolerances: RelationTolerances = DEFAULT) 
         ``kind`` is one of :data:`KINDS`; "beside" and "connected_to" hold both ways, "above" and "below",
         "left_of" and "right_of", "in_front_of" and "behind" come in pairs.
     """
-    objects = find_relation_objects(graph)
-    surfaces = MeshSurfaces(graph, objects.meshes)
-    found = _touching(objects, _close_pairs(graph, objects, tolerances), surfaces, tolerances)
-    found = _direct(found)
+    objects = find_objects(graph, empty=False)
+    found = _direct(_touching(objects, _close_pairs(objects, tolerances), tolerances))
     joined = {(min(subject, target), max(subject, target)) for subject, _, target in found}
     found += directions(objects, tolerances, joined)
     rows = [(int(objects.rows[subject]), kind, int(objects.rows[target])) for subject, kind, target in found]
-    return sorted(rows + [(row, "part_of", above) for row, above in objects.parts])
+    own = {row: int(objects.rows[obj]) for obj, parts in enumerate(objects.meshes) for row in parts.tolist()}
+    return sorted(rows + [(row, "part_of", above) for row, above in own.items() if row != above])
 
 
-def _close_pairs(graph: SceneGraph, objects: RelationObjects, tolerances: RelationTolerances) -> NDArray[np.int64]:
+def _close_pairs(objects: Objects, tolerances: RelationTolerances) -> Ints:
     """Pairs (K, 2) of objects of which some parts' oriented boxes touch, or one stands in the other's box."""
-    parts = part_boxes(graph)
+    parts = objects.parts
     pairs = nearby_pairs(parts.boxes, tolerances.gap)
-    owners = objects.of_row[parts.owner[pairs]].reshape(-1, 2)
+    owners = parts.owner[pairs].reshape(-1, 2)
     pairs, owners = pairs[owners[:, 0] != owners[:, 1]], owners[owners[:, 0] != owners[:, 1]]
     depth = penetration(parts.boxes.take(pairs[:, 0]), parts.boxes.take(pairs[:, 1]))
     touching = np.sort(owners[depth >= -tolerances.gap], axis=1)
-    near = nearby_pairs(objects.boxes)
-    low, high = objects.low[near], objects.high[near] + tolerances.gap
+    near = nearby_pairs(objects.aligned)
+    low, high = objects.bounds[:, near]
+    high = high + tolerances.gap
     nested = (low[:, 0] >= low[:, 1] - tolerances.gap).all(axis=1) & (high[:, 0] <= high[:, 1] + tolerances.gap).all(
         axis=1
     )
@@ -94,21 +91,19 @@ def _close_pairs(graph: SceneGraph, objects: RelationObjects, tolerances: Relati
     return np.unique(np.concatenate([touching, near[nested]]), axis=0)
 
 
-def _touching(
-    objects: RelationObjects, pairs: NDArray[np.int64], surfaces: MeshSurfaces, tolerances: RelationTolerances
-) -> list[Found]:
+def _touching(objects: Objects, pairs: Ints, tolerances: RelationTolerances) -> list[Found]:
     """What rests on, lies in, belongs to or is joined with what."""
     found: list[Found] = []
     for one, two in pairs.tolist():
         between: list[Found] = []
         for subject, target in ((one, two), (two, one)):
-            if _lies_inside(objects, subject, target, surfaces, tolerances):
+            if _lies_inside(objects, subject, target, tolerances):
                 between.append((subject, "inside", target))
-            elif _rests(objects, subject, target, surfaces, tolerances):
+            elif _rests(objects, subject, target, tolerances):
                 between.append((subject, "on_top_of", target))
         if len(between) > 1:  # both ways: what reaches lower bears the other
             between = [max(between, key=lambda entry: (entry[1] == "inside", objects.low[entry[0], 2]))]
-        if not between and _meets(objects, one, two, surfaces, tolerances):
+        if not between and _meets(objects, one, two, tolerances):
             if objects.is_below(one, two):
                 between = [(one, "part_of", two)]
             elif objects.is_below(two, one):
@@ -132,30 +127,28 @@ def _direct(found: list[Found]) -> list[Found]:
     ]
 
 
-def _rests(
-    objects: RelationObjects, subject: int, target: int, surfaces: MeshSurfaces, tolerances: RelationTolerances
-) -> bool:
+def _rests(objects: Objects, subject: int, target: int, tolerances: RelationTolerances) -> bool:
     """Contacts below the subject's middle, and not only at the brim of a side that it touches."""
     low = np.maximum(objects.low[subject], objects.low[target])
     high = np.minimum(objects.high[subject], objects.high[target])
     if ((high - low)[:2] <= 0).any() or objects.low[subject, 2] < objects.low[target, 2] - tolerances.overlap:
         return False
     low[2], high[2] = low[2] - tolerances.gap - tolerances.overlap, high[2] + tolerances.gap + tolerances.overlap
-    contacts = contact_heights(surfaces.of(subject), surfaces.of(target), low, high, tolerances.gap, tolerances.overlap)
+    contacts = contact_heights(
+        objects.triangles(subject), objects.triangles(target), low, high, tolerances.gap, tolerances.overlap
+    )
     middle = (objects.low[subject, 2] + objects.high[subject, 2]) / 2
     return bool((contacts <= middle).any()) if len(contacts) else False
 
 
-def _lies_inside(
-    objects: RelationObjects, subject: int, target: int, surfaces: MeshSurfaces, tolerances: RelationTolerances
-) -> bool:
+def _lies_inside(objects: Objects, subject: int, target: int, tolerances: RelationTolerances) -> bool:
     """The subject's box lies in the target's, and the target's surface stands around its middle."""
     low, high = objects.low[target] - tolerances.gap, objects.high[target] + tolerances.gap
     middle = (objects.low[subject] + objects.high[subject]) / 2
     footprint = (objects.low[subject, :2] >= low[:2]).all() and (objects.high[subject, :2] <= high[:2]).all()
     if not footprint or not (low <= middle).all() or not (middle <= high).all():
         return False
-    walls = walls_around(middle, surfaces.of(target), objects.axes[target])
+    walls = walls_around(middle, objects.triangles(target), objects.axes[target])
     upward = int(np.argmax(np.abs(objects.axes[target][2])))
     if np.isfinite(walls[upward]).all():
         return bool(np.isfinite(walls).sum() >= tolerances.walls)
@@ -164,10 +157,8 @@ def _lies_inside(
     return bool(np.isfinite(walls).sum() == 5 and depth >= tolerances.hollow * across.min())
 
 
-def _meets(
-    objects: RelationObjects, one: int, two: int, surfaces: MeshSurfaces, tolerances: RelationTolerances
-) -> bool:
+def _meets(objects: Objects, one: int, two: int, tolerances: RelationTolerances) -> bool:
     low = np.maximum(objects.low[one], objects.low[two]) - tolerances.gap
     high = np.minimum(objects.high[one], objects.high[two]) + tolerances.gap
-    parts = within(surfaces.of(one), low, high), within(surfaces.of(two), low, high)
+    parts = within(objects.triangles(one), low, high), within(objects.triangles(two), low, high)
     return surface_gap(*parts) <= tolerances.gap

@@ -5,10 +5,10 @@ from __future__ import annotations
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..geometry.boxes import Boxes, part_bottoms, part_tops
-from .objects import CONTACT
+from ..geometry.arrays import Floats
+from ..geometry.boxes import Boxes, part_bottoms, part_tops, reach
+from .supports import CONTACT
 
 MOST = 8
 """Surfaces kept of one object, the largest ones."""
@@ -23,7 +23,7 @@ OPEN = 2.0
 """Metres of headroom told where nothing of the object itself is above."""
 
 
-def support_surfaces(parts: Boxes, bottom: float) -> NDArray[np.float64]:
+def support_surfaces(parts: Boxes, bottom: float) -> Floats:
     """The surfaces of an object (S, 3), lowest first: height above its bottom, area (m2) and headroom, metres.
 
     Headroom is the clear height up to the next part of the object that covers a quarter of the surface.
@@ -31,7 +31,7 @@ def support_surfaces(parts: Boxes, bottom: float) -> NDArray[np.float64]:
     if not len(parts.center):
         return np.zeros((0, 3))
     tops, lows = part_tops(parts), part_bottoms(parts)
-    reach = (np.abs(parts.axes[:, :2, :]) * parts.half[:, None, :]).sum(axis=2)
+    far = reach(parts)[:, :2]
     flat, each = np.abs(parts.axes[:, 2, :]).argmax(axis=1), np.arange(len(tops))
     area = 4 * (parts.half[each, (flat + 1) % 3] * parts.half[each, (flat + 2) % 3])
     order = np.argsort(tops, kind="stable")
@@ -42,13 +42,13 @@ def support_surfaces(parts: Boxes, bottom: float) -> NDArray[np.float64]:
     largest = np.array([order[start:stop][area[order[start:stop]].argmax()] for start, stop in levels])
     kept = np.flatnonzero(total >= SHARE * total.max())
     kept = np.sort(kept[np.argsort(-total[kept], kind="stable")[:MOST]])
-    rooms = [_headroom(part, tops, lows, parts.center[:, :2], reach) for part in largest[kept]]
+    rooms = [_headroom(part, tops, lows, parts.center[:, :2], far) for part in largest[kept]]
     return np.column_stack([tops[largest[kept]] - bottom, total[kept], rooms])
 
 
 def _headroom(
-    part: int, tops: NDArray[np.float64], lows: NDArray[np.float64], middle: NDArray[np.float64],
-    reach: NDArray[np.float64],
+    part: int, tops: Floats, lows: Floats, middle: Floats,
+    reach: Floats,
 ) -> float:  # fmt: skip
     right, left = middle + reach, middle - reach
     over = np.minimum(right[part], right) - np.maximum(left[part], left)
@@ -57,7 +57,7 @@ def _headroom(
     return float(min((lows[above] - tops[part]).min(initial=OPEN), OPEN))
 
 
-def surface_at(surfaces: NDArray[np.float64], height: float) -> int:
+def surface_at(surfaces: Floats, height: float) -> int:
     """Which surface (S, 3) something stands on whose bottom is at a height above the object's bottom; -1 for none."""
     if not len(surfaces):
         return -1

@@ -8,9 +8,9 @@ from functools import cache
 from itertools import permutations, product
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..errors import UniSGError
+from ..geometry.arrays import Floats
 from ..scene.builder import SceneBuilder
 from ..scene.graph import SceneGraph
 from ..scene.identity import derived_uid
@@ -202,7 +202,7 @@ def _scene(
     return builder.build()
 
 
-def _site_frame(rng: np.random.Generator, place: NDArray[np.float64], rotation: str) -> NDArray[np.float64]:
+def _site_frame(rng: np.random.Generator, place: Floats, rotation: str) -> Floats:
     """Where a site stands; for "free" turned any way around a point high enough to stay above the floor."""
     frame = matrix_of((*place, 0.0, _turn(rng)))
     if rotation == "free":
@@ -214,7 +214,7 @@ def _site_frame(rng: np.random.Generator, place: NDArray[np.float64], rotation: 
     return frame
 
 
-def _standing(rng: np.random.Generator, edge: float, rotation: str) -> NDArray[np.float64]:
+def _standing(rng: np.random.Generator, edge: float, rotation: str) -> Floats:
     """A unit cube (origin in its middle) as one of this edge on the ground, upright or on any face."""
     matrix = np.eye(4)
     matrix[:3, :3] = edge * (_FACES_DOWN[int(rng.integers(24))] if rotation != "yaw" else np.eye(3))
@@ -222,7 +222,7 @@ def _standing(rng: np.random.Generator, edge: float, rotation: str) -> NDArray[n
     return matrix
 
 
-def _quarter_turns() -> NDArray[np.float64]:
+def _quarter_turns() -> Floats:
     """The 24 rotations that map a cube to itself, float64 (24, 3, 3)."""
     signed = [
         np.eye(3)[list(order)] * np.array(signs)[:, None]

@@ -9,8 +9,9 @@ from dataclasses import dataclass, field
 from typing import TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..geometry.arrays import Bools, Floats
+from ..geometry.planar import rotation
 from ..geometry.polygon import inside
 from ..scene.action_data import ActionData
 from ..scene.builder import SceneBuilder
@@ -25,7 +26,7 @@ from .occupancy import Occupancy, Shapes
 TRIES = 12
 FIRST_TRIES = 3
 Value = TypeVar("Value")
-Pose = NDArray[np.float64]
+Pose = Floats
 """x, y, z in metres and the yaw in radians."""
 
 
@@ -41,7 +42,7 @@ class Placed:
     parent: Placed | None
     relation: str
 
-    def point(self, x: float, y: float, z: float = 0.0) -> NDArray[np.float64]:
+    def point(self, x: float, y: float, z: float = 0.0) -> Floats:
         """A point of the asset's frame in the world."""
         return self.pose_at(x, y, z, 0.0)[:3]
 
@@ -65,7 +66,7 @@ class Layout:
 
     title: str
     rng: np.random.Generator
-    outline: NDArray[np.float64]
+    outline: Floats
     objects: list[Placed] = field(default_factory=list)
     taken: Occupancy = field(default_factory=Occupancy)
     _names: Counter[str] = field(default_factory=Counter)
@@ -95,9 +96,7 @@ class Layout:
         free = self.taken.free(Shapes(half * np.array([0, 0, 1.0]), half), poses)
         return bool(free[0] and inside(self.outline, poses[:, :2])[0])
 
-    def fits(
-        self, asset: Furniture, poses: NDArray[np.float64], parent: Placed, clearance: float = 0.0
-    ) -> NDArray[np.bool_]:
+    def fits(self, asset: Furniture, poses: Floats, parent: Placed, clearance: float = 0.0) -> Bools:
         """At which poses (T, 4) the asset meets nothing and, on the floor, has its middle in the room."""
         free = self.taken.free(asset.shapes, poses, ignore=parent.number, clearance=clearance)
         return free & inside(self.outline, poses[:, :2]) if parent.parent is None else free
@@ -135,14 +134,13 @@ class Layout:
         return None
 
     def _poses_on(
-        self, asset: Furniture, support: Placed, surface: str, turns: NDArray[np.float64],
+        self, asset: Furniture, support: Placed, surface: str, turns: Floats,
         area: tuple[float, float, float, float],
-    ) -> NDArray[np.float64]:  # fmt: skip
+    ) -> Floats:  # fmt: skip
         """Poses somewhere on a part of a surface, one for each turn with which the asset fits on it whole."""
         top, bounds = support.asset.surfaces[surface], asset.mesh.bounds
         half, middle = (bounds[1, :2] - bounds[0, :2]) / 2, (bounds[1, :2] + bounds[0, :2]) / 2
-        cos, sin = np.cos(turns), np.sin(turns)
-        ways = np.stack([cos, -sin, sin, cos], axis=1).reshape(-1, 2, 2)
+        ways = rotation(turns)[:, :2, :2]
         low, high = (np.array(area[:2]) - 0.5) * top.size, (np.array(area[2:]) - 0.5) * top.size
         room = (high - low) / 2 - np.abs(ways) @ half
         at = (low + high) / 2 + self.rng.uniform(-1, 1, (len(turns), 2)) * room + top.center[:2] - ways @ middle
@@ -185,12 +183,12 @@ def pick(rng: np.random.Generator, values: Sequence[Value]) -> Value:
     return values[int(rng.integers(len(values)))]
 
 
-def matrix_of(pose: Sequence[float] | Pose) -> NDArray[np.float64]:
+def matrix_of(pose: Sequence[float] | Pose) -> Floats:
     """The 4x4 matrix of a pose (x, y, z, yaw)."""
     cos, sin = math.cos(pose[3]), math.sin(pose[3])
     return np.array([[cos, -sin, 0, pose[0]], [sin, cos, 0, pose[1]], [0, 0, 1, pose[2]], [0, 0, 0, 1.0]])
 
 
-def facing(start: NDArray[np.float64], target: NDArray[np.float64]) -> float:
+def facing(start: Floats, target: Floats) -> float:
     """The yaw with which an object at ``start`` turns its front (-y) to ``target`` (both (2+,), metres)."""
     return float(np.arctan2(target[0] - start[0], start[1] - target[1]))

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..geometry.arrays import Floats
 from ..scene.graph import SceneGraph
 from .furniture import building
 from .home_lesson import home_lesson
@@ -43,7 +43,7 @@ def furnish(seed: int) -> Layout:
     return layout
 
 
-def _outline(rng: np.random.Generator) -> NDArray[np.float64]:
+def _outline(rng: np.random.Generator) -> Floats:
     outline = rectangle(rng.integers(36, 61) / 10, rng.integers(38, 71) / 10)
     if rng.random() < 0.55 or np.ptp(outline, axis=0).min() < 4.2:
         return outline

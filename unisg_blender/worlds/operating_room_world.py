@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..geometry.arrays import Floats
 from ..scene.graph import SceneGraph
 from .furniture import building, surgical
 from .layout import Layout, Placed, facing, matrix_of, pick
@@ -51,7 +51,7 @@ def furnish(seed: int) -> Layout:
     return layout
 
 
-def _outline(rng: np.random.Generator) -> NDArray[np.float64]:
+def _outline(rng: np.random.Generator) -> Floats:
     outline = rectangle(rng.integers(60, 81) / 10, rng.integers(60, 91) / 10)
     shape = rng.random()
     if shape < 0.4:
@@ -84,7 +84,7 @@ def _operating_table(layout: Layout, floor: Placed) -> Placed:
     return layout.add(shape, pose, floor)
 
 
-def _room_for_people(layout: Layout, pose: NDArray[np.float64], length: float) -> bool:
+def _room_for_people(layout: Layout, pose: Floats, length: float) -> bool:
     """Is there room for anaesthesia at the head, and for instruments on both sides?"""
     turn = matrix_of(pose)
     zones = [((2.0, 1.4, 2.0), (0.0, length / 2 + 0.95))]
@@ -113,7 +113,7 @@ def _lamps(layout: Layout, sides: list[Side], table: Placed) -> None:
         shape_reach = pick(rng, [0.6, 0.75, 0.9])
         drop = round(top - table.asset.size[2] - rng.uniform(1.0, 1.4), 1)
 
-        def hang(target: NDArray[np.float64] = target, sign: float = sign, reach: float = shape_reach) -> list[float]:
+        def hang(target: Floats = target, sign: float = sign, reach: float = shape_reach) -> list[float]:
             """A place on the girder from which the lamp reaches its target."""
             aim = target + rng.normal(0, 0.08, 2)
             across = aim - rail.pose[:2] - along * ((aim - rail.pose[:2]) @ along)
@@ -125,7 +125,7 @@ def _lamps(layout: Layout, sides: list[Side], table: Placed) -> None:
         layout.place(shape, hang, rail, relation="hangs_from")
 
 
-def _rail(layout: Layout, sides: list[Side], table: Placed) -> tuple[Placed, NDArray[np.float64]]:
+def _rail(layout: Layout, sides: list[Side], table: Placed) -> tuple[Placed, Floats]:
     """The girder, fixed to the wall at its end and a little beside the table's middle, and its direction."""
     rng = layout.rng
     axis, aside = int(rng.integers(2)), pick(rng, [-1, 1]) * rng.uniform(0.35, 0.5)
@@ -141,9 +141,7 @@ def _rail(layout: Layout, sides: list[Side], table: Placed) -> tuple[Placed, NDA
     return layout.add(shape, (*middle, HEIGHT - RAIL_HEIGHT, np.arctan2(along[1], along[0])), wall, "hangs_from"), along
 
 
-def _wall_ahead(
-    layout: Layout, sides: list[Side], point: NDArray[np.float64], way: NDArray[np.float64]
-) -> tuple[Placed | None, float]:
+def _wall_ahead(layout: Layout, sides: list[Side], point: Floats, way: Floats) -> tuple[Placed | None, float]:
     """The wall that one meets at a right angle going that way (None: at a slant), and how far it is."""
     best: tuple[Placed | None, float] = None, np.inf
     ends = np.roll(layout.outline, -1, axis=0)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..geometry.arrays import Floats
 from ..scene.action_data import ActionData, Thresholds
 from ..scene.identity import derived_uid
 from ..scene.lesson_node import LessonNode
@@ -25,7 +25,7 @@ class Script:
         self._count = 0
 
     def insert(
-        self, name: str, obj: Thing, frame: Thing, at: NDArray[np.float64], distance: float, degrees: float,
+        self, name: str, obj: Thing, frame: Thing, at: Floats, distance: float, degrees: float,
         hold: float | None = None,
     ) -> str:  # fmt: skip
         """Bring an object to the pose ``at`` (4x4) in the frame of another, within metres and degrees."""
@@ -117,7 +117,7 @@ def choices(rng: np.random.Generator, right: int, spread: int = 2) -> tuple[list
     return [str(number) for number in numbers], numbers.index(right)
 
 
-def turned(x: float, y: float, z: float, yaw: float = 0.0, pitch: float = 0.0) -> NDArray[np.float64]:
+def turned(x: float, y: float, z: float, yaw: float = 0.0, pitch: float = 0.0) -> Floats:
     """A 4x4 pose: turned by ``pitch`` about x (the front goes up by it, negative: down), then by ``yaw`` about z."""
     cos, sin, up, out = np.cos(yaw), np.sin(yaw), np.sin(-pitch), np.cos(pitch)
     about_z = np.array([[cos, -sin, 0], [sin, cos, 0], [0, 0, 1]])

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..geometry.arrays import Floats
 from .furniture import building
 from .furniture.kit import Furniture
 from .layout import Layout, Placed, facing
@@ -28,12 +28,12 @@ class Side:
         return any(start < x + half and x - half < stop and height > sill for start, stop, sill in self.openings)
 
 
-def rectangle(width: float, depth: float) -> NDArray[np.float64]:
+def rectangle(width: float, depth: float) -> Floats:
     """A rectangle around the origin, counter-clockwise (4, 2)."""
     return np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * (width / 2, depth / 2)
 
 
-def cut_corner(outline: NDArray[np.float64], corner: int, x: float, y: float, square: bool) -> NDArray[np.float64]:
+def cut_corner(outline: Floats, corner: int, x: float, y: float, square: bool) -> Floats:
     """A rectangle without one corner: cut off at a slant, or ``square`` (an L-shaped room), x and y metres of it."""
     point = outline[corner]
     inward = -np.sign(point) * np.array([x, y])
@@ -81,9 +81,7 @@ def build_shell(
     return floor, sides
 
 
-def against(
-    layout: Layout, sides: list[Side], asset: Furniture, gap: tuple[float, float] = (0.005, 0.05)
-) -> NDArray[np.float64]:
+def against(layout: Layout, sides: list[Side], asset: Furniture, gap: tuple[float, float] = (0.005, 0.05)) -> Floats:
     """A pose with the back of the asset to some wall, a few centimetres off and a little askew; not before a door.
 
     Where none is found in a few tries the pose lies outside the room.
@@ -132,7 +130,7 @@ def keep_door_free(layout: Layout, sides: list[Side], depth: float = 0.9) -> Non
                 layout.keep_out((stop - start, depth, 2.0), side.wall.pose_at((start + stop) / 2, y, 0.0, 0.0))
 
 
-def beside_wall(layout: Layout, sides: list[Side], asset: Furniture) -> NDArray[np.float64]:
+def beside_wall(layout: Layout, sides: list[Side], asset: Furniture) -> Floats:
     """A pose near some wall, turned any way: where objects are pushed that are not needed."""
     reach = float(np.hypot(*asset.size[:2]) / 2)
     pose = against(layout, sides, asset, (reach, reach + 0.35))
@@ -140,8 +138,6 @@ def beside_wall(layout: Layout, sides: list[Side], asset: Furniture) -> NDArray[
     return pose
 
 
-def look_at(
-    pose: NDArray[np.float64], target: NDArray[np.float64], spread: float, rng: np.random.Generator
-) -> NDArray[np.float64]:
+def look_at(pose: Floats, target: Floats, spread: float, rng: np.random.Generator) -> Floats:
     """The pose turned so that its front looks at a point, give or take ``spread`` radians."""
     return np.array([pose[0], pose[1], pose[2], facing(pose, target) + rng.normal(0, spread)])

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ..geometry.planar import turned_reach
 from .furniture import instruments as tools
 from .furniture.kit import Furniture
 from .layout import Layout, Placed, pick
@@ -31,9 +32,7 @@ def lay_row(
     for asset in assets:
         turn = lean + float(np.clip(rng.normal(0, 0.03), -0.1, 0.1))
         (left, near, _), (right, far, _) = asset.mesh.bounds
-        half_x, half_y = (right - left) / 2, (far - near) / 2
-        reach_x = half_x * np.cos(turn) + half_y * abs(np.sin(turn))
-        reach_y = half_y * np.cos(turn) + half_x * abs(np.sin(turn))
+        reach_x, reach_y = turned_reach(np.array([right - left, far - near]) / 2, turn)
         slack = (high[1] - low[1]) / 2 - reach_y
         if slack < 0 or x + 2 * reach_x > high[0]:
             continue

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,15 +10,13 @@ from numpy.typing import NDArray
 from ...geometry.affine_rows import Array, rotation_and_size, transform
 from ...geometry.box_distance import separation
 from ...geometry.box_distance_bounds import plainly_near
-from ...geometry.boxes import Boxes, orthonormal_axes
+from ...geometry.boxes import SIGNS, Boxes, orthonormal_axes
 from ...scene import local_bounds
 from ...scene.graph import SceneGraph
 from ...scene.hierarchy import subtree, world_matrices
 
 EPSILON = 1e-9
 """Metres and radians by which a limit may be missed by rounding: at the exact threshold, the rule decides."""
-
-_CORNERS = np.array(list(product((-1.0, 1.0), repeat=3)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,7 +51,7 @@ def body_bounds(graph: SceneGraph, rows: NDArray[np.integer]) -> Array:
         below = below[graph.mesh[below] >= 0]
         if len(below):
             middle, half = bounds[below].mean(axis=1), (bounds[below, 1] - bounds[below, 0]) / 2
-            corners = middle[:, None] + _CORNERS * half[:, None]
+            corners = middle[:, None] + SIGNS * half[:, None]
             local = np.linalg.pinv(world[row]) @ world[below]
             points = np.einsum("kij,kcj->kci", local[:, :3, :3], corners) + local[:, None, :3, 3]
             found[place] = points.min(axis=(0, 1)), points.max(axis=(0, 1))

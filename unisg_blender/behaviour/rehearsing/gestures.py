@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry.affine_rows import compose, gather, rotation_and_size
+from ...geometry.planar import rotation
 from ..check.action_batch import Batch
 from ..check.body_contact import body_bounds, touching
 from ..playing.player import Lesson
@@ -37,10 +38,9 @@ def away_goal(batch: Batch, pair: int, world: NDArray[np.float64]) -> NDArray[np
         goal[2, 3] += 1.2 * batch.distance[action] + 0.05
         return goal
     angle = min(1.2 * batch.angle[action] + 0.05, np.pi)
-    turn = np.array([[np.cos(angle), -np.sin(angle), 0], [np.sin(angle), np.cos(angle), 0], [0, 0, 1]])
     reference = rotation_and_size(compose(poses.frames(world), poses.reference)[:, pair : pair + 1])[0]
     own = rotation_and_size(gather(world, poses.row[pair : pair + 1]))[0]
-    goal[:3, :3] = turn @ _matrix(reference) @ _matrix(own).T @ goal[:3, :3]
+    goal[:3, :3] = rotation(angle) @ _matrix(reference) @ _matrix(own).T @ goal[:3, :3]
     return goal
 
 

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from ...geometry.planar import heading, turn
 from ...scene import STRUCTURE, SceneGraph, take, world_matrices
 from ...scene.categories import FLOOR, has_category
-from ...spatial.objects import object_rows
+from ...spatial.object_rows import object_rows
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,7 +14,7 @@ from ...errors import UniSGError
 from ...scene import Mesh, SceneGraph, world_matrices
 from ...scene.categories import FLOOR, STRUCTURE
 from ...spatial.floor_plan import mesh_outline
-from ...spatial.objects import object_rows
+from ...spatial.object_rows import object_rows
 from ...spatial.part_boxes import mesh_parts
 from .asset import Asset, object_graph, shell_of
 from .asset_file import Assets, pack_assets

@@ -20,6 +20,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
 from ...errors import UniSGError
 from ...scene import SceneBuilder, SceneGraph, mesh_from_faces
@@ -178,12 +179,8 @@ def _tdw(plans: Mapping[str, Mapping[str, Any]], models: Mapping[str, Any]) -> I
 
 def turn_of(degrees: Mapping[str, float]) -> Array:
     """The rotation (3, 3) of Unity's Euler angles, R = Ry Rx Rz, seen in our axes."""
-    x, y, z = (np.radians(degrees[axis]) for axis in "xyz")
-    about_x = np.array([[1, 0, 0], [0, np.cos(x), -np.sin(x)], [0, np.sin(x), np.cos(x)]])
-    about_y = np.array([[np.cos(y), 0, np.sin(y)], [0, 1, 0], [-np.sin(y), 0, np.cos(y)]])
-    about_z = np.array([[np.cos(z), -np.sin(z), 0], [np.sin(z), np.cos(z), 0], [0, 0, 1]])
     swap = np.eye(3)[[0, 2, 1]]
-    turn: Array = swap @ about_y @ about_x @ about_z @ swap
+    turn: Array = swap @ Rotation.from_euler("YXZ", [degrees[axis] for axis in "yxz"], degrees=True).as_matrix() @ swap
     return turn
 
 

@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 
 from ...geometry.boxes import Boxes
 from ...metrics.edge_metrics import f1_score
-from ...predict.object_pairs import candidate_pairs, object_boxes
+from ...predict.object_pairs import candidate_pairs
 from ...predict.support_prediction import TopologyModel
+from ...spatial import find_objects
 from ...worlds.cube_world import cube_pairs
 
 PAIRS_MADE = 500
@@ -27,7 +28,8 @@ def field(count: int) -> tuple[Boxes, NDArray[np.bool_]]:
     A scene of 500 pairs is laid side by side as often as needed.
     """
     graph = cube_pairs(0, PAIRS_MADE)
-    rows, boxes = object_boxes(graph)
+    objects = find_objects(graph, empty=False)
+    rows, boxes = objects.rows, objects.oriented
     cubes = boxes.take(np.flatnonzero([graph.category_name(int(row)) == "Cube" for row in rows]))
     copies = -(-count // len(cubes.center))
     side, width = int(np.ceil(np.sqrt(copies))), float(np.ptp(cubes.center[:, 0])) + 2.0

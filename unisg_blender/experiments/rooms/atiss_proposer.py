@@ -5,12 +5,12 @@ from __future__ import annotations
 import os
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...generate import Generator
 from ...generate.observe.contract import KINDS
 from ...generate.propose.proposer import Proposals, Proposer, Query
 from ...generate.propose.trained_model import TrainedModel, load_model
+from ...geometry.arrays import Floats
 from .baselines import carrier_of
 
 KIND = "atiss"
@@ -48,7 +48,7 @@ class AtissProposer(Proposer):
         places = np.column_stack([drawn + origin, turn])
         return Proposals(np.array([carrier_of(scene, place, query.allowed) for place in places], np.int64), places)
 
-    def log_density(self, query: Query, support: int, place: NDArray[np.float64]) -> float:
+    def log_density(self, query: Query, support: int, place: Floats) -> float:
         """Of a position (x, y) and heading, whatever the support, nats (metres, radians)."""
         where = place[:3] - np.array([*query.scene.room.middle, query.scene.room.ground])
         position, heading = self._mixtures(query, where[None])
@@ -56,7 +56,7 @@ class AtissProposer(Proposer):
         turn = np.logaddexp.reduce([_log_logistics(heading[0], value) for value in around])
         return float(sum(_log_logistics(position[0, axis], where[axis]) for axis in range(2)) + turn)
 
-    def _mixtures(self, query: Query, places: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def _mixtures(self, query: Query, places: Floats) -> tuple[Floats, Floats]:
         """Mixtures of position (T, 3, 3, M) and heading (T, 3, M) for the new object at each of places (T, 3)."""
         scene, count, seen = query.scene, len(places), slice(TOKENS)
         center = scene.center[seen] - np.array([*scene.room.middle, scene.room.ground])
@@ -75,14 +75,14 @@ class AtissProposer(Proposer):
         return position[0].astype(np.float64), heading[0].astype(np.float64)
 
 
-def _draw(mixture: NDArray[np.float64], count: int, rng: np.random.Generator) -> NDArray[np.float64]:
+def _draw(mixture: Floats, count: int, rng: np.random.Generator) -> Floats:
     """Values (count,) from one mixture (3, M) of logistics."""
     chance = np.exp(mixture[0] - mixture[0].max())
     part = rng.choice(len(chance), count, p=chance / chance.sum())
     return rng.logistic(mixture[1, part], mixture[2, part])
 
 
-def _log_logistics(mixture: NDArray[np.float64], value: float) -> float:
+def _log_logistics(mixture: Floats, value: float) -> float:
     weight, mean, scale = mixture
     z = (value - mean) / scale
     return float(np.logaddexp.reduce(weight - z - np.log(scale) - 2 * np.logaddexp(0, -z)))

@@ -6,10 +6,11 @@ from collections import defaultdict
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...generate.observe.observed_scene import ObservedScene
 from ...generate.propose.proposer import Proposals, Proposer, Query
+from ...geometry.arrays import Bools, Floats, Ints
+from ...geometry.planar import outside_rectangle, rotate
 from ...scene import SceneGraph
 from ...scene.categories import FLOOR
 from ...spatial.floor_plan import room_outline
@@ -33,7 +34,7 @@ class GaussianProposer(Proposer):
     """
 
     def __init__(self, scenes: Sequence[ObservedScene], spread: float = 1.0) -> None:
-        found: dict[tuple[int, int], list[NDArray[np.float64]]] = defaultdict(list)
+        found: dict[tuple[int, int], list[Floats]] = defaultdict(list)
         for scene in scenes:
             kinds = np.append(scene.category, -2)[scene.support]
             for obj, offset in enumerate(offsets(scene)):
@@ -57,13 +58,11 @@ class GaussianProposer(Proposer):
         for row, obj in enumerate(supports):
             mean, deviation = self.fits.get((category, int(scene.category[obj])), _NOWHERE)
             offset = mean + self.spread * deviation * rng.standard_normal(4)
-            cos, sin = np.cos(scene.yaw[obj]), np.sin(scene.yaw[obj])
-            x, y = offset[:2]
-            places[row] = (cos * x - sin * y, sin * x + cos * y, offset[2], offset[3])
+            places[row] = *rotate(offset[:3], scene.yaw[obj]), offset[3]
             places[row] += (*scene.center[obj, :2], scene.center[obj, 2] - scene.half[obj, 2], scene.yaw[obj])
         return Proposals(supports.astype(np.int64), places)
 
-    def log_density(self, query: Query, support: int, place: NDArray[np.float64]) -> float:
+    def log_density(self, query: Query, support: int, place: Floats) -> float:
         """Of a position and heading on a known support, nats (metres, radians)."""
         scene = query.scene
         kind = int(scene.category[support]) if support >= 0 else -2
@@ -71,9 +70,7 @@ class GaussianProposer(Proposer):
         origin = np.zeros(4)
         if support >= 0:
             origin[:] = *scene.center[support], scene.yaw[support]
-        cos, sin = np.cos(origin[3]), np.sin(origin[3])
-        x, y = place[:2] - origin[:2]
-        offset = np.array([cos * x + sin * y, cos * y - sin * x])
+        offset = rotate(place[:2] - origin[:2], -origin[3])
         return _log_normal(offset, place[3] - origin[3], mean, deviation)
 
 
@@ -84,7 +81,7 @@ class WorldGaussianProposer(Proposer):
     """
 
     def __init__(self, scenes: Sequence[ObservedScene]) -> None:
-        found: dict[int, list[NDArray[np.float64]]] = defaultdict(list)
+        found: dict[int, list[Floats]] = defaultdict(list)
         for scene in scenes:
             origin = np.array([*scene.room.middle, scene.room.ground])
             bottom = scene.center - scene.half * (0, 0, 1)
@@ -100,13 +97,13 @@ class WorldGaussianProposer(Proposer):
         places[:, :3] += (*scene.room.middle, scene.room.ground)
         return Proposals(np.array([carrier_of(scene, place, allowed) for place in places], np.int64), places)
 
-    def log_density(self, query: Query, support: int, place: NDArray[np.float64]) -> float:
+    def log_density(self, query: Query, support: int, place: Floats) -> float:
         """Of a position and heading, whatever the support, nats (metres, radians)."""
         mean, deviation = self.fits.get(query.category, _NOWHERE)
         return _log_normal(place[:2] - query.scene.room.middle, place[3], mean, deviation)
 
 
-def carrier_of(scene: ObservedScene, place: NDArray[np.float64], allowed: NDArray[np.bool_]) -> int:
+def carrier_of(scene: ObservedScene, place: Floats, allowed: Bools) -> int:
     """Which of the allowed objects a bottom at a place (4,) is nearest to: apart from its top, and beside it, metres.
 
     -1 where none is allowed.
@@ -115,28 +112,24 @@ def carrier_of(scene: ObservedScene, place: NDArray[np.float64], allowed: NDArra
     if not len(objects):
         return -1
     offset = place[:2] - scene.center[objects, :2]
-    cos, sin = np.cos(scene.yaw[objects]), np.sin(scene.yaw[objects])
-    local = np.column_stack([cos * offset[:, 0] + sin * offset[:, 1], cos * offset[:, 1] - sin * offset[:, 0]])
-    aside = np.linalg.norm(np.maximum(np.abs(local) - scene.half[objects, :2], 0), axis=1)
+    aside = outside_rectangle(offset, scene.yaw[objects], scene.half[objects, :2])
     low, high = scene.center[objects, 2] - scene.half[objects, 2], scene.center[objects, 2] + scene.half[objects, 2]
     apart = np.maximum(place[2] - high, 0) + np.maximum(low - place[2], 0) + 0.1 * np.abs(place[2] - high)
     return int(objects[np.argmin(aside + apart)])
 
 
-def offsets(scene: ObservedScene) -> NDArray[np.float64]:
+def offsets(scene: ObservedScene) -> Floats:
     """x, y, height of the bottom above the support's bottom, and heading (K, 4), in the frames of the supports."""
     held = scene.support >= 0
     support = np.maximum(scene.support, 0)
     offset = scene.center - np.where(held[:, None], scene.center[support], 0)
     yaw = np.where(held, scene.yaw[support], 0.0)
     below = np.where(held, scene.center[support, 2] - scene.half[support, 2], 0.0)
-    cos, sin = np.cos(yaw), np.sin(yaw)
-    x = cos * offset[:, 0] + sin * offset[:, 1]
-    y = cos * offset[:, 1] - sin * offset[:, 0]
-    return np.stack([x, y, scene.center[:, 2] - scene.half[:, 2] - below, scene.yaw - yaw], axis=1)
+    height = scene.center[:, 2] - scene.half[:, 2] - below
+    return np.column_stack([rotate(offset[:, :2], -yaw), height, scene.yaw - yaw])
 
 
-def _fit(values: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _fit(values: Floats) -> tuple[Floats, Floats]:
     """Mean and standard deviation (4,); of the last column, angles, the circular ones."""
     resultant = np.exp(1j * values[:, 3]).mean()
     mean = np.append(values[:, :3].mean(axis=0), np.angle(resultant))
@@ -144,9 +137,7 @@ def _fit(values: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.f
     return mean, np.append(np.maximum(values[:, :3].std(axis=0), SPREAD_FLOOR), max(turn, 0.01))
 
 
-def _log_normal(
-    offset: NDArray[np.float64], turn: float, mean: NDArray[np.float64], deviation: NDArray[np.float64]
-) -> float:
+def _log_normal(offset: Floats, turn: float, mean: Floats, deviation: Floats) -> float:
     """Log density of x, y and a heading (wrapped around the circle) under a Gaussian over x, y, z, heading."""
     z = (offset - mean[:2]) / deviation[:2]
     place = -0.5 * z @ z - np.log(deviation[:2]).sum() - np.log(2 * np.pi)
@@ -155,7 +146,7 @@ def _log_normal(
     return float(place + np.logaddexp.reduce(around))
 
 
-def signature(graph: SceneGraph, vocabulary: Sequence[str]) -> NDArray[np.float64]:
+def signature(graph: SceneGraph, vocabulary: Sequence[str]) -> Floats:
     """Counts of the categories, and four times half the size of the room, to find similar rooms by."""
     names = [graph.category_name(row) for row in range(len(graph))]
     counts = np.array([names.count(name) for name in vocabulary], np.float64)
@@ -165,6 +156,6 @@ def signature(graph: SceneGraph, vocabulary: Sequence[str]) -> NDArray[np.float6
     return np.append(counts, 4 * size)
 
 
-def nearest_room(wanted: NDArray[np.float64], signatures: NDArray[np.float64]) -> NDArray[np.int64]:
+def nearest_room(wanted: Floats, signatures: Floats) -> Ints:
     """Numbers of the rooms with signatures (S, W), the nearest to the wanted one first."""
     return np.abs(signatures - wanted).sum(axis=1).argsort(kind="stable")

@@ -6,14 +6,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...dataset.assets.asset import Asset, object_graph
+from ...geometry.arrays import Bools, Floats
 from ...metrics.requested_relations import place_of
-from ...metrics.support_gaps import find_supports
 from ...scene import SceneGraph, take, world_matrices
-from ...scene.categories import STRUCTURE
-from ...spatial.objects import object_rows
+from ...scene.categories import STRUCTURE, has_category
+from ...scene.parents import with_rows_below
+from ...spatial import find_supports
+from ...spatial.object_rows import object_rows
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,7 +52,7 @@ class Hole:
     asset: Asset
     support: str
     neighbour: str
-    places: NDArray[np.float64]
+    places: Floats
     supports: tuple[str, ...]
 
     @property
@@ -80,13 +81,8 @@ def hole_of(graph: SceneGraph, known: Sequence[str], seed: int) -> Hole | None:
     """
     rng = np.random.default_rng((seed, 77))
     movable = _movable(graph, known)
-    gone = movable & (rng.random(len(graph)) < 0.5)
-    for row in range(len(graph)):
-        above = graph.parent[row]
-        gone[row] |= above >= 0 and gone[above]
-    found = find_supports(graph)
-    on = np.full(len(graph), -1, np.int64)
-    on[found.row[::-1]] = found.on[::-1]
+    gone = with_rows_below(graph.parent, movable & (rng.random(len(graph)) < 0.5))
+    on = find_supports(graph).by_row
     taken = np.flatnonzero(gone & movable & (on >= 0) & ~gone[on])
     if not len(taken):
         return None
@@ -104,16 +100,11 @@ def hole_of(graph: SceneGraph, known: Sequence[str], seed: int) -> Hole | None:
     )  # fmt: skip
 
 
-def _movable(graph: SceneGraph, known: Sequence[str]) -> NDArray[np.bool_]:
-    names = np.array([graph.category_name(row) for row in range(len(graph))])
-    return np.isin(names, known) & ~np.isin(names, STRUCTURE) & (graph.mesh >= 0)
+def _movable(graph: SceneGraph, known: Sequence[str]) -> Bools:
+    return has_category(graph, {*known} - {*STRUCTURE}) & (graph.mesh >= 0)
 
 
-def without(graph: SceneGraph, gone: NDArray[np.bool_]) -> SceneGraph:
+def without(graph: SceneGraph, gone: Bools) -> SceneGraph:
     """The scene without some rows and all that hangs under them; of its components only the relations stay."""
-    gone = gone.copy()
-    for row in range(len(graph)):
-        above = graph.parent[row]
-        gone[row] |= above >= 0 and gone[above]
-    shell = take(graph, np.flatnonzero(~gone))
+    shell = take(graph, np.flatnonzero(~with_rows_below(graph.parent, gone)))
     return shell.replace(components={name: value for name, value in shell.components.items() if name == "relations"})

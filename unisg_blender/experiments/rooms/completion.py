@@ -12,16 +12,17 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...generate import Generator
 from ...generate.observe.observed_scene import ObservedScene
 from ...generate.observe.placeable import Placeable
 from ...generate.propose.proposer import Query
-from ...metrics.layout_features import wrapped
+from ...geometry.arrays import Floats
+from ...geometry.planar import wrapped
 from ...metrics.requested_relations import is_beside, is_on, place_of
 from ...scene import SceneGraph, world_matrices
-from ...spatial.objects import object_rows, scene_objects
+from ...spatial.object_rows import object_rows
+from ...spatial.objects import scene_objects
 from .cases import Hole
 from .furnishing import ByCopying, ByModel
 
@@ -92,7 +93,7 @@ def complete(way: ByModel | ByCopying, hole: Hole, seed: int) -> Completed:
     return Completed(centimetres, degrees, float(named in hole.supports), float(kind in kinds), on_top, beside, nll)
 
 
-def pose_error(drawn: Sequence[NDArray[np.float64]], true: NDArray[np.float64]) -> tuple[float, float]:
+def pose_error(drawn: Sequence[Floats], true: Floats) -> tuple[float, float]:
     """Centimetres and degrees of the best of places (4,) each against places (K, 4): the smallest distance."""
     places = np.array(drawn)
     far = np.linalg.norm(places[:, None, :2] - true[:, :2], axis=-1)
@@ -162,7 +163,7 @@ def log_density(generator: Generator, hole: Hole, scene: ObservedScene, uids: Se
     return float(of(query, support, hole.places[0]))
 
 
-def paired_test(model: NDArray[np.float64], other: NDArray[np.float64]) -> float:
+def paired_test(model: Floats, other: Floats) -> float:
     """p of Wilcoxon's signed-rank test that the model's errors (N,) are smaller than another row's; NaN under 10 pairs.
 
     Source: Wilcoxon, "Individual comparisons by ranking methods" (1945); one-sided.

@@ -7,12 +7,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...generate import Generator
 from ...generate.observe.placeable import Placeable
 from ...generate.place.scene_extension import Addition, Names, extend, uid_maker
 from ...generate.propose.proposer import Proposer
+from ...geometry.arrays import Floats, Ints
 from ...scene import SceneGraph
 from ...spatial.objects import SceneObjects, scene_objects
 from .baselines import nearest_room, signature
@@ -73,7 +73,7 @@ class ByCopying:
         graph, refused = _copied(case, self.training[best], self.jitter, rng)
         return Furnished(graph, refused, _per_object(start, case))
 
-    def places(self, hole: Hole, draws: int, seed: int) -> list[tuple[NDArray[np.float64], str]]:
+    def places(self, hole: Hole, draws: int, seed: int) -> list[tuple[Floats, str]]:
         """Places (4,) of one object of the category in each of the most similar rooms, and what it stands on there."""
         rng, found = np.random.default_rng(seed), []
         for number in self._order(hole.rest):
@@ -89,11 +89,11 @@ class ByCopying:
                 break
         return found
 
-    def _order(self, graph: SceneGraph) -> NDArray[np.int64]:
+    def _order(self, graph: SceneGraph) -> Ints:
         return nearest_room(signature(graph, self.vocabulary), self.signatures)
 
 
-def _of_category(objects: SceneObjects, graph: SceneGraph, name: str) -> NDArray[np.int64]:
+def _of_category(objects: SceneObjects, graph: SceneGraph, name: str) -> Ints:
     return (
         np.flatnonzero(objects.category == graph.vocabulary.index(name))
         if name in graph.vocabulary
@@ -101,7 +101,7 @@ def _of_category(objects: SceneObjects, graph: SceneGraph, name: str) -> NDArray
     )
 
 
-def _place(objects: SceneObjects, obj: int, shift: NDArray[np.float64]) -> NDArray[np.float64]:
+def _place(objects: SceneObjects, obj: int, shift: Floats) -> Floats:
     return np.array([*(objects.center[obj, :2] + shift), objects.bottom[obj], objects.yaw[obj]])
 
 
@@ -129,7 +129,7 @@ def _copied(case: Case, model: SceneGraph, jitter: float, rng: np.random.Generat
     return extend(case.shell, parented, names, make_uid), refused
 
 
-def _depth(support: NDArray[np.int64], obj: int) -> int:
+def _depth(support: Ints, obj: int) -> int:
     depth = 0
     while (obj := int(support[obj])) >= 0 and depth < 32:
         depth += 1

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from ...dataset.format.reader import open_dataset
 from ...generate.behaviour import behaviour_path
+from ...geometry.arrays import Floats
 from ...metrics.layout_distances import LayoutSet, mean_pairwise, nearest_room_distances
 from ...metrics.layout_features import VERSION as FEATURES_VERSION
 from ...metrics.scene_validity import overlapping_categories
@@ -119,7 +120,7 @@ class _Measuring:
         results = iter(self.run("furnishing rooms", tasks))
         return {key: joined([next(results) for _ in lots]) for key in keys}
 
-    def judged(self, found: dict[Key, Arrays]) -> dict[Key, dict[str, NDArray[np.float64]]]:
+    def judged(self, found: dict[Key, Arrays]) -> dict[Key, dict[str, Floats]]:
         """Shares of right answers per scene of the classifiers, by row and by "level noise"."""
         real, first, trees = found[self.rows[0], self.plan.first_seed], self.plan.first_seed, self.plan.trees
         keys = [(spec, seed) for spec in self.rows[1:] for seed in self.plan.seeds_of(spec)]
@@ -151,7 +152,7 @@ class _Measuring:
         totals = np.array([part["counts"] for part in results]).reshape(len(seeds), len(lots), 3).sum(axis=1)
         return {(own, seed): right / wanted for seed, (wanted, right, _) in zip(seeds, totals, strict=True) if wanted}
 
-    def varieties(self, found: dict[Key, Arrays]) -> dict[Key, tuple[NDArray[np.float64], float]]:
+    def varieties(self, found: dict[Key, Arrays]) -> dict[Key, tuple[Floats, float]]:
         """Of each row and seed: distances to the nearest training rooms, and the mean distance between its rooms."""
         categories, training = len(vocabulary_of(self.data)), self.training()
         tasks = [

@@ -8,6 +8,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from ...geometry.arrays import Floats
 from ...metrics.layout_distances import layout_of
 from ...metrics.layout_features import OBJECT, PAIR, Features, scene_features, scene_width
 from ...metrics.scene_validity import CategoryPair, measure_scene
@@ -19,7 +20,7 @@ VERSION = 6
 """Of what is measured; kept results of another version are not used."""
 
 COUNTS = ("objects", "colliding", "overlapping", "off_support", "outside", "asked", "refused")
-Arrays = dict[str, NDArray[np.float64]]
+Arrays = dict[str, Floats]
 
 
 def measure_rooms(
@@ -61,7 +62,7 @@ def measure_rooms(
     }
 
 
-def _ragged(parts: Sequence[NDArray[np.floating]], width: int) -> NDArray[np.float64]:
+def _ragged(parts: Sequence[NDArray[np.floating]], width: int) -> Floats:
     """Rows of all parts under one another, the number of the part before each."""
     numbered = [np.column_stack([np.full(len(part), number), part]) for number, part in enumerate(parts)]
     return np.concatenate([np.zeros((0, width + 1)), *numbered]).astype(np.float64)
@@ -70,7 +71,7 @@ def _ragged(parts: Sequence[NDArray[np.floating]], width: int) -> NDArray[np.flo
 def joined(parts: Sequence[Arrays]) -> Arrays:
     """The results of several lots of rooms as one."""
     first = 0
-    result: dict[str, list[NDArray[np.float64]]] = {name: [] for name in parts[0]}
+    result: dict[str, list[Floats]] = {name: [] for name in parts[0]}
     for part in parts:
         for name, values in part.items():
             if name in ("objects", "pairs", "layout"):
@@ -87,7 +88,7 @@ def features_of(found: Arrays) -> list[Features]:
     return [Features(*parts) for parts in zip(objects, pairs, found["scene"], strict=True)]
 
 
-def split_ragged(rows: NDArray[np.float64], count: int) -> list[NDArray[np.float64]]:
+def split_ragged(rows: Floats, count: int) -> list[Floats]:
     """The parts that :func:`measure_rooms` put under one another, without their numbers."""
     places = np.searchsorted(rows[:, 0], np.arange(count + 1))
     return [rows[start:stop, 1:] for start, stop in pairwise(places)]

@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...geometry.arrays import Floats
 from ...metrics.layout_distances import novelty_limit
 from ...metrics.two_sample_test import LEVELS, NOISES
 from .completion import Completed, paired_test
@@ -32,8 +32,8 @@ class Measured:
     """
 
     found: Arrays
-    judged: Mapping[str, NDArray[np.float64]]
-    nearest: NDArray[np.float64]
+    judged: Mapping[str, Floats]
+    nearest: Floats
     pairwise: float
     behaviour: float = np.nan
 
@@ -82,7 +82,7 @@ def row_of(name: str, seeds: Sequence[Measured], real: Measured, ours: Sequence[
     return TableRow(name, len(seeds), len(seeds[0].found["counts"]), objects, values, spread, _intervals(seeds))
 
 
-def _errors(group: Sequence[Measured]) -> NDArray[np.float64]:
+def _errors(group: Sequence[Measured]) -> Floats:
     return np.concatenate([one.found["completion"][:, Completed.FIELDS.index("centimetres")] for one in group])
 
 
@@ -123,6 +123,6 @@ def _intervals(seeds: Sequence[Measured]) -> dict[str, tuple[float, float]]:
     return found
 
 
-def _quantiles(values: NDArray[np.float64]) -> tuple[float, float]:
+def _quantiles(values: Floats) -> tuple[float, float]:
     low, high = np.nanquantile(values, INTERVAL)
     return float(low), float(high)

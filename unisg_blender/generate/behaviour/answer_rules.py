@@ -10,8 +10,9 @@ import numpy as np
 
 from ...geometry.arrays import Floats
 from ...scene import SceneGraph, world_matrices
+from ...spatial import find_supports
 from .action_kinds import AnswerRule, Kind
-from .roled_actions import RoledAction, relation_kinds, support_rows
+from .roled_actions import RoledAction
 
 HOLDS = 0.99
 """Share of the training scenes in which a rule has to give the correct answer."""
@@ -39,12 +40,12 @@ def asked_of(graph: SceneGraph, roled: RoledAction) -> Asked:
 
 def object_counts(graph: SceneGraph) -> Counter[str]:
     """How many objects there are by "category", and by "category|relation to what holds them"."""
-    kinds, counts = relation_kinds(graph), Counter[str]()
-    for row in np.flatnonzero(graph.category >= 0).tolist():
-        name = graph.category_name(row)
-        counts[name] += 1
-        if row in kinds:
-            counts[f"{name}|{kinds[row]}"] += 1
+    supports, counts = find_supports(graph), Counter[str]()
+    for row, kind in zip(supports.objects.rows.tolist(), supports.first_kind.tolist(), strict=True):
+        if name := graph.category_name(row):
+            counts[name] += 1
+            if kind:
+                counts[f"{name}|{kind}"] += 1
     return counts
 
 
@@ -52,7 +53,7 @@ def _position(graph: SceneGraph, row: int) -> Floats:
     """Where a row is in the frame of what holds it, (3,)."""
     if row < 0:
         return np.zeros(3)
-    world, above = world_matrices(graph), int(support_rows(graph)[row])
+    world, above = world_matrices(graph), int(find_supports(graph).by_row[row])
     return world[row, :3, 3] if above < 0 else (np.linalg.pinv(world[above]) @ world[row])[:3, 3]
 
 

@@ -10,12 +10,14 @@ from numpy.typing import NDArray
 
 from ...geometry.arrays import Bools, Floats, Ints
 from ...scene import SceneGraph, world_matrices
-from ...scene.categories import has_category
+from ...scene.categories import category_numbers, has_category
+from ...spatial import find_supports
+from ...spatial.supports import SUPPORT_KINDS
 from .action_kinds import Kinds
-from .roled_actions import RoledAction, Slots, read_roled_actions, relation_kinds, support_rows
+from .roled_actions import RoledAction, Slots, read_roled_actions
 
-RELATIONS = ("", "on_top_of", "inside", "hangs_from")
-"""How an object is held; others count as the first."""
+RELATIONS = ("", *SUPPORT_KINDS)
+"""How an object is held, as far as that is told."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,18 +79,17 @@ def observe_behaviour(
     graph: SceneGraph, kinds: Kinds, new: Collection[str] = (), roled_actions: Iterable[RoledAction] | None = None
 ) -> BehaviourObservation:
     """The objects and actions of a scene; ``new`` are the uids of the objects that actions are wanted for."""
-    above, held, wanted = support_rows(graph), relation_kinds(graph), set(new)
+    supports, wanted = find_supports(graph), set(new)
+    above, held = supports.by_row, np.append(supports.first_kind, "")[supports.objects.of_row]
     rows = _participants(graph, kinds, above)
     number = np.full(len(graph) + 1, -1, np.int64)
     number[rows] = np.arange(len(rows))
-    known = {name: position for position, name in enumerate(kinds.categories)}
-    codes = np.array([known.get(name, -1) for name in graph.vocabulary] + [-1], np.int64)
     actions = list(read_roled_actions(graph) if roled_actions is None else roled_actions)
-    relation = [RELATIONS.index(kind) if (kind := held.get(row)) in RELATIONS else 0 for row in rows.tolist()]
+    relation = [RELATIONS.index(kind) for kind in held[rows]]
     stage = [-1 if roled.stage is None else kinds.stage_number.get(roled.stage.name, -1) for roled in actions]
     return BehaviourObservation(
         rows=rows,
-        category=codes[graph.category[rows]],
+        category=category_numbers(graph, kinds.categories)[rows],
         new=np.array([graph.uid[row] in wanted for row in rows.tolist()], bool),
         support=number[above[rows]],
         relation=np.array(relation, np.int64),

@@ -5,10 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-import numpy as np
-
 from ...behaviour import all_actions, operations
-from ...geometry.arrays import Ints
 from ...scene import ActionData, LessonNode, SceneGraph
 
 SLOTS = ("target", "tool", "frame")
@@ -107,20 +104,3 @@ def with_names(name: str, graph: SceneGraph, slots: Slots) -> str:
     for slot, row in zip(SLOTS, slots, strict=True):
         name = name.replace(f"{{{slot}}}", graph.name[row] if row >= 0 else "")
     return name
-
-
-def support_rows(graph: SceneGraph) -> Ints:
-    """int64 (N,): the nearest ancestor with a category, -1 for none."""
-    found = np.full(len(graph) + 1, -1, np.int64)
-    for row, above in enumerate(graph.parent.tolist()):  # parents come first
-        if above >= 0:
-            found[row] = above if graph.category[above] >= 0 else found[above]
-    return found[:-1]
-
-
-def relation_kinds(graph: SceneGraph) -> dict[int, str]:
-    """The relation of rows to what holds them ("on_top_of" ...), the first one where there are several."""
-    held = graph.components.get("relations")
-    if held is None:
-        return {}
-    return {row: str(kind) for row, kind in reversed([*zip(held.rows.tolist(), held.columns["kind"], strict=True)])}

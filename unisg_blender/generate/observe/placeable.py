@@ -9,8 +9,8 @@ import numpy as np
 
 from ...dataset.assets.asset import Asset
 from ...geometry.arrays import Floats
-from ...geometry.boxes import Boxes, upright_box
-from ...geometry.planar import turn
+from ...geometry.boxes import SIGNS, Boxes, corners
+from ...geometry.planar import rotation, turn
 from ...scene import Mesh, SceneGraph, mesh_from_faces
 from ...spatial.part_boxes import part_boxes
 from ...spatial.support_surfaces import support_surfaces
@@ -38,7 +38,8 @@ class Placeable:
 
     @cached_property
     def _box(self) -> tuple[Floats, Floats]:
-        return upright_box(self._own, 0.0) if len(self._own.center) else (np.zeros(3), np.zeros(3))
+        points = corners(self._own).reshape(-1, 3) if len(self._own.center) else np.zeros((1, 3))
+        return points.min(axis=0), points.max(axis=0)
 
     @cached_property
     def half(self) -> Floats:
@@ -65,10 +66,7 @@ class Placeable:
 
     def boxes_at(self, places: Floats) -> Boxes:
         """World boxes of the parts at places (T, 4): T times P boxes, place by place."""
-        cos, sin = np.cos(places[:, 3]), np.sin(places[:, 3])
-        turns = np.zeros((len(places), 1, 3, 3))
-        turns[:, 0, 0, 0], turns[:, 0, 0, 1], turns[:, 0, 1, 0], turns[:, 0, 1, 1] = cos, -sin, sin, cos
-        turns[:, 0, 2, 2] = 1
+        turns = rotation(places[:, 3])[:, None]
         center = (turns @ self.parts.center[None, :, :, None])[..., 0] + places[:, None, :3]
         axes = turns @ self.parts.axes[None]
         half = np.broadcast_to(self.parts.half, center.shape)
@@ -79,9 +77,8 @@ class Placeable:
 def box_placeable(category: str, size: Floats) -> Placeable:
     """A plain box of a category's usual size, for where there is no mesh to show."""
     half = np.asarray(size, np.float64) / 2
-    corners = np.stack(np.meshgrid(*[[-1, 1]] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
     faces = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
-    mesh: Mesh = mesh_from_faces(category, corners * half + (0, 0, half[2]), faces)
+    mesh: Mesh = mesh_from_faces(category, SIGNS * half + (0, 0, half[2]), faces)
     graph = SceneGraph(
         name=(category,),
         uid=("box",),

@@ -14,6 +14,7 @@ from collections.abc import Iterable, Mapping, Sequence
 import numpy as np
 
 from ...geometry.arrays import Floats, Ints
+from ...geometry.planar import rotate
 from ...scene.categories import STRUCTURE
 from .observed_scene import ObservedScene
 from .support_priors import CategoryPriors
@@ -75,8 +76,7 @@ def along(scene: ObservedScene) -> Floats:
         support = int(scene.support[obj])
         offset, yaw, half = scene.center[obj] - scene.center[support], scene.yaw[support], scene.half[support]
         side = int(half[1] > half[0])
-        axis = (np.cos(yaw), np.sin(yaw)) if side == 0 else (-np.sin(yaw), np.cos(yaw))
-        share = (np.dot(axis, offset[:2]) / max(half[side], 1e-6) + 1) / 2
+        share = (rotate(offset, -yaw)[side] / max(half[side], 1e-6) + 1) / 2
         surfaces = max(len(scene.surfaces(support)), 1)
         found[obj] = (max(scene.surface[obj], 0) + np.clip(share, 0, 1)) / surfaces
     return found

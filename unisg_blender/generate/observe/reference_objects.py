@@ -13,7 +13,7 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from ...geometry.arrays import Floats
-from ...geometry.planar import turned
+from ...geometry.planar import rotate
 from ...spatial.objects import SceneObjects
 
 FEWEST = 12
@@ -55,7 +55,7 @@ def _collect(objects: SceneObjects, offsets: Offsets) -> None:
     known, times = np.unique(kind, return_counts=True)
     for reference in known[times == 1].tolist():
         row = int(np.flatnonzero(kind == reference)[0])
-        seen = turned(place - place[row], -yaw[row])
+        seen = rotate(place - place[row], -yaw[row])
         for other in np.flatnonzero(np.arange(len(rows)) != row):
             offsets[reference, int(kind[other])].append(seen[other])
 

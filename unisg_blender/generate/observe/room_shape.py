@@ -7,16 +7,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...geometry.arrays import Bools, Floats, Ints
-from ...geometry.planar import turned
+from ...geometry.planar import rotate
+from ...spatial.supports import levels_of
 
 THIN, LONG, TALL = 0.15, 0.5, 0.6
 """Half extents in metres: what is thinner, longer and taller counts as a wall."""
 
 FLAT = 0.3
 """A root lower than twice this, in metres, is a floor."""
-
-DEEPEST = 16
-"""Supports under one another that are counted, at most."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,16 +50,6 @@ class RoomShape:
         wall = (half[:, :2].min(axis=1, initial=np.inf) < THIN) & (half[:, :2].max(axis=1, initial=0) > LONG)
         wall &= half[:, 2] > TALL
         swap = wall & (half[:, 0] < half[:, 1])
-        side = turned(middle - center[:, :2], -(yaw + swap * (np.pi / 2)))[:, 1]
+        side = rotate(middle - center[:, :2], -(yaw + swap * (np.pi / 2)))[:, 1]
         inner = np.where(wall, np.where(side >= 0, 1.0, -1.0), 0.0)
         return RoomShape(middle, ground, levels_of(support), swap, inner)
-
-
-def levels_of(support: Ints) -> Ints:
-    """Number of supports under each object, (K,)."""
-    level, above = np.zeros(len(support), np.int64), support.copy()
-    for _ in range(DEEPEST):
-        held = above >= 0
-        level[held] += 1
-        above[held] = support[above[held]]
-    return level

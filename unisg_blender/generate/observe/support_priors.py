@@ -10,9 +10,10 @@ from typing import Any
 import numpy as np
 
 from ...geometry.box_overlap import nearby_pairs, penetration
-from ...geometry.boxes import covers, part_tops, turned_reach
-from ...geometry.planar import turned
-from ...spatial.objects import CONTACT, SceneObjects
+from ...geometry.boxes import covers, part_tops
+from ...geometry.planar import rotate, turned_reach
+from ...spatial.objects import SceneObjects
+from ...spatial.supports import CONTACT
 from .reference_objects import find_reference_objects
 
 RESTS, HANGS, AT_SIDE, INSIDE = "rests", "hangs", "beside", "inside"
@@ -151,8 +152,8 @@ def contact(objects: SceneObjects, obj: int, support: int) -> tuple[str, float]:
 def side_gap(objects: SceneObjects, obj: int, support: int) -> float:
     """Horizontal clearance in metres between an object and its support's box, negative where they overlap."""
     reach = turned_reach(objects.half[obj], objects.yaw[obj] - objects.yaw[support])
-    local = turned(objects.center[obj, :2] - objects.center[support, :2], -objects.yaw[support])
-    return float((np.abs(local) - reach - objects.half[support, :2]).max())
+    local = np.abs(rotate(objects.center[obj, :2] - objects.center[support, :2], -objects.yaw[support]))
+    return float((local - reach - objects.half[support, :2]).max())
 
 
 def _spans(objects: SceneObjects, obj: int, support: int) -> bool:

@@ -10,13 +10,13 @@ import numpy as np
 from ...dataset.assets.asset import object_graph
 from ...geometry.arrays import Bools, Floats
 from ...geometry.boxes import covers, part_tops
-from ...geometry.planar import turned
+from ...geometry.planar import rotate
 from ...scene import SceneGraph, placed
 from ...scene.categories import FLOOR, STRUCTURE
 from ...spatial.objects import SceneObjects, scene_objects
+from ...spatial.supports import levels_of
 from ..observe.placeable import Placeable
 from ..observe.prior_tables import PriorTables
-from ..observe.room_shape import levels_of
 from ..observe.support_priors import AT_SIDE, HANGS, RESTS, CategoryPriors, SupportPrior, contact
 from .free_space import FreeSpace, find_outline
 from .settling import Support, fitting, rest, search
@@ -97,10 +97,10 @@ def _moved(objects: SceneObjects, moving: Iterable[int], before: Floats, after: 
 
     def carried(points: Floats, which: Bools) -> Floats:
         """Points (K, 3), those of ``which`` (K,) moved and turned with the object, metres."""
-        return np.where(which[:, None], turned(points - before[:3], spin) + after[:3], points)
+        return np.where(which[:, None], rotate(points - before[:3], spin) + after[:3], points)
 
     of_parts = chosen[objects.owner]
-    axes = np.swapaxes(turned(np.swapaxes(objects.parts.axes, 1, 2), spin), 1, 2)
+    axes = np.swapaxes(rotate(np.swapaxes(objects.parts.axes, 1, 2), spin), 1, 2)
     parts = replace(
         objects.parts, center=carried(objects.parts.center, of_parts),
         axes=np.where(of_parts[:, None, None], axes, objects.parts.axes),
@@ -131,7 +131,7 @@ def _settled(placeable: Placeable, now: Floats, support: Support, space: FreeSpa
         return place[0]
     steps = np.linspace(NEAREST, FARTHEST, STEPS)
     turns = np.linspace(0, 2 * np.pi, DIRECTIONS, endpoint=False)
-    ring = np.concatenate([[[np.cos(turn) * step, np.sin(turn) * step] for turn in turns] for step in steps])
+    ring = np.concatenate([rotate(np.array([step, 0.0]), turns) for step in steps])
     places = np.tile(now, (len(ring), 1))
     places[:, :2] += ring
     places = rest(placeable, places, support, space)

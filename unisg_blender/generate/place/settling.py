@@ -9,9 +9,9 @@ from functools import cached_property
 import numpy as np
 
 from ...geometry.arrays import Bools, Floats, Ints
-from ...geometry.boxes import Boxes, part_bottoms, turned_reach
-from ...geometry.planar import footprints
-from ...geometry.polygon import inside, next_corners, outside_distance
+from ...geometry.boxes import Boxes, part_bottoms
+from ...geometry.planar import footprints, turned_reach
+from ...geometry.polygon import inside, outside_distance, to_edges
 from ...spatial.level_surfaces import LEVEL, LevelSurfaces, rectangles, with_joined
 from ..observe.placeable import Placeable
 from ..observe.support_priors import AT_SIDE, HANGS, RESTS, SupportPrior
@@ -160,15 +160,12 @@ def into_room(placeable: Placeable, places: Floats, space: FreeSpace) -> Floats:
     if space.outline is None:
         return places
     result = places.copy()
-    start, edge = space.outline, next_corners(space.outline) - space.outline
     for _ in range(PULLS):
         corners = footprints(placeable.half, result)
         wrong = ~inside(space.outline, corners)
         if not wrong.any():
             break
-        offset = corners[:, :, None] - start
-        along = np.clip((offset * edge).sum(-1) / (edge**2).sum(-1), 0, 1)
-        pull = start + along[..., None] * edge - corners[:, :, None]
+        pull = to_edges(space.outline, corners)
         length = np.linalg.norm(pull, axis=-1)
         nearest = length.argmin(axis=2)[..., None]
         step = np.take_along_axis(pull, nearest[..., None], axis=2)[:, :, 0]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...geometry.arrays import Bools, Floats
-from ...geometry.planar import footprint_gap
+from ...geometry.planar import footprint_gap, rotation
 from ..observe.observed_scene import ObservedScene
 from ..observe.prior_tables import PriorTables
 from ..observe.support_priors import FAR_END
@@ -50,7 +50,7 @@ def _across(scene: ObservedScene, holder: int, half: Floats) -> Floats:
     """Places (T, 4) of an object that stands out from either long side of a holder, longer side along the normal."""
     thin = int(scene.half[holder, :2].argmin())
     yaw = float(scene.yaw[holder])
-    axes = np.array([[np.cos(yaw), np.sin(yaw)], [-np.sin(yaw), np.cos(yaw)]])
+    axes = rotation(yaw)[:2, :2].T
     normal, along = axes[thin], axes[1 - thin]
     out = scene.half[holder, thin] + half[:2].max()
     side, share = (part.ravel() for part in np.meshgrid([-1.0, 1.0], ALONG))

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry.arrays import Bools, Floats, Ints
-from ...geometry.planar import heading, turned
+from ...geometry.planar import heading, rotate
 from ...poses import FORMS
 from ..observe.contract import Contract
 from ..observe.placeable import Placeable
@@ -86,5 +86,4 @@ def _places(world: Floats, placeable: Placeable) -> Floats:
     """Places (T, 4) of a placeable whose entity has world matrices (T, 4, 4); scale and lean are the asset's own."""
     own = heading(placeable.asset.graph.local[0, :3, :3])
     yaw = heading(world[:, :3, :3]) - own
-    shift = turned(np.tile(placeable.foot, (len(yaw), 1)), yaw)
-    return np.column_stack([world[:, :3, 3] + shift, yaw])
+    return np.concatenate([world[:, :3, 3] + rotate(placeable.foot, yaw), yaw[:, None]], axis=1)

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from scipy.special import i0e, ndtr, ndtri
 
 from ...geometry.arrays import Bools, Floats
+from ...geometry.planar import rotate_by, wrapped
 from ..observe.scene_tokens import Arrays
 
 COMPONENTS = 48
@@ -33,21 +34,19 @@ def draw_places(
     total = np.cumsum(np.exp(weight))
     part = np.searchsorted(total, rng.random(count) * total[-1]).clip(max=len(total) - 1)
     cos, sin = box[part // COMPONENTS, 6:].T.astype(np.float64)
-    along, across = (ndtri(rng.uniform(ndtr(-TAIL), ndtr(TAIL), (count, 2))) * sigma[part]).T
-    turn = rng.vonmises(_wrapped(heading[part]), kappa[part])
-    x, y = mean[part, 0] + cos * along - sin * across, mean[part, 1] + sin * along + cos * across
+    offset = ndtri(rng.uniform(ndtr(-TAIL), ndtr(TAIL), (count, 2))) * sigma[part]
+    turn = rng.vonmises(wrapped(heading[part]), kappa[part])
+    place = mean[part] + rotate_by(offset, cos, sin)
     axis = np.arctan2(sin.copy(), cos.copy())  # of strided columns it varies by the last bit
-    return np.column_stack([x, y, turn]), axis, kappa[part]
+    return np.column_stack([place, turn]), axis, kappa[part]
 
 
 def log_density(inputs: Arrays, mixture: list[Floats], place: Floats) -> float:
     """Log-density of a place (4,) in a mixture."""
     weight, mean, sigma, heading, kappa, _ = mixture
     cos, sin = np.repeat(inputs["box"][0, :, 6:], COMPONENTS, axis=0).T.astype(np.float64)
-    offset = place[:2] - mean
-    along = (cos * offset[:, 0] + sin * offset[:, 1]) / sigma[:, 0]
-    across = (cos * offset[:, 1] - sin * offset[:, 0]) / sigma[:, 1]
-    at = -0.5 * (along**2 + across**2) - np.log(sigma).sum(axis=1) - np.log(2 * np.pi)
+    seen = rotate_by(place[:2] - mean, cos, -sin) / sigma
+    at = -0.5 * (seen**2).sum(axis=1) - np.log(sigma).sum(axis=1) - np.log(2 * np.pi)
     turned = kappa * (np.cos(place[3] - heading) - 1) - np.log(2 * np.pi * i0e(kappa))
     return float(np.logaddexp.reduce(weight + at + turned))
 
@@ -61,14 +60,9 @@ def behind_walls(box: NDArray[np.float32], flags: NDArray[np.float32], mean: Flo
     if not walls.any() or (walls & (flags[:, 0] > 0)).any():
         return np.zeros(len(mean), bool)
     x, y, _, long, thick, _, cos, sin = box[walls].astype(np.float64).T
-    offset = mean[:, None] - np.stack([x, y], axis=1)
-    along = np.abs(cos * offset[..., 0] + sin * offset[..., 1])
-    into = (cos * offset[..., 1] - sin * offset[..., 0]) * flags[walls, 4]
-    return ((along < long) & (into < thick + half / 2) & (into > -BEHIND)).any(axis=1)
-
-
-def _wrapped(angle: Floats) -> Floats:
-    return (angle + np.pi) % (2 * np.pi) - np.pi
+    along, into = np.moveaxis(rotate_by(mean[:, None] - np.stack([x, y], axis=1), cos, -sin), -1, 0)
+    into = into * flags[walls, 4]
+    return ((np.abs(along) < long) & (into < thick + half / 2) & (into > -BEHIND)).any(axis=1)
 
 
 def snapped(yaw: Floats, axis: Floats, kappa: Floats, slack: float) -> Floats:
@@ -76,5 +70,5 @@ def snapped(yaw: Floats, axis: Floats, kappa: Floats, slack: float) -> Floats:
 
     A share ``slack`` of what they are off is left.
     """
-    off = _wrapped(4 * (yaw - axis)) / 4
+    off = wrapped(4 * (yaw - axis)) / 4
     return yaw - (1 - slack) * np.where((kappa >= ALIGNED) & (np.abs(off) < SNAP), off, 0.0)

@@ -7,8 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from ...geometry.arrays import Bools, Floats
-from ...geometry.boxes import turned_reach
-from ...geometry.planar import footprint_gap, turned
+from ...geometry.planar import footprint_gap, rotate, turned_reach
 from ...spatial.relation_tolerances import RelationTolerances
 from ..observe.observed_scene import ObservedScene
 from .proposer import Proposals, Proposer, Query, Upcoming
@@ -107,7 +106,7 @@ def _shifted(scene: ObservedScene, obj: int, half: Floats, places: Floats, rng: 
     axis, side = rng.integers(2, size=count), rng.choice([-1.0, 1.0], size=count)
     local, each = rng.uniform(-1, 1, (count, 2)) * own, np.arange(count)
     local[each, axis] = side * (reach[each, axis] + rng.uniform(0, BESIDE, count))
-    return np.column_stack([scene.center[obj, :2] + turned(local, yaw), places[:, 2:]])
+    return np.column_stack([scene.center[obj, :2] + rotate(local, yaw), places[:, 2:]])
 
 
 def aside(scene: ObservedScene, obj: int, half: Floats, places: Floats) -> Floats:

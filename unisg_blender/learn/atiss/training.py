@@ -18,6 +18,7 @@ from ...dataset.format.reader import Dataset
 from ...generate.observe.contract import Contract
 from ...generate.observe.observed_scene import ObservedScene
 from ...generate.observe.placement_order import ranks
+from ...geometry.planar import wrapped
 from ..losses.mixtures import logistics_nll
 from ..onnx_export import export_onnx
 from ..settings import Settings
@@ -102,7 +103,7 @@ def draw_batch(
         half[row, :t], heading[row, :t] = objects[hidden, 4:7], objects[hidden, 7]
         place[row, :t] = objects[hidden, 1:4]
         place[row, :t, 2] -= objects[hidden, 6]
-    heading = (heading + np.pi) % (2 * np.pi) - np.pi
+    heading = wrapped(heading)
     numbers = {"category": category, "target_category": target_category}
     values = {"box": box, "mask": mask, "target_half": half, "place": place, "turn": heading, "weight": weight}
     return {name: torch.from_numpy(array) for name, array in numbers.items()} | {

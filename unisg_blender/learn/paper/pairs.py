@@ -18,11 +18,11 @@ from ...poses import FORMS
 from ...predict.object_pairs import (
     box_poses,
     candidate_pairs,
-    object_boxes,
     pair_features,
     relative_poses,
 )
 from ...scene.graph import SceneGraph
+from ...spatial import find_objects
 from ...spatial.relations import find_relations
 
 RATES = (3e-3, 1e-2, 3e-2)
@@ -65,7 +65,8 @@ def load_pairs(folder: Path, part: str) -> Pairs:
 
 
 def _scene_pairs(graph: SceneGraph) -> tuple[SceneGraph, Boxes, NDArray[np.int64], NDArray[np.bool_], int]:
-    rows, boxes = object_boxes(graph)
+    objects = find_objects(graph, empty=False)
+    rows, boxes = objects.rows, objects.oriented
     kept = np.array([graph.category_name(int(row)) != "Floor" for row in rows])
     rows, boxes = rows[kept], boxes.take(np.flatnonzero(kept))
     place = {int(row): number for number, row in enumerate(rows)}
@@ -178,7 +179,7 @@ def box_rule(boxes: Boxes, pairs: NDArray[np.int64]) -> NDArray[np.bool_]:
 def _surface_rule(part: Pairs) -> NDArray[np.bool_]:
     found = set()
     for graph, start in zip(part.graphs, part.starts, strict=True):
-        rows, _ = object_boxes(graph)
+        rows = find_objects(graph, empty=False).rows
         kept = [int(row) for row in rows if graph.category_name(int(row)) != "Floor"]
         place = {row: start + number for number, row in enumerate(kept)}
         found |= {

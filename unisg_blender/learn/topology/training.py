@@ -18,11 +18,12 @@ from ...dataset.format.reader import Dataset
 from ...dataset.shaped_scenes import scenes_with_shapes
 from ...errors import UniSGError
 from ...metrics.edge_metrics import average_precision, best_threshold, f1_score
-from ...predict.object_pairs import PAIR_CHANNELS, candidate_pairs, object_boxes, pair_features
+from ...predict.object_pairs import PAIR_CHANNELS, candidate_pairs, pair_features
 from ...predict.prediction_session import VERSION
 from ...predict.support_prediction import KIND
 from ...runtime.onnx_session import metadata_text
 from ...scene import SceneGraph
+from ...spatial import find_objects
 from ..onnx_export import export_onnx
 from ..provenance import several
 from ..settings import Settings
@@ -88,7 +89,8 @@ def _scenes(datasets: Sequence[Dataset], quiet: bool) -> list[SceneGraph]:
 
 def pairs_of(graph: SceneGraph) -> LabelledPairs:
     """The candidates of a scene, and which of them the scene's own relations name."""
-    rows, boxes = object_boxes(graph)
+    objects = find_objects(graph, empty=False)
+    rows, boxes = objects.rows, objects.oriented
     pairs = candidate_pairs(boxes)
     place = {int(row): number for number, row in enumerate(rows)}
     table = graph.components["relations"]
