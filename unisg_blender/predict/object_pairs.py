@@ -38,16 +38,16 @@ def object_boxes(graph: SceneGraph) -> tuple[Ints, Boxes]:
     world = world_matrices(graph)
     count = len(objects.rows)
     center, half = np.zeros((count, 3)), np.zeros((count, 3))
-    for place, rows in enumerate(objects.meshes):
+    for number, rows in enumerate(objects.meshes):
         low, high = np.full(3, np.inf), np.full(3, -np.inf)
         for row in rows:
             points = graph.meshes[graph.mesh[row]].points @ world[row, :3, :3].T + world[row, :3, 3]
-            seen = points[np.isfinite(points).all(axis=1)] @ objects.axes[place]
+            seen = points[np.isfinite(points).all(axis=1)] @ objects.axes[number]
             if len(seen):
                 low, high = np.minimum(low, seen.min(axis=0)), np.maximum(high, seen.max(axis=0))
         middle = np.where(np.isfinite(low), (low + high) / 2, 0.0)
-        center[place] = objects.axes[place] @ middle
-        half[place] = np.where(np.isfinite(low), (high - low) / 2, 0.0)
+        center[number] = objects.axes[number] @ middle
+        half[number] = np.where(np.isfinite(low), (high - low) / 2, 0.0)
     return objects.rows, Boxes(center, objects.axes, half, np.ones(count, bool))
 
 
@@ -66,10 +66,10 @@ def candidate_pairs(boxes: Boxes, nearest: int = NEAREST) -> Ints:
     subject = np.repeat(np.arange(count), wanted)
     codes = [subject * count + near.reshape(-1)]
     low, high = world_bounds(boxes)
-    for place in large:
-        gap = np.maximum(np.maximum(low - high[place], low[place] - high), 0)
+    for number in large:
+        gap = np.maximum(np.maximum(low - high[number], low[number] - high), 0)
         others = np.flatnonzero((gap**2).sum(axis=1) <= REACH**2)
-        codes += [others * count + place, place * count + others]
+        codes += [others * count + number, number * count + others]
     pairs = np.unique(np.concatenate(codes))
     pairs = np.stack([pairs // count, pairs % count], axis=1)
     return pairs[pairs[:, 0] != pairs[:, 1]]
