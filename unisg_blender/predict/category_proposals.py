@@ -114,8 +114,8 @@ def beside(graph: SceneGraph) -> tuple[Ints, Ints]:
     distance, near = map(np.asarray, cKDTree(center).query(center, count))
     close = distance <= radius[:, None] + radius[near] + BESIDE
     close &= near != np.arange(len(rows))[:, None]
-    first, place = np.nonzero(close)
-    return rows[first], rows[near[first, place]]
+    first, second = np.nonzero(close)
+    return rows[first], rows[near[first, second]]
 
 
 def _has_points(graph: SceneGraph, row: int) -> bool:

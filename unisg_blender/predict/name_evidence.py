@@ -44,14 +44,14 @@ def name_scores(name: str, lexicon: Sequence[Mapping[str, float]]) -> Floats:
     "desk lamp" it is the lamp. Scores are shares of the known words' weight.
     """
     scores, total = np.zeros(len(lexicon)), 0.0
-    for place, word in enumerate(reversed(words(name))):
+    for position, word in enumerate(reversed(words(name))):
         matches = np.array([_match(word, known) for known in lexicon])
         if not matches.any():
             continue
         importance = 3.0 if total == 0 else 1.0
         scores += importance * matches
         total += importance
-        if place > 6:
+        if position > 6:
             break
     return scores / total if total else scores
 

@@ -44,10 +44,10 @@ def candidate_pairs(boxes: Boxes, nearest: int = NEAREST) -> Ints:
     subject = np.repeat(np.arange(count), wanted)
     codes = [subject * count + near.reshape(-1)]
     low, high = world_bounds(boxes)
-    for place in large:
-        gap = np.maximum(np.maximum(low - high[place], low[place] - high), 0)
+    for number in large:
+        gap = np.maximum(np.maximum(low - high[number], low[number] - high), 0)
         others = np.flatnonzero((gap**2).sum(axis=1) <= REACH**2)
-        codes += [others * count + place, place * count + others]
+        codes += [others * count + number, number * count + others]
     pairs = np.unique(np.concatenate(codes))
     pairs = np.stack([pairs // count, pairs % count], axis=1)
     return pairs[pairs[:, 0] != pairs[:, 1]]

@@ -140,6 +140,8 @@ def _value(value: Any, kind: Any, name: str, what: str) -> Any:
         kinds = (parts[0],) * len(value) if parts[1:] == (Ellipsis,) else parts
         if len(value) == len(kinds):
             return tuple(_value(entry, each, name, what) for entry, each in zip(value, kinds, strict=True))
+    elif origin is list and isinstance(value, list | tuple):
+        return [_value(entry, parts[0], name, what) for entry in value]
     elif origin in (dict, Mapping) and isinstance(value, dict):
         return {key: _value(entry, parts[1], name, what) for key, entry in value.items()}
     elif kind in _SIMPLE and _SIMPLE[kind][0](value):
@@ -150,8 +152,8 @@ def _value(value: Any, kind: Any, name: str, what: str) -> Any:
 def _wanted(kind: Any) -> str:
     """A type in words."""
     origin, parts = get_origin(kind), get_args(kind)
-    if origin is tuple:
-        many = "" if parts[1:] == (Ellipsis,) else f"{len(parts)} "
+    if origin in (tuple, list):
+        many = "" if origin is list or parts[1:] == (Ellipsis,) else f"{len(parts)} "
         return f"a list of {many}{_name(parts[0])} values"
     if origin in (dict, Mapping):
         return f"an object of {_name(parts[1])} values"

@@ -8,6 +8,8 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+from ...errors import UniSGError
+from ...runtime.json_records import from_record
 from ...runtime.onnx_session import damaged, metadata_text
 from .roled_actions import Key
 
@@ -135,30 +137,18 @@ class Kinds:
     def to_json(self) -> str:
         """The metadata entry."""
         record = asdict(self)
-        for kind in record["kinds"]:
-            kind["right"] = kind.pop("answer_rule")
+        record["kinds"] = [_renamed(kind, "answer_rule", "right") for kind in record["kinds"]]
         return metadata_text(TASK, VERSION, **record)
 
     @staticmethod
     def from_record(record: Mapping[str, Any], path: Path) -> Kinds:
         """The kinds of a file's metadata; UniSGError if they are damaged."""
         try:
-            kinds = tuple(_kind(item) for item in record["kinds"])
-            stages = tuple(StageKind(**_tuples(item, "lessons", "requires")) for item in record["stages"])
-            others = {name: record[name] for name in ("groups", "operation", "provenance")}
-            return Kinds(tuple(record["categories"]), kinds, stages, **others)
-        except (KeyError, TypeError, AttributeError, ValueError):
+            kinds = [_renamed(kind, "right", "answer_rule") for kind in record["kinds"]]
+            return from_record(Kinds, {**record, "kinds": kinds}, str(path))
+        except (KeyError, TypeError, UniSGError):
             raise damaged(path) from None
 
 
-def _kind(item: dict[str, Any]) -> Kind:
-    item = _tuples(item, "slots", "answers")
-    reference, rule = item.pop("reference"), item.pop("right")
-    return Kind(
-        reference=reference and Reference(**_tuples(reference, "rule", "value", "rotation")),
-        answer_rule=rule and AnswerRule(**_tuples(rule, "answers")), **item,
-    )  # fmt: skip
-
-
-def _tuples(item: dict[str, Any], *names: str) -> dict[str, Any]:
-    return item | {name: tuple(item[name]) for name in names}
+def _renamed(record: Mapping[str, Any], old: str, new: str) -> dict[str, Any]:
+    return {name: value for name, value in record.items() if name != old} | {new: record[old]}

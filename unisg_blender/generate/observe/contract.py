@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from ...errors import UniSGError
+from ...runtime.json_records import from_record
 from ...runtime.onnx_session import damaged, metadata_text
 from .prior_tables import PriorTables
 from .support_priors import CategoryPriors
@@ -20,6 +21,9 @@ SINCE = {"anchors": 5}
 
 TASK = "generate"
 KINDS = ("cgvae", "anchors")
+
+PRIOR_KEYS = {"leaders": "references", "spans": "spanning"}
+"""How files call some of the priors, which stand there under "habits"."""
 
 
 @dataclass(frozen=True)
@@ -64,17 +68,19 @@ class Contract:
     def to_json(self) -> str:
         """The metadata entry."""
         record = asdict(self)
-        del record["priors"]
-        return metadata_text(TASK, VERSION, habits=self.priors.to_record(), **record)
+        priors = record.pop("priors")
+        habits = {old: priors.pop(new) for old, new in PRIOR_KEYS.items()} | priors
+        return metadata_text(TASK, VERSION, habits=habits, **record)
 
     @staticmethod
     def from_record(record: Mapping[str, Any], path: Path) -> Contract:
         """The contract of a file's metadata; UniSGError if it is damaged."""
         try:
-            lists: dict[str, Any] = {name: tuple(record[name]) for name in ("vocabulary", "mean", "scale", "kept")}
-            others = {name: record[name] for name in ("kind", "form", "latent", "provenance")}
-            return Contract(priors=CategoryPriors.from_record(record["habits"]), **lists, **others)
-        except (KeyError, TypeError, AttributeError):
+            habits = dict(record["habits"])
+            priors = {new: habits.pop(old) for old, new in PRIOR_KEYS.items() if old in habits} | habits
+            rest = {name: value for name, value in record.items() if name != "habits"}
+            return from_record(Contract, rest | {"priors": priors}, str(path))
+        except (KeyError, TypeError, ValueError, UniSGError):
             raise damaged(path) from None
 
     def check_categories(self, names: Sequence[str]) -> None:

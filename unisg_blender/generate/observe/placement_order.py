@@ -42,7 +42,7 @@ def levels(priors: CategoryPriors) -> dict[str, int]:
 def in_order(counts: Mapping[str, int], priors: CategoryPriors) -> list[str]:
     """One entry per object asked for, in the order of placing."""
     level = levels(priors)
-    first = {name: place for place, name in enumerate(priors.references)}
+    first = {name: position for position, name in enumerate(priors.references)}
 
     def key(name: str) -> tuple[int, int, float, str]:
         """What categories are sorted by: level, reference objects, footprint, name."""

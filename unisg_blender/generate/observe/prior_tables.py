@@ -53,7 +53,7 @@ class PriorTables:
     @staticmethod
     def of(priors: CategoryPriors, vocabulary: Sequence[str]) -> PriorTables:
         """The tables for the categories of a vocabulary."""
-        number = {name: place for place, name in enumerate(vocabulary)} | {"": -1}
+        number = {name: position for position, name in enumerate(vocabulary)} | {"": -1}
         supports = {
             number[name]: {number[prior.support]: prior for prior in found if prior.support in number}
             for name, found in priors.supports.items()

@@ -25,7 +25,7 @@ class SupportCandidates:
 
     Attributes
     ----------
-    object, surface
+    obj, surface
         int64 (N,): the object, and which of its surfaces; -1 for elsewhere (hanging, at the side, within).
     measures
         (N, 4): height above the object's bottom, area, headroom (metres), and the surface's place among them in 0..1.
@@ -61,8 +61,8 @@ class SupportCandidates:
     def at(self, obj: Ints, surface: Ints) -> Ints:
         """Numbers of the candidates for objects int64 (T,) (-1: none) and surfaces (T,), -1 for none."""
         count = np.bincount(self.obj, minlength=len(self.first))
-        place = self.first[obj] + np.where(surface >= 0, surface, count[obj] - 1)
-        return np.where((obj >= 0) & (self.first[obj] >= 0), place, -1)
+        number = self.first[obj] + np.where(surface >= 0, surface, count[obj] - 1)
+        return np.where((obj >= 0) & (self.first[obj] >= 0), number, -1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,12 +133,12 @@ def support_arrays(
     ``near`` (K, C + 1) is what :meth:`Proximity.by_kind` says.
     """
     count, objects = len(candidates.obj), len(scene.category)
-    place = candidates.at(load.support, load.surface)
-    on = place >= 0
-    place, kind, area = place[on], load.category[on], load.area[on]
+    candidate = candidates.at(load.support, load.surface)
+    on = candidate >= 0
+    candidate, kind, area = candidate[on], load.category[on], load.area[on]
     content = np.zeros((count, unknown + 1), np.float32)
-    np.add.at(content, (place, np.where(kind < 0, unknown, kind)), 1)
-    covered = np.bincount(place, weights=area, minlength=count)
+    np.add.at(content, (candidate, np.where(kind < 0, unknown, kind)), 1)
+    covered = np.bincount(candidate, weights=area, minlength=count)
     mine = np.bincount(load.support[load.category == category], minlength=objects)[candidates.obj]
     everything = np.bincount(load.support, minlength=objects)[candidates.obj]
     height, area, headroom, rank = candidates.measures.T

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -58,7 +58,7 @@ class SupportPrior:
 
 @dataclass(frozen=True)
 class CategoryPriors:
-    """The priors of all categories, JSON-ready through :meth:`to_record`.
+    """The priors of all categories.
 
     Attributes
     ----------
@@ -86,20 +86,6 @@ class CategoryPriors:
     orders: dict[str, list[float]] = field(default_factory=dict)
     references: list[str] = field(default_factory=list)
     spanning: list[str] = field(default_factory=list)
-
-    def to_record(self) -> dict[str, Any]:
-        """Plain data for JSON."""
-        record = asdict(self)
-        return record | {"leaders": record.pop("references"), "spans": record.pop("spanning")}
-
-    @staticmethod
-    def from_record(record: dict[str, Any]) -> CategoryPriors:
-        """The priors of a record; KeyError or TypeError if it is none."""
-        supports = {name: [SupportPrior(**prior) for prior in priors] for name, priors in record["supports"].items()}
-        return CategoryPriors(
-            supports, record["sizes"], record["overlaps"], record["rooms"], record.get("orders", {}),
-            record.get("leaders", []), record.get("spans", []),
-        )  # fmt: skip
 
     def prior(self, category: str, support: str) -> SupportPrior | None:
         """How a category stands on a kind of support; None if that was never seen."""
