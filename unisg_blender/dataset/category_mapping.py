@@ -75,10 +75,8 @@ def apply_mapping(graph: SceneGraph, mapping: Patterns, groups: Sequence[str] = 
         Collections that everything is in, beside those that the scenegraph knows.
     """
     members: dict[int, list[str]] = {}
-    table = graph.components.get(COLLECTIONS)
-    if table is not None:
-        for row, path in zip(table.rows.tolist(), table.columns["path"], strict=True):
-            members.setdefault(row, []).extend(path)
+    for row, path in graph.entries(COLLECTIONS, "path"):
+        members.setdefault(row, []).extend(path)
     names = [
         graph.category_name(row)
         or first_match(mapping.get("objects", {}), [graph.name[row]])
@@ -88,8 +86,7 @@ def apply_mapping(graph: SceneGraph, mapping: Patterns, groups: Sequence[str] = 
     instances = graph.components.get(INSTANCES)
     if instances is not None:
         graph = graph.with_component(INSTANCES, _mapped_instances(instances, mapping))
-        shown = graph.components[INSTANCES].columns["prototype"]
-        for row, prototype in zip(instances.rows.tolist(), shown, strict=True):
+        for row, prototype in graph.entries(INSTANCES, "prototype"):
             if graph.category[row] < 0 and names[row] in prototype.vocabulary:
                 names[row] = ""
     category, vocabulary = index_categories(names)

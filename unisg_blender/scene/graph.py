@@ -153,11 +153,11 @@ class SceneGraph:
         In the UniSG graph an entity's children are its child entities and its own
         components. Source: UniSG^GA, section 3 (info node).
         """
-        actions = self.components.get("actions")
         counts = np.ones((len(self), 4), np.int64)
         counts[:, 0] = np.bincount(self.parent[self.parent >= 0], minlength=len(self))
         counts[:, 2] = self.mesh >= 0
-        counts[:, 3] = 0 if actions is None else np.bincount(actions.rows, minlength=len(self))
+        rows = np.array([row for (row,) in self.entries("actions")], np.int64)
+        counts[:, 3] = np.bincount(rows, minlength=len(self))
         return _frozen(counts)
 
     @cached_property
@@ -176,6 +176,15 @@ class SceneGraph:
         """The category of a row, "" for none."""
         index = self.category[row]
         return self.vocabulary[index] if index >= 0 else ""
+
+    def entries(self, component: str, *columns: str, row: int | None = None) -> list[tuple[Any, ...]]:
+        """(row, value in each column) of every entry of a component, or of one row's; empty where there is none."""
+        found = self.components.get(component)
+        if found is None:
+            return []
+        start, stop = (0, len(found.rows)) if row is None else np.searchsorted(found.rows, (row, row + 1))
+        values = (found.columns[name][start:stop] for name in columns)
+        return list(zip(found.rows[start:stop].tolist(), *values, strict=True))
 
     def replace(self, **changes: Any) -> SceneGraph:
         """A copy with some columns exchanged."""
@@ -259,8 +268,7 @@ class Entity:
     @property
     def actions(self) -> tuple[ActionData, ...]:
         """The ActionData components that belong to this entity."""
-        found = self.component("actions").get("data")
-        return () if found is None else tuple(found)
+        return tuple(action for _, action in self.scene.entries("actions", "data", row=self.row))
 
     def component(self, name: str) -> dict[str, NDArray[Any]]:
         """This entity's entries of a component table; an empty dict if there is no such table."""

@@ -97,8 +97,4 @@ def property_tables(rows: Sequence[ObjectProperties]) -> dict[str, Any]:
 
 def relations_of(graph: SceneGraph, row: int) -> tuple[Relation, ...]:
     """The relations whose subject is ``row``."""
-    found = graph.components.get("relations")
-    if found is None:
-        return ()
-    entries = found.of(row)
-    return tuple(map(Relation, entries["kind"], entries["target"]))
+    return tuple(Relation(kind, target) for _, kind, target in graph.entries("relations", "kind", "target", row=row))

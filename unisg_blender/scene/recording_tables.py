@@ -55,13 +55,13 @@ def recorded_from_json(text: str) -> Recorded:
     UniSGError
         If the text is no JSON object of that form, or was written by a newer version.
     """
-    record = parse_json(text, KEY)
     try:
+        record = parse_json(text, "it")
         version = record.get("version", VERSION)
         times, poses = np.array(record.get("times", []), np.float64), np.array(record.get("poses", []), np.float64)
         events = tuple((float(when), str(word), str(uid)) for when, word, uid in record.get("events", []))
         poses = poses.reshape(len(times), 3, 4)
-    except (ValueError, TypeError, AttributeError) as error:
+    except (UniSGError, ValueError, TypeError, AttributeError) as error:
         raise UniSGError(f"{KEY} is not of the form that docs/behaviour.md describes: {error}") from None
     check_version(version, "this recording has", VERSION)
     finite = np.isfinite(times).all() and np.isfinite(poses).all() and all(math.isfinite(when) for when, _, _ in events)
@@ -73,16 +73,12 @@ def recorded_from_json(text: str) -> Recorded:
 
 def recorded_of(graph: SceneGraph, row: int) -> Recorded | None:
     """What was recorded of an entity; None if nothing was."""
-    clips, events = graph.components.get(RECORDING), graph.components.get(EVENTS)
-    clip = None if clips is None else clips.of(row)
-    found = None if events is None else events.of(row)
-    moved, happened = clip is not None and len(clip["times"]) > 0, found is not None and len(found["time"]) > 0
-    if not moved and not happened:
+    clips = graph.entries(RECORDING, "times", "matrices", row=row)
+    happened = graph.entries(EVENTS, "time", "event", "action", row=row)
+    if not clips and not happened:
         return None
-    times, matrices = (clip["times"][0], clip["matrices"][0]) if clip is not None and moved else (_NO_TIMES, None)
-    columns = (found["time"].tolist(), found["event"], found["action"]) if found is not None else ((), (), ())
-    entries = tuple((float(when), str(word), str(uid)) for when, word, uid in zip(*columns, strict=True))
-    return Recorded(times, np.zeros((0, 4, 4)) if matrices is None else matrices, entries)
+    events = tuple((float(when), str(word), str(uid)) for _, when, word, uid in happened)
+    return Recorded(clips[0][1], clips[0][2], events) if clips else Recorded(events=events)
 
 
 def recording_tables(rows: Sequence[Recorded | None]) -> dict[str, Table]:

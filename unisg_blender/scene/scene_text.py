@@ -20,8 +20,7 @@ def tree_lines(graph: SceneGraph, limit: int | None = None) -> list[str]:
     lines = ["  " * depth[row] + _entity_line(graph, row) for row in range(shown)]
     if shown < len(graph):
         lines.append(f"... and {len(graph) - shown} more entities")
-    lsa = graph.components.get("lsa")
-    for operation in () if lsa is None else lsa.columns["data"]:
+    for _, operation in graph.entries("lsa", "data"):
         lines += _lesson_lines(operation, 0)
     return lines + _relation_lines(graph)
 
@@ -38,9 +37,7 @@ def _entity_line(graph: SceneGraph, row: int) -> str:
         parts.append(f"{mesh.name}: {len(mesh.points)} points, {len(mesh.offsets) - 1} faces")
     x, y, z = graph.local[row, :3, 3]
     parts.append(f"at ({x:.3f}, {y:.3f}, {z:.3f})")
-    actions = graph.components.get("actions")
-    if actions is not None:
-        parts += [f"<{action.type} {action.name!r}>" for action in actions.of(row)["data"]]
+    parts += [f"<{action.type} {action.name!r}>" for _, action in graph.entries("actions", "data", row=row)]
     return "  ".join(parts)
 
 
@@ -53,13 +50,9 @@ def _lesson_lines(node: LessonNode, depth: int) -> list[str]:
 
 
 def _relation_lines(graph: SceneGraph) -> list[str]:
-    relations = graph.components.get("relations")
-    if relations is None:
-        return []
-    columns = relations.columns
     return [
         f"{graph.name[row]}  {kind.replace('_', ' ')}  {_name_of(graph, target)}"
-        for row, kind, target in zip(relations.rows, columns["kind"], columns["target"], strict=True)
+        for row, kind, target in graph.entries("relations", "kind", "target")
     ]
 
 
@@ -86,7 +79,6 @@ def summary(graph: SceneGraph) -> dict[str, Any]:
 def to_records(graph: SceneGraph) -> list[dict[str, Any]]:
     """One JSON-ready record per entity: identity, category, parent's uid, local and world matrices (rows), actions."""
     world = world_matrices(graph)
-    actions = graph.components.get("actions")
     return [
         {
             "name": graph.name[row],
@@ -97,7 +89,7 @@ def to_records(graph: SceneGraph) -> list[dict[str, Any]]:
             "mesh": graph.meshes[graph.mesh[row]].name if graph.mesh[row] >= 0 else None,
             "local": graph.local[row].tolist(),
             "world": world[row].tolist(),
-            "actions": [] if actions is None else [action.type for action in actions.of(row)["data"]],
+            "actions": [action.type for _, action in graph.entries("actions", "data", row=row)],
         }
         for row in range(len(graph))
     ]

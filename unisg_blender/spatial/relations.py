@@ -41,8 +41,7 @@ def with_relations(
     graph: SceneGraph, found: Iterable[Found], kinds: Collection[str], subjects: Collection[int] | None = None
 ) -> SceneGraph:
     """The scenegraph with these relations for those of some ``kinds`` that some rows, or all, had; others stay."""
-    old = graph.components.get(components.RELATIONS)
-    entries = [] if old is None else [*zip(old.rows.tolist(), old.columns["kind"], old.columns["target"], strict=True)]
+    entries = graph.entries(components.RELATIONS, "kind", "target")
     entries = [entry for entry in entries if entry[1] not in kinds or not (subjects is None or entry[0] in subjects)]
     entries += [(row, kind, graph.uid[target]) for row, kind, target in found]
     rows_of, kind, target = zip(*entries, strict=True) if entries else ((), (), ())

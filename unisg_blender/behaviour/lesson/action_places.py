@@ -34,14 +34,12 @@ class ActionPlace:
 
 def operations(graph: SceneGraph) -> tuple[LessonNode, ...]:
     """The operations (LSA trees) of a scene, in entity order."""
-    lsa = graph.components.get("lsa")
-    return () if lsa is None else tuple(lsa.columns["data"])
+    return tuple(operation for _, operation in graph.entries("lsa", "data"))
 
 
 def all_actions(graph: SceneGraph) -> tuple[ActionData, ...]:
     """All actions of a scene, in the order of its ``actions`` table."""
-    actions = graph.components.get("actions")
-    return () if actions is None else tuple(actions.columns["data"])
+    return tuple(action for _, action in graph.entries("actions", "data"))
 
 
 def action_places(graph: SceneGraph) -> dict[str, ActionPlace]:

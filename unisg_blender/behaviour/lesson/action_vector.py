@@ -74,8 +74,7 @@ def action_vector(graph: SceneGraph) -> ActionVectors:
     mask = np.zeros((len(actions), WIDTH), bool)
     for index, action in enumerate(actions):
         encode_action(action, places.get(action.uid), values[index], mask[index])
-    table = graph.components.get("actions")
-    owner = np.zeros(0, np.int64) if table is None else table.rows.astype(np.int64)
+    owner = np.array([row for (row,) in graph.entries("actions")], np.int64)
     return ActionVectors(values, mask, actions, owner)
 
 

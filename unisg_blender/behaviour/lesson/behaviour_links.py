@@ -60,7 +60,7 @@ def behaviour_links(graph: SceneGraph) -> BehaviourLinks:
     """
     pairs: dict[Relation, list[tuple[int, int]]] = {relation: [] for relation in RELATIONS}
     _action_edges(graph, pairs)
-    number = {action.uid: index for index, action in reversed(list(enumerate(all_actions(graph))))}
+    number = _numbers(graph)
     rows: dict[str, list[tuple[LessonNode, list[float]]]] = {"lesson": [], "stage": []}
     for operation in operations(graph):
         for child in operation.children:
@@ -79,13 +79,15 @@ def behaviour_links(graph: SceneGraph) -> BehaviourLinks:
     )
 
 
+def _numbers(graph: SceneGraph) -> dict[str, int]:
+    """The place of each action by uid; of those that share one, of the first."""
+    return {action.uid: index for index, action in reversed(list(enumerate(all_actions(graph))))}
+
+
 def _action_edges(graph: SceneGraph, pairs: dict[Relation, list[tuple[int, int]]]) -> None:
-    table, row_of = graph.components.get("actions"), graph.row_of_uid
-    actions = all_actions(graph)
-    number = {action.uid: index for index, action in reversed(list(enumerate(actions)))}
-    for index, action in enumerate(actions):
-        if table is not None:
-            pairs["entity", "has", "action"].append((int(table.rows[index]), index))
+    row_of, number = graph.row_of_uid, _numbers(graph)
+    for index, (row, action) in enumerate(graph.entries("actions", "data")):
+        pairs["entity", "has", "action"].append((row, index))
         named = {"targets": action.targets, "uses": action.tools, "in_frame_of": (action.frame,)}
         for relation, uids in named.items():
             pairs["action", relation, "entity"] += [(index, row_of[uid]) for uid in uids if uid in row_of]

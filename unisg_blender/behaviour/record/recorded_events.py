@@ -6,7 +6,6 @@ from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from typing import TypeVar
 
-from ...scene.action_data import ActionData
 from ...scene.components import ANIMATION, EVENTS, RECORDING
 from ...scene.graph import SceneGraph
 from ...scene.recording_tables import RecordedEvent, event_table
@@ -28,7 +27,7 @@ PRESSED, RELEASED, FORCE, ANSWERED = "pressed", "released", "force:", "answered:
 
 def with_events(graph: SceneGraph, events: Iterable[Event], inputs: Iterable[Input]) -> SceneGraph:
     """The scenegraph with the component ``events``: of the actions of a lesson, and the user's inputs."""
-    owner = {action.uid: int(row) for row, action in _owned(graph)}
+    owner = {action.uid: row for row, action in graph.entries("actions", "data")}
     found: list[tuple[int, RecordedEvent]] = []
     for each in inputs:  # before what they bring about in the same moment
         row = graph.row_of_uid.get(each.uid, owner.get(each.uid))
@@ -65,11 +64,6 @@ def new_inputs(lesson: Lesson, before: Moment | None, now: Moment) -> list[Input
     return inputs
 
 
-def _owned(graph: SceneGraph) -> Iterator[tuple[int, ActionData]]:
-    found = graph.components.get("actions")
-    return iter(()) if found is None else zip(found.rows, found.columns["data"], strict=True)
-
-
 def _entries(each: Input) -> Iterator[RecordedEvent]:
     if each.trigger is not None:
         yield each.time, PRESSED if each.trigger else RELEASED, ""
@@ -83,21 +77,15 @@ def recorded_motion(graph: SceneGraph, rate: float = 30.0) -> Motion:
     """The motion that a scenegraph holds: its recording, with what the user did; where there is none its animation."""
     tracks: dict[int, Track] = {}
     for name in (ANIMATION, RECORDING):
-        found = graph.components.get(name)
-        if found is not None:
-            for row, times, matrices in zip(found.rows, found.columns["times"], found.columns["matrices"], strict=True):
-                tracks[int(row)] = Track(graph.uid[row], times, matrices)
+        for row, times, matrices in graph.entries(name, "times", "matrices"):
+            tracks[row] = Track(graph.uid[row], times, matrices)
     return Motion(tuple(tracks.values()), recorded_inputs(graph), rate)
 
 
 def recorded_inputs(graph: SceneGraph) -> tuple[Input, ...]:
     """What the user did while a recording was made, besides moving objects."""
-    found = graph.components.get(EVENTS)
-    if found is None:
-        return ()
-    columns = found.columns
-    entries = zip(found.rows.tolist(), columns["time"].tolist(), columns["event"], columns["action"], strict=True)
-    inputs = [_input(graph.uid[row], when, word, action) for row, when, word, action in entries]
+    entries = graph.entries(EVENTS, "time", "event", "action")
+    inputs = [_input(graph.uid[row], float(when), word, action) for row, when, word, action in entries]
     return tuple(sorted((each for each in inputs if each is not None), key=lambda each: each.time))
 
 

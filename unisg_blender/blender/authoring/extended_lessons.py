@@ -7,7 +7,6 @@ from collections.abc import Collection
 import bpy
 
 from ...errors import UniSGError
-from ...scene.action_data import ActionData
 from ...scene.graph import SceneGraph
 from ...scene.properties import LSA, UID
 from ..lookup import objects_by_uid, stored_uid
@@ -26,9 +25,8 @@ def extend_lessons(graph: SceneGraph, rows: Collection[int], scene: bpy.types.Sc
         If a lesson belongs to an object that may not be changed; nothing is written then.
     """
     standing, new = objects_by_uid(scene), {int(row) for row in rows}
-    lessons = graph.components.get("lsa")
     changed = []
-    for row, tree in [] if lessons is None else zip(lessons.rows.tolist(), lessons.columns["data"], strict=True):
+    for row, tree in graph.entries("lsa", "data"):
         item = standing.get(graph.uid[row])
         if row not in new and item is not None and lesson_of(item) != tree:
             if reason := why_fixed(item, LSA):
@@ -44,10 +42,5 @@ def extend_lessons(graph: SceneGraph, rows: Collection[int], scene: bpy.types.Sc
 
 def _named(graph: SceneGraph, rows: Collection[int]) -> set[str]:
     """Uids that actions of some rows refer to."""
-    found = graph.components.get("actions")
-    actions: list[ActionData] = (
-        []
-        if found is None
-        else [data for row, data in zip(found.rows.tolist(), found.columns["data"], strict=True) if row in rows]
-    )
+    actions = [action for row, action in graph.entries("actions", "data") if row in rows]
     return {uid for action in actions for uid in (*action.targets, *action.tools, action.frame) if uid}

@@ -46,9 +46,7 @@ def _heads() -> Iterator[str]:
 
 def _texts(graph: SceneGraph) -> Iterator[tuple[float, str]]:
     actions = {action.uid: action for action in all_actions(graph)}
-    found = graph.components.get(EVENTS)
-    columns = ((), (), ()) if found is None else tuple(found.columns[name] for name in ("time", "event", "action"))
-    for when, word, uid in zip(*columns, strict=True):
+    for _, when, word, uid in graph.entries(EVENTS, "time", "event", "action"):
         if word in SHOWN and uid in actions:
             yield float(when), f"{SHOWN[word]}: {actions[uid].name or actions[uid].type}"
     for each in recorded_inputs(graph):

@@ -24,20 +24,17 @@ from ..unsupported.read_report import ReadReport
 def row_properties(graph: SceneGraph, row: int) -> dict[str, object]:
     """The custom properties that say what a row's components hold."""
     values: dict[str, object] = {}
-    others = graph.components.get(PROPERTIES)
-    for text in () if others is None else others.of(row)["json"]:
+    for _, text in graph.entries(PROPERTIES, "json", row=row):
         values |= json.loads(text)
     values[UID] = graph.uid[row]
     if graph.category[row] >= 0:
         values[CATEGORY] = graph.category_name(row)
-    actions = graph.components.get(ACTIONS)
-    if actions is not None and len(found := actions.of(row)["data"]):
-        values[ACTIONS_KEY] = actions_to_json(list(found))
+    if actions := [action for _, action in graph.entries(ACTIONS, "data", row=row)]:
+        values[ACTIONS_KEY] = actions_to_json(actions)
     relations = relations_of(graph, row)
     if relations:
         values[RELATIONS] = relations_to_json(relations)
-    lessons = graph.components.get(LSA)
-    for lesson in () if lessons is None else lessons.of(row)["data"]:
+    for _, lesson in graph.entries(LSA, "data", row=row):
         values[LSA_KEY] = lesson_to_json(lesson)
     recorded = recorded_of(graph, row)
     if recorded is not None:

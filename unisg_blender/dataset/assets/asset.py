@@ -92,7 +92,6 @@ def _lean(graph: SceneGraph) -> SceneGraph:
 
 
 def _action_targets(graph: SceneGraph, part: SceneGraph) -> dict[str, str]:
-    found = part.components.get("actions")
-    actions = () if found is None else found.columns["data"]
+    actions = [action for _, action in part.entries("actions", "data")]
     uids = {uid for action in actions for uid in (*action.targets, *action.tools, action.frame)}
     return {uid: graph.category_name(graph.row_of_uid[uid]) for uid in sorted(uids) if uid in graph.row_of_uid}

@@ -29,12 +29,10 @@ def realize_objects(graph: SceneGraph) -> tuple[SceneGraph, str]:
 
 def count_copies(graph: SceneGraph) -> int:
     """How many entities the instances of a scene, and those inside them, would become."""
-    instances = graph.components.get(INSTANCES)
-    if instances is None:
-        return 0
-    prototypes = {id(prototype): prototype for prototype in instances.columns["prototype"]}
+    shown = [prototype for _, prototype in graph.entries(INSTANCES, "prototype")]
+    prototypes = {id(prototype): prototype for prototype in shown}
     sizes = {key: len(prototype) + count_copies(prototype) for key, prototype in prototypes.items()}
-    return sum(sizes[id(prototype)] for prototype in instances.columns["prototype"])
+    return sum(sizes[id(prototype)] for prototype in shown)
 
 
 def _categorised(graph: SceneGraph, instances: Table) -> Table:

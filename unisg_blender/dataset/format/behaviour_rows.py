@@ -23,12 +23,9 @@ Rows = dict[str, Any]
 def relation_rows(graph: SceneGraph, vocabulary: Vocabulary) -> Rows:
     """Relations between entities of the scene; those to something outside are left out."""
     found: list[tuple[int, int, int]] = []
-    relations = graph.components.get("relations")
-    if relations is not None:
-        kinds, targets = relations.columns["kind"], relations.columns["target"]
-        for subject, kind, uid in zip(relations.rows, kinds, targets, strict=True):
-            if uid in graph.row_of_uid:
-                found.append((subject, graph.row_of_uid[uid], vocabulary.place("relations", kind)))
+    for subject, kind, uid in graph.entries("relations", "kind", "target"):
+        if uid in graph.row_of_uid:
+            found.append((subject, graph.row_of_uid[uid], vocabulary.place("relations", kind)))
     columns = np.array(found, np.int32).reshape(-1, 3)
     return {"relation.subject": columns[:, 0], "relation.target": columns[:, 1], "relation.kind": columns[:, 2]}
 
@@ -37,7 +34,7 @@ def behaviour_rows(graph: SceneGraph) -> Rows:
     """Actions, lessons and stages as nodes, the edges between them, and the whole records as JSON."""
     vectors, links = action_vector(graph), behaviour_links(graph)
     edges = [links.edges[kind] for kind in LINKS]
-    operations = graph.components.get("lsa")
+    operations = graph.entries("lsa", "data")
     return {
         "action.entity": vectors.owner,
         "action.vector": vectors.values,
@@ -50,6 +47,6 @@ def behaviour_rows(graph: SceneGraph) -> Rows:
         "lesson.name": [node.name for node in links.lessons],
         "stage.vector": links.stage_features,
         "stage.name": [node.name for node in links.stages],
-        "operation.entity": [] if operations is None else operations.rows,
-        "operation.record": [] if operations is None else [lesson_to_json(tree) for tree in operations.columns["data"]],
+        "operation.entity": [row for row, _ in operations],
+        "operation.record": [lesson_to_json(tree) for _, tree in operations],
     }

@@ -23,9 +23,8 @@ def without_behaviour(graph: SceneGraph, row: int) -> tuple[SceneGraph, str]:
     roled_actions = read_roled_actions(graph)
     gone = {roled.action.uid for roled in roled_actions if row in roled.slots}
     owners = {roled.action.uid: roled.owner for roled in roled_actions}
-    found = graph.components.get("actions")
     rows, data = [], []
-    for owner, action in [] if found is None else zip(found.rows.tolist(), found.columns["data"], strict=True):
+    for owner, action in graph.entries("actions", "data"):
         if action.uid in gone:
             continue
         if action.type == "Parallel":

@@ -55,10 +55,8 @@ def make_action(kind: Kind, graph: SceneGraph, slots: Slots, uid: str) -> Action
 
 def with_actions(graph: SceneGraph, made: Sequence[NewAction]) -> SceneGraph:
     """The scene with further actions, each entity's own ones first."""
-    before = graph.components.get("actions")
-    rows, data = ([], []) if before is None else (before.rows.tolist(), list(before.columns["data"]))
-    rows, data = [*rows, *(new.owner for new in made)], [*data, *(new.action for new in made)]
-    return graph.with_component("actions", table(rows, data=data))
+    entries = [*graph.entries("actions", "data"), *((new.owner, new.action) for new in made)]
+    return graph.with_component("actions", table([row for row, _ in entries], data=[action for _, action in entries]))
 
 
 def with_operation(graph: SceneGraph, operation: LessonNode, uid: str) -> SceneGraph:

@@ -86,8 +86,7 @@ def nested_graphs(graph: SceneGraph) -> list[SceneGraph]:
     found = {id(graph): graph}
     stack = [graph]
     while stack:
-        instances = stack.pop().components.get(components.INSTANCES)
-        for prototype in () if instances is None else instances.columns["prototype"]:
+        for _, prototype in stack.pop().entries(components.INSTANCES, "prototype"):
             if id(prototype) not in found:
                 found[id(prototype)] = prototype
                 stack.append(prototype)
