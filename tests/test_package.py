@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import subprocess
 import sys
+import tomllib
 from importlib import import_module
 from pathlib import Path
 from types import ModuleType
@@ -17,6 +18,7 @@ import unisg_blender
 from unisg_blender import cli
 from unisg_blender.errors import MISUSE
 
+ROOT = Path(__file__).parents[1]
 HEAVY = ("bpy", "torch", "torch_geometric", "clifford", "onnxruntime", "pytorch_lightning", "scipy", "trimesh")
 
 
@@ -31,6 +33,14 @@ def run_python(source: str) -> str:
 def test_import_loads_nothing_heavy(module: str) -> None:
     found = run_python(f"import sys, {module}; print([name for name in {HEAVY!r} if name in sys.modules])")
     assert found == "[]"
+
+
+def test_the_extension_has_the_version_of_the_library() -> None:
+    manifest, project = (
+        tomllib.loads((ROOT / name).read_text()) for name in ("blender_manifest.toml", "pyproject.toml")
+    )
+    assert manifest["version"] == unisg_blender.__version__
+    assert project["tool"]["setuptools"]["dynamic"]["version"] == {"attr": "unisg_blender.__version__"}
 
 
 @pytest.mark.parametrize("words", [[], ["bogus"], ["inspect"], ["inspect", "--bogus", "x"], ["--bogus"]])

@@ -189,7 +189,7 @@ def test_a_full_disk_while_the_shards_are_put_together(tmp_path: Path, monkeypat
         patch.setattr(
             atomic_files, "open", lambda path, mode="r": (FullDisk if "w" in mode else open)(path, mode), raising=False
         )
-        with pytest.raises(UniSGError, match=r"the disk is full.*--resume"):
+        with pytest.raises(UniSGError, match=r"the disk is full.*resume"):
             export_dataset([source], tmp_path / "ds", OPTIONS)
     assert sorted(path.name for path in (tmp_path / "ds").iterdir()) == [".lock", ".parts"]
     export_dataset([source], tmp_path / "ds", OPTIONS, resume=True)
@@ -213,7 +213,7 @@ def small_disk(tmp_path: Path) -> Iterator[Path]:
 @pytest.mark.skipif(not hasattr(os, "geteuid") or os.geteuid() != 0, reason="only root may mount a tmpfs")
 def test_a_disk_that_fills_up_while_files_are_read(tmp_path: Path, small_disk: Path) -> None:
     source = fill(tmp_path / "in", 30)
-    with pytest.raises(UniSGError, match=r"the disk is full.*--resume"):
+    with pytest.raises(UniSGError, match=r"the disk is full.*resume"):
         export_dataset([source], small_disk / "ds", OPTIONS)
     left = [
         path.name

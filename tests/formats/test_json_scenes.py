@@ -83,8 +83,8 @@ def record_of(tmp_path: Path) -> dict:
     ("change", "reason"),
     [
         (lambda record: record.pop(KEY), "no scene with its geometry"),
-        (lambda record: record.update({KEY: 99}), "newer version"),
-        (lambda record: record.update({KEY: "one"}), "newer version"),
+        (lambda record: record.update({KEY: 99}), "update it"),
+        (lambda record: record.update({KEY: "one"}), "update it"),
         (lambda record: record["entities"][3].pop("uid"), "damaged"),
         (lambda record: record["entities"][3].update(parent="nobody"), "damaged"),
         (lambda record: record["entities"][0].update(parent=record["entities"][3]["uid"]), "damaged"),

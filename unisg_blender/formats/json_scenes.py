@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -20,10 +19,10 @@ from numpy.typing import NDArray
 
 from ..errors import UniSGError
 from ..runtime.atomic_files import write_file
-from ..scene import ActionData, LessonNode, Material, Mesh, SceneGraph, Table, world_matrices
-from ..scene.action_data import actions_from_json, actions_to_json
+from ..runtime.json_records import check_version, from_record, parse_json, to_record
+from ..scene import ActionData, LessonNode, Material, Mesh, SceneGraph, Table
 from ..scene.graph import TYPE_INDEX, TYPES
-from ..scene.lesson_node import lesson_from_json, lesson_to_json
+from ..scene.lesson_node import lesson_from_json
 
 KEY = "unisg_scene"
 VERSION = 1
@@ -53,16 +52,12 @@ def read_json(path: Path) -> SceneGraph:
         If the file cannot be read, is no such file, or was written by another version.
     """
     try:
-        record = json.loads(path.read_text("utf-8"))
+        record = parse_json(path.read_bytes(), f"cannot read {path}: it")
     except OSError as error:
         raise UniSGError(f"cannot read {path}: {error.strerror or error}") from None
-    except (ValueError, RecursionError) as error:
-        raise UniSGError(f"cannot read {path}: it is not valid JSON: {error}") from None
-    version = record.get(KEY) if isinstance(record, dict) else None
-    if version is None:
+    if not isinstance(record, dict) or KEY not in record:
         raise UniSGError(f"cannot read {path}: it holds no scene with its geometry; convert or generate it again")
-    if not isinstance(version, int) or version > VERSION:
-        raise UniSGError(f"cannot read {path}: it was written by a newer version of this software: update it")
+    check_version(record[KEY], f"cannot read {path}: it has", VERSION)
     try:
         return _SceneReader(record).scene(record)
     except (LookupError, TypeError, ValueError, AttributeError, ArithmeticError, RecursionError, UniSGError) as error:
@@ -79,14 +74,13 @@ class _SceneWriter:
 
     def scene(self, graph: SceneGraph) -> dict[str, Any]:
         numbers = [self.meshes.setdefault(mesh, len(self.meshes)) for mesh in graph.meshes]
-        world = world_matrices(graph)
         entities = [
             {
                 "name": graph.name[row], "uid": graph.uid[row], "type": TYPES[graph.type[row]],
                 "category": graph.category_name(row),
                 "parent": graph.uid[graph.parent[row]] if graph.parent[row] >= 0 else None,
                 "mesh": numbers[graph.mesh[row]] if graph.mesh[row] >= 0 else None,
-                "local": graph.local[row].tolist(), "world": world[row].tolist(),
+                "local": graph.local[row].tolist(), "world": graph.world[row].tolist(),
             }
             for row in range(len(graph))
         ]  # fmt: skip
@@ -95,7 +89,7 @@ class _SceneWriter:
             "entities": entities,
             "vocabulary": graph.vocabulary,
             "mesh_numbers": numbers,
-            "materials": [asdict(material) for material in graph.materials.values()],
+            "materials": [to_record(material) for material in graph.materials.values()],
             "components": {name: self._table(name, found) for name, found in graph.components.items()},
         }
 
@@ -126,9 +120,9 @@ class _SceneWriter:
         if isinstance(value, np.ndarray):
             return {"array": self._array(value, name)}
         if isinstance(value, ActionData):
-            return {"action": json.loads(actions_to_json([value]))[0]}
+            return {"action": to_record(value)}
         if isinstance(value, LessonNode):
-            return {"lesson": json.loads(lesson_to_json(value))}
+            return {"lesson": to_record(value)}
         if isinstance(value, SceneGraph):
             return {"prototype": self._prototype(value)}
         raise UniSGError(f"the component {name} holds values that JSON cannot: make them numbers or text")
@@ -152,35 +146,27 @@ class _SceneReader:
     def scene(self, record: Mapping[str, Any]) -> SceneGraph:
         entities, vocabulary = record["entities"], tuple(record["vocabulary"])
         rows = {entity["uid"]: row for row, entity in enumerate(entities)}
-        parent = np.array([-1 if (uid := each["parent"]) is None else rows[uid] for each in entities], np.int32)
-        if len(rows) < len(entities) or (parent >= np.arange(len(entities))).any():
-            raise ValueError("uids must be unique, and parents come before their children")
+        parent = [-1 if (uid := each["parent"]) is None else rows[uid] for each in entities]
         place = {number: index for index, number in reversed(list(enumerate(record["mesh_numbers"])))}
         category = {name: index for index, name in enumerate(vocabulary)} | {"": -1}
         return SceneGraph(
             name=_column(entities, "name"),
             uid=_column(entities, "uid"),
             type=np.array([TYPE_INDEX[each["type"]] for each in entities], np.int8),
-            parent=parent,
+            parent=np.array(parent, np.int32),
             category=np.array([category[each["category"]] for each in entities], np.int32),
             vocabulary=vocabulary,
             local=np.array([each["local"] for each in entities], np.float64).reshape(len(entities), 4, 4),
             mesh=np.array([-1 if each["mesh"] is None else place[each["mesh"]] for each in entities], np.int32),
             meshes=tuple(self._meshes[number] for number in record["mesh_numbers"]),
-            materials={
-                each["name"]: Material(**each | {"base_color": tuple(each["base_color"])})
-                for each in record["materials"]
-            },
-            components={name: self._table(found, len(entities)) for name, found in record["components"].items()},
+            materials={each["name"]: from_record(Material, each, "material") for each in record["materials"]},
+            components={name: self._table(found) for name, found in record["components"].items()},
             title=record["title"],
-        )
+        ).validate()
 
-    def _table(self, record: Mapping[str, Any], count: int) -> Table:
+    def _table(self, record: Mapping[str, Any]) -> Table:
         rows = np.array(record["rows"], np.int32)
-        columns = {name: self._array(values) for name, values in record["columns"].items()}
-        if any(len(values) != len(rows) for values in columns.values()) or ((rows < 0) | (rows >= count)).any():
-            raise ValueError("a component has rows that do not fit")
-        return Table(rows, columns)
+        return Table(rows, {name: self._array(values) for name, values in record["columns"].items()})
 
     def _array(self, record: Mapping[str, Any]) -> NDArray[Any]:
         dtype = np.dtype(record["dtype"])
@@ -205,7 +191,7 @@ class _SceneReader:
             case "array":
                 return self._array(content)
             case "action":
-                return actions_from_json(json.dumps([content]))[0]
+                return from_record(ActionData, content, "action")
             case "lesson":
                 return lesson_from_json(json.dumps(content))
             case "prototype":

@@ -205,7 +205,7 @@ def _merge(folder: Path, parts: Path, form: str, records: list[Record], before: 
             final.append({key: value for key, value in record.items() if key != "part"})
         writer.finish(final)
     except DiskFullError as error:
-        raise DiskFullError(f"{error}; make room, then run the export again with --resume") from None
+        raise DiskFullError(f"{error}; make room, then resume the export") from None
     return final
 
 

@@ -83,9 +83,9 @@ def _result(source: str, future: Future[Record]) -> Record:
     try:
         record = future.result()
     except BrokenExecutor as error:
-        raise UniSGError(f"the executor broke down ({error}): run the export again with --resume") from None
+        raise UniSGError(f"the executor broke down ({error}): resume the export") from None
     except Exception as error:  # the worker of a cluster died over it
         return {"source": source, "status": "failed", "reason": f"{type(error).__name__}: {error}".splitlines()[0]}
     if record["status"] == "full":
-        raise DiskFullError(f"{record['reason']}; make room, then run the export again with --resume")
+        raise DiskFullError(f"{record['reason']}; make room, then resume the export")
     return record

@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import Any, TextIO
 
 from ...errors import UniSGError
-from ...formats.dependencies import files_beside
+from ...formats.linked_files import files_beside
 from ...formats.scene_files import load_blender, read_all_scenes
 from ...runtime.atomic_files import DiskFullError, write_named
 from ...runtime.process_end import end_process

@@ -195,7 +195,7 @@ def read_part(path: Path) -> ReadPart:
     Columns are in memory, arrays of assets when they are fetched: the file stays open as long as the part is in use.
     """
     if not path.stem.endswith(checksum_of(path)[:16]):
-        raise DamagedError(f"{path} is damaged: run the export again with --resume")
+        raise DamagedError(f"{path} is damaged: resume the export")
     shard = map_shard(path)
     notes = shard.notes
     columns = {key: np.array(values) for key, values in shard.columns.items() if not key.startswith(ASSETS)}
