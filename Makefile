@@ -8,7 +8,7 @@ WORKERS ?= 2
 BENCH ?= poses
 PYTEST := $(BIN)/python -m pytest -n $(WORKERS) --dist loadfile
 
-.PHONY: help demo test test-fast coverage lint extension bench bench-all picture hooks clean
+.PHONY: help demo test test-fast coverage lint extension bench bench-all docs hooks clean
 
 help:  ## say what can be made
 	@grep -E '^[a-z-]+:.*##' $(firstword $(MAKEFILE_LIST)) | sed -E 's/:[^#]*## */\t/' | expand -t 14
@@ -40,8 +40,9 @@ bench: $(READY)  ## one benchmark of the command line, BENCH=poses unless anothe
 bench-all: $(READY)  ## the benchmarks that need no data, small, and what changed since the last run -> build/benchmarks/
 	$(BIN)/python benchmarks/run.py --quick --out build/benchmarks
 
-picture: $(READY)  ## the picture of the rooms, from their imports -> docs/pictures/
+docs: $(READY)  ## the picture of the rooms and their arrows, and the page of public names, from the source -> docs/
 	$(BIN)/python packaging/draw_architecture.py
+	$(BIN)/python packaging/write_api_page.py
 
 hooks: $(READY)  ## let git run what `make lint` runs before each commit
 	$(BIN)/pre-commit install

@@ -78,8 +78,8 @@ def blender_outside_its_rooms() -> set[str]:
 
 
 def torch_outside_learning() -> set[str]:
-    """Outside ``learn`` and the data set that is one of torch's, torch is imported inside functions only."""
-    return misplaced(TORCH, {"learn", "dataset.graphs"}, deferred_too=False)
+    """Torch is imported inside functions, but in ``learn`` and in two places that are opened for tensors only."""
+    return misplaced(TORCH, {"learn", "dataset.graphs", "poses.polar_tensors"}, deferred_too=False)
 
 
 def usd_outside_its_room() -> set[str]:

@@ -94,7 +94,7 @@ def test_architecture_names_what_is_there() -> None:
 def test_the_table_of_arrows_is_the_one_that_is_held() -> None:
     table = ARCHITECTURE.read_text(encoding="utf-8").partition("<!-- arrows -->")[2].partition("<!-- end -->")[0]
     rows = re.findall(r"^\| `(\w+)` \| (.*) \|$", table, re.MULTILINE)
-    assert {room: set(re.findall(r"`(\w+)`", targets)) for room, targets in rows} == ARROWS, "make picture"
+    assert {room: set(re.findall(r"`(\w+)`", targets)) for room, targets in rows} == ARROWS, "make docs"
 
 
 def test_contributing_shows_the_layers() -> None:

@@ -97,7 +97,7 @@ def test_every_room_says_what_is_public() -> None:
 
 
 def test_the_page_of_public_names_is_current() -> None:
-    assert PAGE.read_text("utf-8") == page(), "run: python packaging/write_api_page.py"
+    assert PAGE.read_text("utf-8") == page(), "make docs"
 
 
 def test_type_checkers_see_the_same_names() -> None:

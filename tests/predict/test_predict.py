@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from tests.evaluate.hand_made import Scene, box_mesh, table_mesh
+from tests.metrics.hand_made import Scene, box_mesh, table_mesh
 from unisg_blender.cli import main
 from unisg_blender.errors import UniSGError
 from unisg_blender.geometry.boxes import Boxes

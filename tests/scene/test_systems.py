@@ -23,7 +23,8 @@ from unisg_blender.scene import (
     take,
     world_matrices,
 )
-from unisg_blender.spatial.relations import RelationTolerances, relate
+from unisg_blender.spatial.relation_tolerances import RelationTolerances
+from unisg_blender.spatial.relations import relate
 from unisg_blender.worlds import WORLDS
 
 PAGE = Path(__file__).parents[2] / "docs" / "systems.md"

@@ -1,4 +1,4 @@
-"""What the shipped generators make of a few rooms of the benchmark, recorded: ``python -m tests.evaluate.recorded``."""
+"""What the shipped generators make of a few rooms of the benchmark, recorded: ``python -m tests.generate.recorded``."""
 
 from __future__ import annotations
 

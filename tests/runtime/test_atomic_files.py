@@ -72,7 +72,7 @@ if __name__ == "__main__":
 @pytest.mark.skipif(not Path("/proc/self").exists(), reason="looks at processes in /proc")
 def test_workers_have_one_thread_and_end_with_a_killed_parent(tmp_path: Path) -> None:
     (tmp_path / "starter.py").write_text(STARTER)
-    root = Path(__file__).parents[1]
+    root = Path(__file__).parents[2]
     code = f"import sys, runpy; sys.path.insert(0, {str(root)!r}); "
     code += f"runpy.run_path({str(tmp_path / 'starter.py')!r}, run_name='__main__')"
     parent = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True)

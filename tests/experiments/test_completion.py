@@ -3,12 +3,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from tests.metrics.hand_made import Scene, box_mesh, table_mesh
 from unisg_blender.experiments.rooms.cases import case_of, hole_of, without
 from unisg_blender.experiments.rooms.completion import most_common, paired_test, pose_error
 from unisg_blender.geometry.planar import footprint_gap
 from unisg_blender.metrics.requested_relations import is_beside, is_on, place_of
-
-from .hand_made import Scene, box_mesh, table_mesh
 
 KNOWN = ("Table", "Cup", "Box")
 

@@ -15,7 +15,7 @@ from .recorded import COUNTS, FILE, ROOMS, digest_of, measured, models
 
 pytestmark = pytest.mark.slow
 
-AGAIN = "measure them again with 'python -m tests.evaluate.recorded'"
+AGAIN = "measure them again with 'python -m tests.generate.recorded'"
 
 
 def record():

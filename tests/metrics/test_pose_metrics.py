@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 from scipy.stats import bootstrap, norm
 
-from tests.evaluate.hand_made import box_mesh
+from tests.metrics.hand_made import box_mesh
 from unisg_blender.metrics.pose_errors import (
     decoded,
     folds_of,
