@@ -160,3 +160,19 @@ def test_one_of_several_scenes(tmp_path: Path) -> None:
     assert "only the scene 'Other' is read; the others are 'Scene'" in list(report)
     with pytest.raises(UniSGError, match="there is no scene 'Third'; there are 'Other', 'Scene'"):
         read_file(tmp_path / "two.blend", scene="Third")
+
+
+def test_paths_are_those_of_the_process(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Blender itself would resolve them against the variable PWD."""
+    for name in ("here", "elsewhere"):
+        (tmp_path / name).mkdir()
+        new_file()
+        bpy.context.scene.name = name
+        save_blend(tmp_path / name / "scene.blend")
+    monkeypatch.chdir(tmp_path / "here")
+    monkeypatch.setenv("PWD", str(tmp_path / "elsewhere"))
+    graph, _ = read_file("scene.blend")
+    assert graph.title == "here"
+    save_blend("again.blend")
+    assert sorted(path.name for path in Path().iterdir()) == ["again.blend", "scene.blend"]
+    assert [path.name for path in (tmp_path / "elsewhere").iterdir()] == ["scene.blend"]

@@ -47,7 +47,7 @@ def open_file(path: str | os.PathLike[str], report: ReadReport | None = None) ->
     path = Path(path)
     _check_path(path)
     with captured_output() as printed:
-        error = _open_quietly(path)
+        error = _open_quietly(path.absolute())  # Blender resolves paths against PWD
     if error is None and path.suffix.lower() in TALKATIVE and not bpy.data.objects:
         error = "there are no objects in it"
     if error is not None:

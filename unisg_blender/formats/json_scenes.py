@@ -4,7 +4,8 @@ The file is an object with ``unisg_scene`` (the version), the scene and what it 
 instances: ``meshes`` and ``prototypes``, which have the form of the scene. A scene has ``title``, ``vocabulary``,
 ``mesh_numbers`` (its own meshes among those of the file), ``materials``, ``components`` (for each table ``rows``
 and ``columns``) and ``entities``: each with name, uid, type, category, uid of the parent, number of the mesh,
-and matrices ``local`` and ``world`` (rows; metres; ``world`` is for the reader's convenience and is not read back).
+and matrices ``local`` and ``world`` (rows; metres). ``world`` and ``actions`` are said once more for other programs and
+are not read back.
 """
 
 from __future__ import annotations
@@ -21,8 +22,9 @@ from ..errors import UniSGError
 from ..runtime.atomic_files import write_file
 from ..runtime.json_records import check_version, from_record, parse_json, to_record
 from ..scene import ActionData, LessonNode, Material, Mesh, SceneGraph, Table
-from ..scene.graph import TYPE_INDEX, TYPES
+from ..scene.graph import TYPE_INDEX
 from ..scene.lesson_node import lesson_from_json
+from ..scene.scene_text import to_records
 
 KEY = "unisg_scene"
 VERSION = 1
@@ -75,15 +77,9 @@ class _SceneWriter:
     def scene(self, graph: SceneGraph) -> dict[str, Any]:
         numbers = [self.meshes.setdefault(mesh, len(self.meshes)) for mesh in graph.meshes]
         entities = [
-            {
-                "name": graph.name[row], "uid": graph.uid[row], "type": TYPES[graph.type[row]],
-                "category": graph.category_name(row),
-                "parent": graph.uid[graph.parent[row]] if graph.parent[row] >= 0 else None,
-                "mesh": numbers[graph.mesh[row]] if graph.mesh[row] >= 0 else None,
-                "local": graph.local[row].tolist(), "world": graph.world[row].tolist(),
-            }
-            for row in range(len(graph))
-        ]  # fmt: skip
+            record | {"mesh": numbers[mesh] if mesh >= 0 else None}
+            for record, mesh in zip(to_records(graph), graph.mesh.tolist(), strict=True)
+        ]
         return {
             "title": graph.title,
             "entities": entities,
