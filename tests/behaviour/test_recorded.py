@@ -142,7 +142,7 @@ def test_json_keeps_every_bit(times, events, seed):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("[", "not of the form"),
+        ("[", "not valid JSON"),
         ("[]", "not of the form"),
         ('{"times": [0], "poses": [[1, 2]]}', "not of the form"),
         ('{"times": [1, 0], "poses": [[1,0,0,0,0,1,0,0,0,0,1,0],[1,0,0,0,0,1,0,0,0,0,1,0]]}', "ascending"),
