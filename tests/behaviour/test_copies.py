@@ -214,6 +214,7 @@ def test_gltf_keeps_the_behaviour(tmp_path):
 
     expected = behaviour(read_scene())
     path = str(tmp_path / "station.glb")
+    before = addon_utils.check("io_scene_gltf2")[1]
     addon_utils.enable("io_scene_gltf2", default_set=False)
     try:
         bpy.ops.export_scene.gltf(filepath=path, export_extras=True, export_format="GLB")
@@ -221,7 +222,8 @@ def test_gltf_keeps_the_behaviour(tmp_path):
         bpy.ops.import_scene.gltf(filepath=path)
         assert behaviour(read_scene()) == expected
     finally:
-        addon_utils.disable("io_scene_gltf2", default_set=False)
+        if not before:
+            addon_utils.disable("io_scene_gltf2", default_set=False)
 
 
 def test_usd_keeps_the_behaviour_ours_and_blenders(tmp_path):

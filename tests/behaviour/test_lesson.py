@@ -62,6 +62,7 @@ def any_operation(draw, least=0):
     return with_requires(root)
 
 
+@pytest.mark.slow
 @given(any_operation(), st.randoms(use_true_random=False))
 @settings(max_examples=250, deadline=None)
 def test_random_lessons_never_deadlock_and_never_skip_a_prerequisite(root, random):
@@ -92,6 +93,7 @@ def test_random_lessons_never_deadlock_and_never_skip_a_prerequisite(root, rando
             assert status[place] == DONE, node.uid
 
 
+@pytest.mark.slow
 @given(any_operation(least=1))
 @settings(max_examples=250, deadline=None)
 def test_no_lesson_hides_an_action_that_no_order_reaches(root):

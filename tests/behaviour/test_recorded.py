@@ -127,6 +127,7 @@ NUMBER = st.floats(-1e6, 1e6)
 EVENT = st.tuples(NUMBER, st.sampled_from(["performed", "pressed", "answered:0,2", "force:5"]), st.text(max_size=5))
 
 
+@pytest.mark.slow
 @given(st.lists(NUMBER, unique=True, max_size=5), st.lists(EVENT, max_size=5), st.integers(0, 99))
 @settings(max_examples=60, deadline=None)
 def test_json_keeps_every_bit(times, events, seed):
@@ -142,7 +143,7 @@ def test_json_keeps_every_bit(times, events, seed):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("[", "not of the form"),
+        ("[", "not valid JSON"),
         ("[]", "not of the form"),
         ('{"times": [0], "poses": [[1, 2]]}', "not of the form"),
         ('{"times": [1, 0], "poses": [[1,0,0,0,0,1,0,0,0,0,1,0],[1,0,0,0,0,1,0,0,0,0,1,0]]}', "ascending"),

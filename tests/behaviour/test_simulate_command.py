@@ -96,6 +96,7 @@ def test_an_unsound_lesson_is_refused_with_the_objects_name(graph, tmp_path, cap
     assert "Stage 'Operate' needs 'scalpel', which is not in the scene" in err
 
 
+@pytest.mark.slow
 def test_a_film_is_rendered(file, tmp_path, capsys, monkeypatch):
     pytest.importorskip("bpy")
     from PIL import Image

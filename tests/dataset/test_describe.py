@@ -45,6 +45,7 @@ def test_counts_are_those_of_the_scenes(folder: Path, make_scene: Callable[..., 
     assert "on_top_of" in text
 
 
+@pytest.mark.slow
 def test_inspect_prints_and_draws(folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     pytest.importorskip("matplotlib")
     assert main(["inspect", str(folder), "--json", "--figures", str(tmp_path / "figures")]) == 0

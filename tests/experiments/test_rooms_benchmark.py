@@ -44,6 +44,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return out
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("part", SMALL, ids=lambda part: part.world)
 def test_the_rooms_of_the_benchmark_never_change(folder: Path, part: FrozenPart) -> None:
     """If this fails, undo what changed the worlds: numbers of other people depend on these rooms."""

@@ -54,6 +54,7 @@ def test_label_falls_back_on_the_points_and_keeps_all_geometry(
         assert np.array_equal(own.corners, other.corners)
 
 
+@pytest.mark.slow
 def test_export_gives_each_entity_a_finite_feature(tmp_path: Path) -> None:
     pytest.importorskip("pxr")
     from unisg_blender.dataset import open_dataset

@@ -51,6 +51,7 @@ def test_resolution_out_of_range() -> None:
         reconstruct(np.eye(4, 3), np.ones((4, 3)), 5)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("faces", [301, 2000, 60_000])
 def test_chosen_number_of_faces(faces: int) -> None:
     samples = sample_surface(box((1, 2, 0.5)), 2000)

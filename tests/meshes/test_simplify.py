@@ -29,6 +29,7 @@ def test_a_sphere_with_any_number_of_faces(faces: int) -> None:
     assert signed_volume(points, triangles) > 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("faces", [5000, 500, 60])
 def test_a_ring_stays_a_ring(faces: int) -> None:
     points, triangles = ring()
@@ -39,6 +40,7 @@ def test_a_ring_stays_a_ring(faces: int) -> None:
     assert signed_volume(found, simple) == pytest.approx(signed_volume(points, triangles), rel=0.01 * 5000 / faces)
 
 
+@pytest.mark.slow
 def test_what_cannot_be_simplified_keeps_its_faces() -> None:
     _, simple = with_faces(*ring(), 4)
     assert 14 <= len(simple) < 60

@@ -80,6 +80,7 @@ def test_augmented_points_stay_in_the_unit_sphere() -> None:
         assert np.linalg.det(turn) == pytest.approx(1)
 
 
+@pytest.mark.slow
 def test_training_learns_and_repeats() -> None:
     losses: list[float] = []
     first, report = train(MODELS, QUICK, lambda step, loss: losses.append(loss))

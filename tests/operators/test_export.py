@@ -13,6 +13,7 @@ import pytest
 from unisg_blender.dataset import open_dataset
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(find_spec("bpy") is None, reason="needs Blender")
 def test_operator_writes_the_open_scenes(tmp_path: Path) -> None:
     script = Path(__file__).with_name("export_script.py")

@@ -58,6 +58,7 @@ def test_motors_move_points_as_matrices_do(matrix, point):
     np.testing.assert_allclose(moved_cga(motor, point), expected, atol=1e-11)
 
 
+@pytest.mark.slow
 @settings(max_examples=40, deadline=None)
 @given(poses, points, st.floats(0.01, 100.0))
 def test_similarities_scale_points(matrix, point, scale):
@@ -67,6 +68,7 @@ def test_similarities_scale_points(matrix, point, scale):
     assert float((versor * ~versor).value[0]) == pytest.approx(1.0, abs=1e-10)
 
 
+@pytest.mark.slow
 @settings(max_examples=60, deadline=None)
 @given(poses, poses)
 def test_product_of_forms_is_product_of_matrices(a, b):

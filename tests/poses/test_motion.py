@@ -54,6 +54,7 @@ def test_logarithm_at_every_angle(angle):
     np.testing.assert_allclose(log(exp(screw)), screw, rtol=0, atol=1e-14)
 
 
+@pytest.mark.slow
 @settings(max_examples=60, deadline=None)
 @given(motors, motors)
 def test_inverse_undoes(a, b):
@@ -261,6 +262,7 @@ def test_reduction_keeps_every_frame_within_tolerance(shared, millimetres, degre
     assert total < 0.7 * 150 * (1 if shared else 4)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("form", ["dual_quaternion", "pga"])
 @pytest.mark.parametrize("shared", [False, True])
 def test_cubic_motors_rebuild_smooth_motions_from_fewer_keys(form, shared):

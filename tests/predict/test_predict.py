@@ -17,7 +17,7 @@ from unisg_blender.predict.object_pairs import candidate_pairs, pair_features, r
 from unisg_blender.predict.prediction_session import load_network
 from unisg_blender.predict.scene_kind import SceneModel
 from unisg_blender.predict.support_prediction import TopologyModel, with_supports
-from unisg_blender.scene import SceneGraph, world_matrices
+from unisg_blender.scene import SceneBuilder, SceneGraph, world_matrices
 from unisg_blender.scene.properties import relations_of
 from unisg_blender.spatial import find_objects
 from unisg_blender.worlds import cubes, living_room, operating_room
@@ -158,7 +158,7 @@ def test_what_is_no_such_model_is_told(tmp_path: Path) -> None:
     with pytest.raises(UniSGError, match="is a model for 'classifier'"):
         TopologyModel(load_network("classifier").path)
     with pytest.raises(UniSGError, match="no objects"):
-        SceneModel().classify(Scene().build().replace(name=(), uid=()))
+        SceneModel().classify(SceneBuilder().build())
 
 
 def test_a_bent_scene_still_has_finite_features() -> None:

@@ -150,6 +150,7 @@ def test_blender_shows_what_we_write(tmp_path: Path, ending: str) -> None:
     assert_same_boxes(blender_boxes(path), boxes(graph))
 
 
+@pytest.mark.slow
 def test_usd_checker_passes(tmp_path: Path) -> None:
     """With USD's checker of the running build, and in a process of its own with the other build."""
     path = tmp_path / "scene.usda"

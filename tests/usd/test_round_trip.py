@@ -16,6 +16,7 @@ from unisg_blender.usd import read_usd, write_usd
 RELAXED = [HealthCheck.function_scoped_fixture, HealthCheck.too_slow, HealthCheck.data_too_large]
 
 
+@pytest.mark.slow
 @given(graph=scenes())
 @settings(max_examples=40, deadline=None, suppress_health_check=RELAXED)
 def test_any_scene_survives(tmp_path: Path, graph: SceneGraph) -> None:

@@ -26,6 +26,7 @@ def test_json_files(tmp_path, capsys):
     assert len(list(tmp_path.iterdir())) == 2
 
 
+@pytest.mark.slow
 def test_a_dataset_is_the_same_with_one_process_and_with_two(tmp_path, capsys):
     for jobs in ("1", "2"):
         words = [

@@ -127,6 +127,7 @@ def test_the_door_of_a_room_is_free():
                 assert (distance[low & on_floor & ~walls] > 0.3).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [*WORLDS])
 def test_the_same_seed_gives_the_same_bytes_in_every_process(name):
     if name == "cube-pairs":

@@ -33,8 +33,8 @@ class Hand:
 
     @property
     def world(self) -> NDArray[np.float64]:
-        """World matrices (N, 4, 4) of all entities now."""
-        return world_matrices(self._stage.replace(local=self._local))
+        """World matrices (N, 4, 4) of all entities now; the caller's own, to be changed into goals."""
+        return world_matrices(self._stage.replace(local=self._local)).copy()
 
     def motion(self) -> Motion:
         """Everything done so far."""
