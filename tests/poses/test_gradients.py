@@ -184,7 +184,7 @@ def assert_rows_stand_alone(function: Map, rows: np.ndarray) -> None:
 
 
 @pytest.mark.parametrize("name", NAMES)
-@settings(max_examples=8, deadline=None)
+@settings(max_examples=5, deadline=None)
 @given(names=places)
 def test_rows_know_nothing_of_their_neighbours(name, names):
     form, matrices = FORMS[name], batch(names)
@@ -198,7 +198,7 @@ def test_rows_know_nothing_of_their_neighbours(name, names):
         assert_rows_stand_alone(lambda x, stretch=stretch: form.project(x, stretch=stretch), raw)
 
 
-@settings(max_examples=8, deadline=None)
+@settings(max_examples=5, deadline=None)
 @given(names=places)
 def test_motions_know_nothing_of_their_neighbours(names):
     poses = DQ.encode(batch(names))

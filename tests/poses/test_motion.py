@@ -119,7 +119,7 @@ def test_screws_refuse_scale(name):
     }
     for call in calls.values():
         call(rigid)
-        with pytest.raises(PoseError, match="row 1: the pose has scale or shear"):
+        with pytest.raises(PoseError, match=r"row 1.*scale or shear"):
             call(scaled)
     np.testing.assert_allclose(log(rigid, name), log(poses), atol=1e-12)
     np.testing.assert_allclose(log(rigid.astype(np.float32), name), log(poses), atol=1e-5)

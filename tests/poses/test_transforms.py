@@ -13,15 +13,22 @@ from unisg_blender.poses import FORMS, blend, compose, convert, cubic_sclerp, ex
 torch = pytest.importorskip("torch")
 NAMES = sorted(FORMS)
 DTYPES = [torch.float32, torch.float64]
+
+
+def after(x):
+    """Another pose, some way on."""
+    return compose(x, exp(torch.tensor([0.3, -0.2, 0.9, 1.0, 2.0, 3.0], dtype=torch.float64)))
+
+
 MOTIONS = {
     "log": log,
     "exp": lambda x: exp(x[..., :6]),
     "inverse": inverse,
-    "compose": lambda x: compose(x, x),
-    "sclerp": lambda x: sclerp(x, x.flip(-1), 0.3),
-    "cubic_sclerp": lambda x: cubic_sclerp(x, x, x.flip(-1), x, 0.3),
-    "linear_slerp": lambda x: linear_slerp(x, x.flip(-1), 0.3),
-    "blend": lambda x: blend(torch.stack([x, x.flip(-1)], -2), torch.full_like(x[..., :2], 0.5)),
+    "compose": after,
+    "sclerp": lambda x: sclerp(x, after(x), 0.3),
+    "cubic_sclerp": lambda x: cubic_sclerp(x, x, after(x), x, 0.3),
+    "linear_slerp": lambda x: linear_slerp(x, after(x), 0.3),
+    "blend": lambda x: blend(torch.stack([x, after(x)], -2), torch.full_like(x[..., :2], 0.5)),
     "inverse with scale": lambda x: inverse(convert(x, "dual_quaternion", "cga_similarity"), "cga_similarity"),
 }
 

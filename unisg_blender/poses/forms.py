@@ -46,9 +46,8 @@ class Form:
     holds_affine
         Whether the form holds the whole affine by itself: its stretch channels are
         written for uniformity and not needed by ``decode``.
-    holds_scale
-        Whether the form holds scale by itself, uniform or of any kind; the others drop it
-        where features go without stretch channels.
+    holds_uniform_scale
+        Whether it holds at least scale that is the same along all axes.
     """
 
     name: str
@@ -57,12 +56,17 @@ class Form:
     _decode: Callable[[Components], Block] = field(repr=False)
     _project: Callable[[Components], Components] = field(repr=False)
     holds_affine: bool = False
-    holds_scale: bool = False
+    holds_uniform_scale: bool = False
 
     @property
     def width(self) -> int:
         """Number of features, without stretch."""
         return len(self.channels)
+
+    @property
+    def holds_scale(self) -> bool:
+        """Whether it holds scale of any kind by itself; without, what goes without stretch channels drops it."""
+        return self.holds_affine or self.holds_uniform_scale
 
     def encode(self, matrices: Any, stretch: bool = False) -> Any:
         """Features of poses.
@@ -174,7 +178,7 @@ _FORMS = {
     form.name: form
     for form in (
         _form("matrix", _MATRIX, encodings.MATRIX),
-        _form("trs_matrix", _MATRIX, encodings.TRS_MATRIX, holds_affine=True, holds_scale=True),
+        _form("trs_matrix", _MATRIX, encodings.TRS_MATRIX, holds_affine=True),
         _form("axis_angle", "tx ty tz angle ax ay az", encodings.AXIS_ANGLE),
         _form("quaternion", "tx ty tz w x y z", encodings.QUATERNION),
         _form("sixd", "tx ty tz r00 r10 r20 r01 r11 r21", encodings.SIXD),
@@ -183,7 +187,7 @@ _FORMS = {
         _form("pga_even", tuple(PGA_BLADES[i] for i in PGA_EVEN), encodings.PGA_EVEN_ONLY),
         _form("cga", CGA_BLADES, encodings.CGA),
         _form("cga_even", _CGA_EVEN_BLADES, encodings.CGA_EVEN_ONLY),
-        _form("cga_similarity", CGA_BLADES, encodings.CGA_SIMILARITY, holds_scale=True),
+        _form("cga_similarity", CGA_BLADES, encodings.CGA_SIMILARITY, holds_uniform_scale=True),
     )
 }
 _SHIPPED = frozenset(_FORMS)

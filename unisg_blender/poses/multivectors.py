@@ -65,21 +65,16 @@ def similarity_even(r: Components, d: Components, dilation: Components) -> Compo
 def from_similarity_even(m: Components) -> tuple[Components, Components, Any, Any]:
     """(r, (a + b) d, a, b) of the 16 even coefficients of a versor T R D times any number; a is not negative.
 
-    The unit quaternion r stands in them twice, as p = a r and as q = b r. It is the one nearest to
-    both: the first principal direction of p p^T + q q^T, which no choice between p and q makes to jump.
+    The unit quaternion r stands in them twice, as p = a r and as q = b r. It is taken from both,
+    weighted a : b, so that noise counts least, nothing cancels and no choice between them jumps.
     """
     p, d = from_cga_even(m)
     q = (m[10], -m[15], m[14], -m[13])
-    xp = namespace(m[0])
     pp, pq, qq = dot(p, p), dot(p, q), dot(q, q)
-    cosine, sine = (pp - qq) / (pp + qq), 2.0 * pq / (pp + qq)  # of twice the angle whose tangent is b / a
-    size = xp.sqrt(cosine * cosine + sine * sine)
-    sign = xp.where(sine < 0, -1.0, 1.0)
-    along_p = xp.where(cosine >= 0, size + cosine, sign * sine)
-    along_q = xp.where(cosine >= 0, sine, sign * (size - cosine))
-    a, b = along_p * pp + along_q * pq, along_p * pq + along_q * qq
-    factor = 1.0 / xp.sqrt(along_p * a + along_q * b)
-    r = tuple(factor * (along_p * x + along_q * y) for x, y in zip(p, q, strict=True))
+    k = pq / pp
+    a, b = pp + k * pq, pq + k * qq
+    factor = 1.0 / namespace(k).sqrt(a + k * b)
+    r = tuple(factor * (x + k * y) for x, y in zip(p, q, strict=True))
     return r, d, factor * a, factor * b
 
 

@@ -1,4 +1,4 @@
-"""The polar rotation of tensors as one operator of torch: its gradient, and what ``vmap`` and compilers need to know.
+"""The polar rotation of tensors as one operator of torch: its gradient, and what ``vmap`` and recorders need to know.
 
 R is the gradient of the nuclear norm of A, so its derivative is a symmetric map:
 one formula serves backward and forward differentiation.
@@ -23,20 +23,19 @@ def differentiable_rotation(a: Components, mirrored: bool) -> Components:
     return operator(torch.stack(tuple(a)), mirrored).unbind(0)
 
 
+def _values(a: Tensor, mirrored: bool) -> Tensor:
+    return torch.stack(tuple(rotation_values(a.reshape(9, -1).unbind(0), mirrored))).reshape(a.shape)
+
+
 @torch.library.custom_op("unisg_blender::polar_rotation", mutates_args=())
 def _rotation(a: Tensor, mirrored: bool) -> Tensor:
-    """Rotations (9, ...) of blocks (9, ...), as numbers."""
-    return torch.stack(tuple(rotation_values(a.reshape(9, -1).unbind(0), mirrored))).reshape(a.shape)
+    """Rotations (9, ...) of blocks (9, ...)."""
+    return _values(a, mirrored)
 
 
 @_rotation.register_fake
 def _(a: Tensor, mirrored: bool) -> Tensor:
     return torch.empty_like(a)
-
-
-@torch.library.register_vmap("unisg_blender::polar_rotation")
-def _(info: Any, in_dims: tuple[int, None], a: Tensor, mirrored: bool) -> tuple[Tensor, int]:
-    return _rotation(a.movedim(in_dims[0], -1), mirrored), -1
 
 
 def _save(ctx: Any, inputs: tuple[Tensor, bool], output: Tensor) -> None:
@@ -54,12 +53,15 @@ _rotation.register_autograd(_backward, setup_context=_save)
 class _Rotation(torch.autograd.Function):
     """The same operator for ``torch.func`` and forward differentiation, which ask for a class."""
 
-    generate_vmap_rule = True
-
     @staticmethod
     def forward(a: Tensor, mirrored: bool) -> Tensor:
         """Rotations (9, ...)."""
-        return _rotation(a, mirrored)
+        return _values(a, mirrored)
+
+    @staticmethod
+    def vmap(info: Any, in_dims: tuple[int, None], a: Tensor, mirrored: bool) -> tuple[Tensor, int]:
+        """One axis more changes nothing."""
+        return _Rotation.apply(a.movedim(in_dims[0], -1), mirrored), -1
 
     @staticmethod
     def setup_context(ctx: Any, inputs: tuple[Tensor, bool], output: Tensor) -> None:
