@@ -7,7 +7,7 @@ from .assembly import Columns, assemble, canonical
 from .augmentation import category_dropout, mesh_jitter, mirrored, pose_noise, quarter_turns, scale_noise
 from .builder import SceneBuilder
 from .categories import STRUCTURE
-from .component_table import Table, table
+from .component_table import Table, entry_table, table
 from .graph import TYPES, Entity, SceneGraph
 from .hierarchy import children, local_bounds, local_matrices, placed, subtree, take, world_matrices
 from .lesson_node import LessonNode
@@ -21,7 +21,7 @@ from .systems import System, run
 __all__ = [
     "STRUCTURE", "TYPES", "ActionData", "Columns", "Entity", "LessonNode", "Material", "Mesh", "Relation",
     "SceneBuilder", "SceneGraph", "System", "Table", "Thresholds", "append", "assemble", "canonical",
-    "category_dropout", "children", "compose_world", "local_bounds", "local_matrices", "mesh_from_faces",
+    "category_dropout", "children", "compose_world", "entry_table", "local_bounds", "local_matrices", "mesh_from_faces",
     "mesh_jitter", "mirrored", "placed", "pose_noise", "quarter_turns", "realize", "run", "scale_noise", "subtree",
     "table", "take", "world_matrices",
 ]  # fmt: skip

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -58,6 +58,12 @@ def table(rows: Sequence[int] | NDArray[np.integer], **columns: Sequence[Any] | 
     order = np.argsort(np.asarray(rows, np.int64), kind="stable")
     arrays = {name: _column(values)[order] for name, values in columns.items()}
     return Table(np.asarray(rows, np.int32)[order], arrays)
+
+
+def entry_table(entries: Iterable[Sequence[Any]], *columns: str) -> Table:
+    """A table from entries (row, value in each column), as :meth:`.graph.SceneGraph.entries` gives them."""
+    rows, *values = [*zip(*entries, strict=True)] or [()] * (1 + len(columns))
+    return table(rows, **dict(zip(columns, values, strict=True)))
 
 
 def joined(parts: Sequence[tuple[Table, int]]) -> Table:

@@ -14,7 +14,7 @@ from typing import Any
 from ..errors import UniSGError
 from . import recording_tables as recording
 from .action_data import ActionData, actions_from_json
-from .component_table import table
+from .component_table import Table, entry_table
 from .graph import SceneGraph
 from .lesson_node import LessonNode, lesson_from_json
 from .relation import Relation, relations_from_json
@@ -72,27 +72,22 @@ def decode_properties(values: Mapping[str, Any]) -> ObjectProperties:
     return ObjectProperties(**decoded, others=others, problems=tuple(problems))
 
 
-def property_tables(rows: Sequence[ObjectProperties]) -> dict[str, Any]:
+def property_tables(rows: Sequence[ObjectProperties]) -> dict[str, Table]:
     """The component tables that come from custom properties, from one record per row."""
-    actions = [(row, action) for row, record in enumerate(rows) for action in record.actions]
-    relations = [(row, relation) for row, record in enumerate(rows) for relation in record.relations]
-    lessons = [(row, record.lsa) for row, record in enumerate(rows) if record.lsa is not None]
-    others = [(row, record.others) for row, record in enumerate(rows) if record.others]
-    tables = dict[str, Any](recording.recording_tables([record.recording for record in rows]))
-    if actions:
-        tables["actions"] = table([row for row, _ in actions], data=[action for _, action in actions])
-    if relations:
-        tables["relations"] = table(
-            [row for row, _ in relations],
-            kind=[relation.kind for _, relation in relations],
-            target=[relation.target for _, relation in relations],
-        )
-    if lessons:
-        tables["lsa"] = table([row for row, _ in lessons], data=[lesson for _, lesson in lessons])
-    if others:
-        texts = [json.dumps(values, ensure_ascii=False, sort_keys=True) for _, values in others]
-        tables["properties"] = table([row for row, _ in others], json=texts)
-    return tables
+    each = list(enumerate(rows))
+    texts = (
+        (row, json.dumps(record.others, ensure_ascii=False, sort_keys=True)) for row, record in each if record.others
+    )
+    tables = recording.recording_tables([record.recording for record in rows]) | {
+        "actions": entry_table(((row, action) for row, record in each for action in record.actions), "data"),
+        "relations": entry_table(
+            ((row, relation.kind, relation.target) for row, record in each for relation in record.relations),
+            "kind", "target",
+        ),
+        "lsa": entry_table(((row, record.lsa) for row, record in each if record.lsa is not None), "data"),
+        "properties": entry_table(texts, "json"),
+    }  # fmt: skip
+    return {name: found for name, found in tables.items() if len(found.rows)}
 
 
 def relations_of(graph: SceneGraph, row: int) -> tuple[Relation, ...]:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ..errors import UniSGError
 from ..runtime.json_records import check_version, parse_json
-from .component_table import Table, table
+from .component_table import Table, entry_table
 from .components import EVENTS, RECORDING
 from .graph import SceneGraph
 
@@ -83,23 +83,13 @@ def recorded_of(graph: SceneGraph, row: int) -> Recorded | None:
 
 def recording_tables(rows: Sequence[Recorded | None]) -> dict[str, Table]:
     """Component tables ``recording`` and ``events`` from one record per row, those that have entries."""
-    clips = [(row, each) for row, each in enumerate(rows) if each is not None and len(each.times)]
-    happened = [(row, event) for row, each in enumerate(rows) if each is not None for event in each.events]
-    tables = {EVENTS: event_table(happened)}
-    tables[RECORDING] = table(
-        [row for row, _ in clips],
-        times=[each.times for _, each in clips],
-        matrices=[each.matrices for _, each in clips],
-    )
+    clips = ((row, each.times, each.matrices) for row, each in enumerate(rows) if each is not None and len(each.times))
+    happened = ((row, event) for row, each in enumerate(rows) if each is not None for event in each.events)
+    tables = {EVENTS: event_table(happened), RECORDING: entry_table(clips, "times", "matrices")}
     return {name: found for name, found in tables.items() if len(found.rows)}
 
 
 def event_table(happened: Iterable[tuple[int, RecordedEvent]]) -> Table:
     """The component table ``events`` from pairs of a row and an event."""
-    entries = list(happened)
-    return table(
-        [row for row, _ in entries],
-        time=np.array([event[0] for _, event in entries], np.float64),
-        event=[event[1] for _, event in entries],
-        action=[event[2] for _, event in entries],
-    )
+    found = entry_table(((row, *event) for row, event in happened), "time", "event", "action")
+    return Table(found.rows, {**found.columns, "time": found.columns["time"].astype(np.float64)})

@@ -10,7 +10,7 @@ from ..geometry.arrays import Ints
 from ..geometry.box_overlap import nearby_pairs, penetration
 from ..geometry.surface_contact import contact_heights, surface_gap, walls_around, within
 from ..scene import components
-from ..scene.component_table import table
+from ..scene.component_table import entry_table
 from ..scene.graph import SceneGraph
 from .directions import directions
 from .object_rows import Objects, find_objects
@@ -44,8 +44,7 @@ def with_relations(
     entries = graph.entries(components.RELATIONS, "kind", "target")
     entries = [entry for entry in entries if entry[1] not in kinds or not (subjects is None or entry[0] in subjects)]
     entries += [(row, kind, graph.uid[target]) for row, kind, target in found]
-    rows_of, kind, target = zip(*entries, strict=True) if entries else ((), (), ())
-    return graph.with_component(components.RELATIONS, table(list(rows_of), kind=list(kind), target=list(target)))
+    return graph.with_component(components.RELATIONS, entry_table(entries, "kind", "target"))
 
 
 def find_relations(graph: SceneGraph, tolerances: RelationTolerances = DEFAULT) -> list[Found]:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ...poses import FORMS, convert
 from ...poses.motion import PIVOT
 from ...poses.reduction import reduce_keyframes
-from ...scene.component_table import table
+from ...scene.component_table import entry_table
 from ...scene.components import RECORDING
 from ...scene.graph import SceneGraph
 
@@ -54,16 +54,13 @@ class PoseRecorder:
 
         ``millimetres`` and ``degrees`` say how far any sample may be off; 0 keeps all.
         """
-        clips = [(graph.row_of_uid[uid], clip) for uid, clip in self.poses.items() if uid in graph.row_of_uid]
-        times = [np.array([moment for moment, _ in clip]) for _, clip in clips]
-        matrices = [np.array([pose for _, pose in clip]) for _, clip in clips]
-        kept = [needed_keys(*clip, millimetres, degrees) for clip in zip(times, matrices, strict=True)]
-        found = table(
-            [row for row, _ in clips],
-            times=[each[keys] for each, keys in zip(times, kept, strict=True)],
-            matrices=[each[keys] for each, keys in zip(matrices, kept, strict=True)],
-        )
-        return graph.with_component(RECORDING, found)
+        entries = []
+        for uid, clip in self.poses.items():
+            if uid in graph.row_of_uid:
+                times, matrices = np.array([moment for moment, _ in clip]), np.array([pose for _, pose in clip])
+                kept = needed_keys(times, matrices, millimetres, degrees)
+                entries.append((graph.row_of_uid[uid], times[kept], matrices[kept]))
+        return graph.with_component(RECORDING, entry_table(entries, "times", "matrices"))
 
 
 def needed_keys(

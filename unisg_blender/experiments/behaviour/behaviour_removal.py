@@ -4,11 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-import numpy as np
-
-from ...behaviour import operations
 from ...generate.behaviour.roled_actions import read_roled_actions
-from ...scene import ActionData, LessonNode, SceneGraph, Table, table
+from ...scene import ActionData, LessonNode, SceneGraph, entry_table
 from ...scene.identity import derived_uid
 
 
@@ -23,7 +20,7 @@ def without_behaviour(graph: SceneGraph, row: int) -> tuple[SceneGraph, str]:
     roled_actions = read_roled_actions(graph)
     gone = {roled.action.uid for roled in roled_actions if row in roled.slots}
     owners = {roled.action.uid: roled.owner for roled in roled_actions}
-    rows, data = [], []
+    actions = []
     for owner, action in graph.entries("actions", "data"):
         if action.uid in gone:
             continue
@@ -33,18 +30,13 @@ def without_behaviour(graph: SceneGraph, row: int) -> tuple[SceneGraph, str]:
                 gone.add(action.uid)
                 continue
             owner = owners.get(action.members[0], owner) if owner == row else owner
-        rows.append(owner)
-        data.append(_renamed(action, old, uid))
-    bare = graph.with_component("actions", table(rows, data=data))
-    lsa = graph.components.get("lsa")
-    if lsa is not None:
-        trees = [_cut(tree, gone) for tree in operations(graph)]
-        kept = [place for place, tree in enumerate(trees) if tree.children]
-        bare = bare.with_component("lsa", table(lsa.rows[kept], data=[trees[place] for place in kept]))
-    relations = bare.components.get("relations")
-    if relations is not None:
-        targets = np.array([uid if target == old else target for target in relations.columns["target"]], object)
-        bare = bare.with_component("relations", Table(relations.rows, {**relations.columns, "target": targets}))
+        actions.append((owner, _renamed(action, old, uid)))
+    trees = [(above, _cut(tree, gone)) for above, tree in graph.entries("lsa", "data")]
+    relations = graph.entries("relations", "kind", "target")
+    bare = graph.with_component("actions", entry_table(actions, "data"))
+    bare = bare.with_component("lsa", entry_table([entry for entry in trees if entry[1].children], "data"))
+    said = [(subject, kind, uid if target == old else target) for subject, kind, target in relations]
+    bare = bare.with_component("relations", entry_table(said, "kind", "target"))
     return bare.replace(uid=(*bare.uid[:row], uid, *bare.uid[row + 1 :])), uid
 
 

@@ -7,8 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...scene import ActionData, LessonNode, SceneGraph, Thresholds, canonical, table
-from ...scene.graph import TYPE_INDEX
+from ...scene import ActionData, LessonNode, SceneBuilder, SceneGraph, Thresholds, append, entry_table
 from .action_kinds import Kind
 from .answer_rules import answers_of
 from .reference_poses import reference_pose, surroundings
@@ -56,25 +55,17 @@ def make_action(kind: Kind, graph: SceneGraph, slots: Slots, uid: str) -> Action
 def with_actions(graph: SceneGraph, made: Sequence[NewAction]) -> SceneGraph:
     """The scene with further actions, each entity's own ones first."""
     entries = [*graph.entries("actions", "data"), *((new.owner, new.action) for new in made)]
-    return graph.with_component("actions", table([row for row, _ in entries], data=[action for _, action in entries]))
+    return graph.with_component("actions", entry_table(entries, "data"))
 
 
 def with_operation(graph: SceneGraph, operation: LessonNode, uid: str) -> SceneGraph:
     """The scene with an operation in place of the one with its uid, else on a new Empty with the given ``uid``."""
-    lsa = graph.components.get("lsa")
-    if lsa is not None:
-        trees = [operation if tree.uid == operation.uid else tree for tree in lsa.columns["data"]]
-        if any(tree is operation for tree in trees):
-            return graph.with_component("lsa", table(lsa.rows, data=trees))
-    row, name = len(graph), _free(OPERATION, graph)
-    rows = [row] if lsa is None else [*lsa.rows.tolist(), row]
-    trees = [operation] if lsa is None else [*lsa.columns["data"], operation]
-    grown = graph.replace(
-        name=(*graph.name, name), uid=(*graph.uid, uid), type=np.append(graph.type, np.int8(TYPE_INDEX["EMPTY"])),
-        parent=np.append(graph.parent, np.int32(-1)), category=np.append(graph.category, np.int32(-1)),
-        local=np.concatenate([graph.local, np.eye(4)[None]]), mesh=np.append(graph.mesh, np.int32(-1)),
-    )  # fmt: skip
-    return canonical(grown.with_component("lsa", table(rows, data=trees)))
+    trees = [(row, operation if tree.uid == operation.uid else tree) for row, tree in graph.entries("lsa", "data")]
+    if any(tree is operation for _, tree in trees):
+        return graph.with_component("lsa", entry_table(trees, "data"))
+    empty = SceneBuilder()
+    empty.add(_free(OPERATION, graph), uid=uid, lsa=operation)
+    return append(graph, [empty.build()])
 
 
 def _free(name: str, graph: SceneGraph) -> str:
