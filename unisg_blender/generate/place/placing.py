@@ -88,11 +88,13 @@ class Placing:
 
     def _target(self, category: int) -> Target:
         """An object of a shape at random; of what spans a room, one that reaches across this one, if any does."""
-        fits = None
-        if self.scene.tables.spanning[category]:
-            holders = self.scene.holders(category)[0]
-            fits = lambda placeable: reaches(self.scene.observed, holders, placeable.half)  # noqa: E731
-        return Target(category, self.library.placeable(category, self.graph, self.rng, fits))
+
+        def fits(placeable: Placeable) -> bool:
+            """Does it reach across from any of its holders?"""
+            return reaches(self.scene.observed, self.scene.holders(category)[0], placeable.half)
+
+        spanning = self.scene.tables.spanning[category]
+        return Target(category, self.library.placeable(category, self.graph, self.rng, fits if spanning else None))
 
     def _holders(self, category: int) -> tuple[Bools, str]:
         """Which objects may hold a category, and what to say where none of the usual ones is there."""
