@@ -234,3 +234,14 @@ def test_failed_writing_leaves_the_old_file(tmp_path: Path) -> None:
         write_usd(bad, path)
     assert path.read_bytes() == before
     assert [item.name for item in tmp_path.iterdir()] == ["scene.usda"]
+
+
+def test_a_projective_transform_is_read_as_affine_and_told(tmp_path: Path) -> None:
+    body = """def Xform "A" {
+matrix4d xformOp:transform = ((1, 0, 0, 4), (0, 1, 0, 8), (0, 0, 1, 12), (13, 14, 15, 1))
+uniform token[] xformOpOrder = ["xformOp:transform"]
+}
+"""
+    graph, told = read_quietly(text_file(tmp_path, '(\nupAxis = "Z"\nmetersPerUnit = 1\n)\n' + body))
+    assert graph["A"].local.tolist() == [[1, 0, 0, 13], [0, 1, 0, 14], [0, 0, 1, 15], [0, 0, 0, 1]]
+    assert [text for text in told if "projective" in text] == ["/A: its transform is projective; read as affine"]

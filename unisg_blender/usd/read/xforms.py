@@ -18,6 +18,9 @@ from .prim_entities import Entities
 
 SEES_ALONG_MINUS_Z = ("CAMERA", "LIGHT")
 FLAT = 1e9
+AFFINE = np.array([0.0, 0.0, 0.0, 1.0])
+"""The last row of the matrices that a scenegraph holds."""
+
 MOVED = 1e-5
 """Relative difference of world matrices from which on an entity counts as moved by another tool."""
 
@@ -53,6 +56,9 @@ def read_transforms(found: Entities, frame: NDArray[np.float64]) -> Frames:
     for row in np.flatnonzero(~np.isfinite(local).all(axis=(1, 2))).tolist():
         warnings.warn(f"{found.prim[row].GetPath()}: its transform is no finite matrix; left out", stacklevel=2)
         local[row] = np.eye(4)
+    for row in np.flatnonzero((local[:, 3] != AFFINE).any(axis=1)).tolist():
+        warnings.warn(f"{found.prim[row].GetPath()}: its transform is projective; read as affine", stacklevel=2)
+        local[row, 3] = AFFINE
     parent = np.array(found.parent, np.int64)
     own = np.broadcast_to(frame, (count, 4, 4)).copy()
     size = np.cbrt(np.linalg.det(frame[:3, :3]))
