@@ -51,6 +51,7 @@ def test_the_rooms_of_the_benchmark_never_change(folder: Path, part: FrozenPart)
     assert scenes_digest(folder / part.folder) == part.digest
 
 
+@pytest.mark.slow
 def test_a_part_says_what_it_is(folder: Path) -> None:
     record = json.loads((folder / SMALL[0].folder / "part.json").read_text())
     assert (record["seed"], record["count"], record["is_version"]) == (100_000, 2, "1.0")

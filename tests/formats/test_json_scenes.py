@@ -49,6 +49,7 @@ def test_worlds_come_back_to_the_last_bit(world: str, seed: int) -> None:
     assert_identical(graph, through_file(graph))
 
 
+@pytest.mark.slow
 @settings(max_examples=60, deadline=None)
 @given(scenes())
 def test_hard_scenes_come_back_to_the_last_bit(graph: SceneGraph) -> None:

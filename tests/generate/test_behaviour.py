@@ -167,6 +167,7 @@ def test_what_cannot_be_performed_is_not_made_and_a_note_says_so(monkeypatch: py
     assert made.notes[uid] == ["no 'Incise the knee': it could not be performed"]
 
 
+@pytest.mark.slow
 def test_what_is_done_now_and_then_is_drawn_and_what_is_usual_always_done() -> None:
     graph = rooms()[0]
     bare, uid = without_behaviour(graph, graph.row("Laryngoscope"))
@@ -237,6 +238,7 @@ def test_right_answers_follow_rules_that_always_held() -> None:
     assert learn_answer_rule(tossed) is None
 
 
+@pytest.mark.slow
 def test_the_measures_of_a_perfect_and_of_an_idle_policy() -> None:
     cases = behaviour_cases(rooms()[:3], seed=1)
     assert all(case.gone for case in cases)

@@ -57,6 +57,7 @@ def test_the_last_word_says_what_it_is() -> None:
     assert not name_scores("Cube.001", LEXICON).any()
 
 
+@pytest.mark.slow
 @settings(max_examples=200, deadline=None)
 @given(st.text(max_size=60))
 def test_any_name_has_scores_between_0_and_1(name: str) -> None:

@@ -106,6 +106,7 @@ def rooms(seeds, shift=0.0):
     return [scene_features(room(np.random.default_rng(s), shift), VOCABULARY, np.random.default_rng(s)) for s in seeds]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("level", ["objects", "pairs", "scene"])
 def test_rooms_of_one_kind_cannot_be_told_apart_and_others_can(level):
     real = rooms(range(40))

@@ -183,6 +183,7 @@ def assert_rows_stand_alone(function: Map, rows: np.ndarray) -> None:
         np.testing.assert_array_equal(arrays[i], function(rows[i : i + 1])[0])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
 @settings(max_examples=5, deadline=None)
 @given(names=places)

@@ -11,6 +11,8 @@ import pytest
 from unisg_blender.poses import FORMS, blend, compose, convert, cubic_sclerp, exp, inverse, linear_slerp, log, sclerp
 
 torch = pytest.importorskip("torch")
+
+pytestmark = pytest.mark.slow  # torch compiles
 NAMES = sorted(FORMS)
 DTYPES = [torch.float32, torch.float64]
 

@@ -161,6 +161,7 @@ def test_meshes_are_stored_once(name):
     assert set(graph.materials) >= {slot for mesh in graph.meshes for slot in mesh.materials}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "least"), [("operating-room", 15), ("living-room", 4)])
 def test_lessons_are_sound_and_can_be_played_to_the_end(name, least):
     played = set()
