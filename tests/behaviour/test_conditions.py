@@ -298,9 +298,9 @@ def test_bodies_are_the_oriented_boxes_and_groups_have_one_too():
     bodies = bodies_at(gather(world_matrices(graph), rows), body_bounds(graph, rows))
     boxes = oriented_boxes(graph)
     solid = boxes.solid
-    assert np.allclose(bodies.center.T[solid], boxes.center[solid])
-    assert np.allclose(bodies.half.T[solid], boxes.half[solid])
-    whole = bodies.half[:, graph.row("Group")]
+    assert np.allclose(bodies.center[solid], boxes.center[solid])
+    assert np.allclose(bodies.half[solid], boxes.half[solid])
+    whole = bodies.half[graph.row("Group")]
     assert np.allclose(whole, [1.5, 0.5, 0.5])
 
 

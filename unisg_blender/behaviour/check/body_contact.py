@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -17,23 +15,6 @@ from ...scene.hierarchy import subtree, world_matrices
 
 EPSILON = 1e-9
 """Metres and radians by which a limit may be missed by rounding: at the exact threshold, the rule decides."""
-
-
-@dataclass(frozen=True, eq=False)
-class Bodies:
-    """K oriented boxes in the world, components first.
-
-    ``center`` (3, K); ``axes`` (9, K), column by column; ``half`` (3, K) half extents along them.
-    """
-
-    center: Array
-    axes: Array
-    half: Array
-
-    def boxes(self, places: NDArray[np.integer]) -> Boxes:
-        """Some of the bodies as boxes."""
-        axes = self.axes[:, places].reshape(3, 3, -1).transpose(2, 1, 0)
-        return Boxes(self.center[:, places].T, axes, self.half[:, places].T, np.ones(len(places), bool))
 
 
 def body_bounds(graph: SceneGraph, rows: NDArray[np.integer]) -> Array:
@@ -59,18 +40,16 @@ def body_bounds(graph: SceneGraph, rows: NDArray[np.integer]) -> Array:
     return np.concatenate([(low + high) / 2, (high - low) / 2])
 
 
-def bodies_at(pose: Array, bounds: Array) -> Bodies:
+def bodies_at(pose: Array, bounds: Array) -> Boxes:
     """Bodies at world poses (12, K) with boxes (6, K) in their own frames, see :func:`body_bounds`."""
-    middle, half = bounds[:3], bounds[3:]
-    axes, size, straight = rotation_and_size(pose)
-    bodies = Bodies(transform(pose, middle), axes, size * half)
+    columns, size, straight = rotation_and_size(pose)
+    axes, half = columns.reshape(3, 3, -1).transpose(2, 1, 0).copy(), (size * bounds[3:]).T.copy()
     if not straight.all():  # shear: the axes are made orthonormal, the box still contains the body
         bent = np.flatnonzero(~straight & np.isfinite(pose).all(axis=0))
         linear = pose[:, bent].reshape(3, 4, -1).transpose(2, 0, 1)[:, :, :3]
-        frame = orthonormal_axes(linear)
-        bodies.axes[:, bent] = frame.transpose(2, 1, 0).reshape(9, -1)
-        bodies.half[:, bent] = np.einsum("kij,jk->ik", np.abs(np.swapaxes(frame, 1, 2) @ linear), half[:, bent])
-    return bodies
+        axes[bent] = orthonormal_axes(linear)
+        half[bent] = np.einsum("kij,jk->ki", np.abs(np.swapaxes(axes[bent], 1, 2) @ linear), bounds[3:, bent])
+    return Boxes(transform(pose, bounds[:3]).T, axes, half, np.ones(len(half), bool))
 
 
 def touching(
@@ -83,22 +62,18 @@ def touching(
     near, apart = plainly_near(first, first_bounds, second, second_bounds, distance)
     doubt = np.flatnonzero(~(near | apart))
     if len(doubt):
-        bodies = (
-            bodies_at(first.take(doubt, 1), first_bounds.take(doubt, 1)),
-            bodies_at(second.take(doubt, 1), second_bounds.take(doubt, 1)),
-        )
-        near[doubt] = _touching_exactly(*bodies, distance[doubt] + EPSILON)
+        one = bodies_at(first.take(doubt, 1), first_bounds.take(doubt, 1))
+        other = bodies_at(second.take(doubt, 1), second_bounds.take(doubt, 1))
+        near[doubt] = _touching_exactly(one, other, distance[doubt] + EPSILON)
     return near
 
 
-def _touching_exactly(first: Bodies, second: Bodies, distance: Array) -> NDArray[np.bool_]:
+def _touching_exactly(first: Boxes, second: Boxes, distance: Array) -> NDArray[np.bool_]:
     """Overlap by separating axes, and the exact distance of what is apart."""
     from ...geometry.box_overlap import penetration  # loads scipy, which panels can do without
 
-    everything = np.arange(len(distance))
-    boxes, others = first.boxes(everything), second.boxes(everything)
-    depth = penetration(boxes, others)
+    depth = penetration(first, second)
     result: NDArray[np.bool_] = depth >= -EPSILON
     rows = np.flatnonzero(~result & (depth >= -distance))  # at corners the distance may be more than -depth
-    result[rows] = separation(boxes.take(rows), others.take(rows)) <= distance[rows]
+    result[rows] = separation(first.take(rows), second.take(rows)) <= distance[rows]
     return result

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from ...scene.graph import SceneGraph
 from ...scene.lesson_node import LessonNode
 from .action_places import all_actions, operations
+from .lesson_tree import Outline, outline
 
 Relation = tuple[str, str, str]
 
@@ -63,8 +64,7 @@ def behaviour_links(graph: SceneGraph) -> BehaviourLinks:
     number = _numbers(graph)
     rows: dict[str, list[tuple[LessonNode, list[float]]]] = {"lesson": [], "stage": []}
     for operation in operations(graph):
-        for child in operation.children:
-            _collect(child, None, 0, operation.children.index(child), number, rows, pairs)
+        _collect(outline(operation), number, rows, pairs)
         pairs["action", "precedes", "action"] += sorted(set(_precedes(operation, number)))
     features = {
         kind: np.array([numbers for _, numbers in found]).reshape(-1, len(NODE_CHANNELS))
@@ -95,25 +95,25 @@ def _action_edges(graph: SceneGraph, pairs: dict[Relation, list[tuple[int, int]]
 
 
 def _collect(
-    node: LessonNode,
-    above: tuple[str, int] | None,
-    depth: int,
-    order: int,
+    plan: Outline,
     number: dict[str, int],
     rows: dict[str, list[tuple[LessonNode, list[float]]]],
     pairs: dict[Relation, list[tuple[int, int]]],
 ) -> None:
-    if node.kind == "action":
-        if above is not None and node.action in number:
-            pairs["stage", "contains", "action"].append((above[1], number[node.action]))
-        return
-    here = len(rows[node.kind])
-    numbers = [depth, order, len(node.children), len(node.requires), node.optional, node.ordered]
-    rows[node.kind].append((node, [float(value) for value in numbers]))
-    if above is not None:
-        pairs["lesson", "contains", node.kind].append((above[1], here))
-    for place, child in enumerate(node.children):
-        _collect(child, (node.kind, here), depth + 1, place, number, rows, pairs)
+    """Add the lessons and stages of an operation, and what they contain."""
+    row_of: dict[int, int] = {}
+    for place, node in enumerate(plan.nodes):
+        above = plan.parent[place]
+        if node.kind == "action":
+            if above in row_of and node.action in number:
+                pairs["stage", "contains", "action"].append((row_of[above], number[node.action]))
+        elif above >= 0:
+            row_of[place], order = len(rows[node.kind]), plan.children[above].index(place)
+            depth = len(plan.above(place)) - 1
+            numbers = [depth, order, len(node.children), len(node.requires), node.optional, node.ordered]
+            rows[node.kind].append((node, [float(value) for value in numbers]))
+            if above in row_of:
+                pairs["lesson", "contains", node.kind].append((row_of[above], row_of[place]))
 
 
 def _precedes(operation: LessonNode, number: dict[str, int]) -> Iterator[tuple[int, int]]:

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...scene import components
-from ...scene.hierarchy import without_world, world_matrices
+from ...scene.hierarchy import placed, world_matrices
 from ..check.snapshot import moment
 from ..playing.player import Lesson, PlayState, begin, play
 from ..record.motion_tracks import PARENT, Input, Motion, Track
@@ -85,8 +85,6 @@ class Hand:
 
     def _take_in_hand(self, row: int) -> None:
         """What a constraint held in place follows the hand from now on, starting where it is."""
-        held = self._stage.components.get(components.WORLD)
-        if held is not None and row in held.rows:
-            world, above = self.world, self.lesson.graph.parent[row]
-            self._local[row] = np.linalg.solve(world[above], world[row]) if above >= 0 else world[row]
-            self._stage = without_world(self._stage, [row])
+        if self._stage.entries(components.WORLD, row=row):
+            self._stage = placed(self._stage.replace(local=self._local), [row], self.world[[row]])
+            self._local = self._stage.local.copy()
