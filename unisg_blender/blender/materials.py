@@ -61,8 +61,7 @@ def write_material(material: Material) -> bpy.types.Material:
         return found
     made = bpy.data.materials.new(material.name)
     if made.node_tree is None:
-        if made.node_tree is None:  # Blender 5 makes it by itself, and warns who asks
-            made.use_nodes = True
+        made.use_nodes = True
     made.diffuse_color = material.base_color
     made.metallic, made.roughness = material.metallic, material.roughness
     shader = _principled(made)
