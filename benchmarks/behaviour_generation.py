@@ -18,7 +18,7 @@ import numpy as np
 
 from unisg_blender.behaviour import check_scene, operations
 from unisg_blender.dataset.format.reader import open_dataset
-from unisg_blender.dataset.shaped_scenes import scenes_with_shapes
+from unisg_blender.dataset.scenes_with_shapes import scenes_with_shapes
 from unisg_blender.experiments.behaviour.behaviour_benchmark import compare_behaviour, plays_to_the_end
 from unisg_blender.generate import Generator
 from unisg_blender.scene import SceneBuilder

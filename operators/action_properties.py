@@ -35,7 +35,7 @@ _items: list[tuple[str, str, str]] = []
 
 def type_items(self: object, context: bpy.types.Context | None) -> list[tuple[str, str, str]]:
     """The types that an action can have, those of the user's own too."""
-    from ..unisg_blender.behaviour.check.custom_types import OWN_CONDITIONS
+    from ..unisg_blender.behaviour.fulfilment.custom_types import OWN_CONDITIONS
 
     _items[:] = [*TYPE_ITEMS, *((name, name, "A type of your own") for name in OWN_CONDITIONS)]
     return _items  # Blender needs the strings kept alive
@@ -182,7 +182,7 @@ class UNISG_OT_load_types(FileOperator):
     filter_glob: bpy.props.StringProperty(default="*.py", options={"HIDDEN"})
 
     def run(self, context: bpy.types.Context) -> None:
-        from ..unisg_blender.behaviour.check.custom_types import load_types
+        from ..unisg_blender.behaviour.fulfilment.custom_types import load_types
 
         self.report({"INFO"}, f"Action types: {', '.join(load_types(bpy.path.abspath(self.filepath)))}")
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import bpy
 
 from ..unisg_blender.errors import UniSGError
-from ..unisg_blender.runtime.file_kinds import JSON, USD, is_of
+from ..unisg_blender.runtime.file_endings import JSON, USD, is_of
 from .base import FileOperator
 
 ENDINGS = (*USD, *JSON)

@@ -25,7 +25,7 @@ class UNISG_OT_settle(Operator):
         import mathutils
 
         from ..unisg_blender.blender import objects_by_uid, read_scene
-        from ..unisg_blender.generate.place.settle_scene import settle_rows
+        from ..unisg_blender.generate.place.settle_existing import settle_rows
 
         graph = read_scene(context.scene, details=False)
         items = objects_by_uid(context.scene)

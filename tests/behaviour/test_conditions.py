@@ -10,8 +10,8 @@ from scipy.optimize import lsq_linear
 from scipy.spatial.transform import Rotation
 
 from unisg_blender.behaviour import compile_actions, holds, moment, start, step
-from unisg_blender.behaviour.check.body_contact import EPSILON, _touching_exactly, bodies_at, body_bounds, touching
-from unisg_blender.behaviour.check.deviation import away_by, placed
+from unisg_blender.behaviour.fulfilment.body_contact import EPSILON, _touching_exactly, bodies_at, body_bounds, touching
+from unisg_blender.behaviour.fulfilment.deviation import away_by, placed
 from unisg_blender.geometry.affine_rows import gather, rotation_and_size, turn_between
 from unisg_blender.geometry.box_distance import separation
 from unisg_blender.geometry.box_overlap import penetration

@@ -13,7 +13,7 @@ from unisg_blender.dataset.assets import asset_collector as collect
 from unisg_blender.dataset.assets.asset import Asset, object_graph, shell_of
 from unisg_blender.dataset.assets.asset_collector import AssetCollector
 from unisg_blender.dataset.assets.asset_file import AssetFile, Assets, assets_bytes, pack_assets
-from unisg_blender.dataset.shaped_scenes import scenes_with_shapes
+from unisg_blender.dataset.scenes_with_shapes import scenes_with_shapes
 from unisg_blender.errors import UniSGError
 from unisg_blender.scene import Material, Mesh, SceneBuilder, SceneGraph, mesh_from_faces
 from unisg_blender.spatial.object_rows import object_rows

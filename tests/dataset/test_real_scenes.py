@@ -16,7 +16,7 @@ from numpy.testing import assert_allclose
 from unisg_blender.dataset import open_dataset, to_scenegraph
 from unisg_blender.dataset.export.batch_export import ExportOptions, export_dataset
 from unisg_blender.dataset.export.sources import find_sources
-from unisg_blender.runtime.file_kinds import USD, is_of
+from unisg_blender.runtime.file_endings import USD, is_of
 from unisg_blender.scene import world_matrices
 
 pytestmark = [pytest.mark.slow, pytest.mark.skipif(find_spec("bpy") is None, reason="needs Blender")]

@@ -30,7 +30,7 @@ def shared_model(kind: str) -> Path:
     import torch
 
     from unisg_blender.learn import jobs
-    from unisg_blender.learn.settings import Settings
+    from unisg_blender.learn.hyperparameters import Settings
 
     torch.set_num_threads(1)  # two test runs at a time share the cores
     out = Path(_FOLDER.name) / f"{kind}.onnx"

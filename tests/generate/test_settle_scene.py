@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from tests.generate.rooms import at, box
-from unisg_blender.generate.place.settle_scene import settle_rows
+from unisg_blender.generate.place.settle_existing import settle_rows
 from unisg_blender.scene import SceneBuilder, SceneGraph
 
 

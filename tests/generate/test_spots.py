@@ -21,8 +21,8 @@ from unisg_blender.generate.observe.support_candidates import (
 )
 from unisg_blender.generate.observe.support_priors import AT_SIDE, RESTS, CategoryPriors, SupportPrior, learn_priors
 from unisg_blender.generate.place.free_space import FreeSpace
-from unisg_blender.generate.place.planning import row_order
-from unisg_blender.generate.place.settling import Support, nearest_support, rest
+from unisg_blender.generate.place.settle_geometry import Support, nearest_support, rest
+from unisg_blender.generate.place.support_planner import row_order
 from unisg_blender.generate.propose.mixture import behind_walls
 from unisg_blender.geometry.boxes import Boxes
 from unisg_blender.scene import SceneBuilder, world_matrices

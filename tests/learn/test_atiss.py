@@ -10,7 +10,7 @@ torch = pytest.importorskip("torch")
 
 from tests.generate.models import shared_dataset  # noqa: E402
 from unisg_blender.dataset import open_dataset  # noqa: E402
-from unisg_blender.dataset.shaped_scenes import scenes_with_shapes  # noqa: E402
+from unisg_blender.dataset.scenes_with_shapes import scenes_with_shapes  # noqa: E402
 from unisg_blender.experiments.rooms.atiss_proposer import AtissProposer, load_generator  # noqa: E402
 from unisg_blender.experiments.rooms.cases import case_of  # noqa: E402
 from unisg_blender.experiments.rooms.furnishing import ByModel  # noqa: E402
@@ -20,8 +20,8 @@ from unisg_blender.generate.observe.support_priors import CategoryPriors  # noqa
 from unisg_blender.learn import jobs  # noqa: E402
 from unisg_blender.learn.atiss.network import Atiss, AtissSizes  # noqa: E402
 from unisg_blender.learn.atiss.training import example_inputs, write_atiss  # noqa: E402
+from unisg_blender.learn.hyperparameters import Settings  # noqa: E402
 from unisg_blender.learn.losses.mixtures import logistics_nll  # noqa: E402
-from unisg_blender.learn.settings import Settings  # noqa: E402
 
 pytestmark = pytest.mark.slow
 

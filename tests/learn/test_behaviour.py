@@ -22,7 +22,7 @@ from unisg_blender.generate.behaviour.observation import BehaviourObservation, o
 from unisg_blender.learn.behaviour.examples import BehaviourExamples, collate  # noqa: E402
 from unisg_blender.learn.behaviour.network import BehaviourNet  # noqa: E402
 from unisg_blender.learn.behaviour.training import make_network, train_beside, write_behaviour  # noqa: E402
-from unisg_blender.learn.settings import Settings  # noqa: E402
+from unisg_blender.learn.hyperparameters import Settings  # noqa: E402
 from unisg_blender.worlds import living_room  # noqa: E402
 
 pytestmark = pytest.mark.slow

@@ -24,10 +24,10 @@ from unisg_blender.learn.atlasnet.network import AtlasNet  # noqa: E402
 from unisg_blender.learn.behaviour.training import example_inputs as behaviour_inputs  # noqa: E402
 from unisg_blender.learn.behaviour.training import make_network  # noqa: E402
 from unisg_blender.learn.cgvae.sampled_pairs import sample_pairs  # noqa: E402
-from unisg_blender.learn.classifier.training import example_inputs as classifier_inputs  # noqa: E402
 from unisg_blender.learn.ensemble import StackedMlp, train_stacked  # noqa: E402
+from unisg_blender.learn.hyperparameters import Settings, accelerator_device  # noqa: E402
 from unisg_blender.learn.losses.chamfer import chamfer  # noqa: E402
-from unisg_blender.learn.settings import Settings, accelerator_device  # noqa: E402
+from unisg_blender.learn.scene_classifier.training import example_inputs as classifier_inputs  # noqa: E402
 from unisg_blender.learn.training_job import Prepared  # noqa: E402
 from unisg_blender.worlds import cubes, living_room  # noqa: E402
 

@@ -7,9 +7,9 @@ import pytest
 torch = pytest.importorskip("torch")
 pytest.importorskip("torch_geometric")
 
-from unisg_blender.learn.classifier.network import SceneClassifier  # noqa: E402
 from unisg_blender.learn.hetero_sage import HeteroSage, edge_kinds  # noqa: E402
 from unisg_blender.learn.paper.gae import GraphAutoencoder, edge_logits, edge_loss, random_pairs  # noqa: E402
+from unisg_blender.learn.scene_classifier.network import SceneClassifier  # noqa: E402
 
 WIDTHS = {"entity": 1, "info": 4, "trs": 7, "mesh": 12, "action": 5}
 

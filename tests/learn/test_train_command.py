@@ -22,7 +22,7 @@ from unisg_blender.learn import jobs  # noqa: E402
 from unisg_blender.learn.anchors import training as train_anchors  # noqa: E402
 from unisg_blender.learn.behaviour import training as train_behaviour  # noqa: E402
 from unisg_blender.learn.cgvae import training as train_cgvae  # noqa: E402
-from unisg_blender.learn.settings import Settings  # noqa: E402
+from unisg_blender.learn.hyperparameters import Settings  # noqa: E402
 from unisg_blender.scene import SceneBuilder  # noqa: E402
 
 pytestmark = pytest.mark.slow

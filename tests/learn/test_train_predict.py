@@ -21,8 +21,8 @@ from torch_geometric.data import Batch  # noqa: E402
 from unisg_blender.cli import main  # noqa: E402
 from unisg_blender.dataset import open_dataset, write_dataset  # noqa: E402
 from unisg_blender.learn import jobs  # noqa: E402
-from unisg_blender.learn.classifier import training as train_classifier  # noqa: E402
-from unisg_blender.learn.settings import Settings  # noqa: E402
+from unisg_blender.learn.hyperparameters import Settings  # noqa: E402
+from unisg_blender.learn.scene_classifier import training as train_classifier  # noqa: E402
 from unisg_blender.learn.topology import training as train_topology  # noqa: E402
 from unisg_blender.predict.object_pairs import PAIR_CHANNELS  # noqa: E402
 from unisg_blender.predict.prediction_session import VERSION, load_network  # noqa: E402

@@ -10,8 +10,8 @@ torch = pytest.importorskip("torch")
 from unisg_blender.learn.atlasnet.network import AtlasNet, PointNetEncoder  # noqa: E402
 from unisg_blender.learn.atlasnet.patch_decoder import PatchDecoder, draw_template  # noqa: E402
 from unisg_blender.learn.atlasnet.training import MeshTraining, augment, random_rotation, train  # noqa: E402
-from unisg_blender.learn.categories.training import standing_together, temperature  # noqa: E402
 from unisg_blender.learn.losses.chamfer import chamfer  # noqa: E402
+from unisg_blender.learn.object_categories.training import standing_together, temperature  # noqa: E402
 from unisg_blender.meshes.shape_files import ShapeFile  # noqa: E402
 from unisg_blender.metrics.point_clouds import chamfer_l2, f_score  # noqa: E402
 from unisg_blender.predict.category_model import nearest_of_class  # noqa: E402

@@ -98,6 +98,6 @@ def test_an_unknown_world_is_misuse(capsys):
 
 
 def test_scenes_made_in_another_process_are_the_same():
-    from unisg_blender.worlds.many import make_scenes
+    from unisg_blender.worlds.world_batches import make_scenes
 
     assert digest(make_scenes("cubes", [4])[0]) == digest(make_scenes("cubes", [3, 4])[1])

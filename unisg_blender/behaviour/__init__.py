@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from .check.action_batch import Batch
-from .check.action_state import ActionState, Checks, compile_actions, holds, start, step
-from .check.conditions import CONDITIONS, Condition
-from .check.custom_types import add_type, load_types, remove_type
-from .check.snapshot import Moment, moment
+from .fulfilment.action_batch import Batch
+from .fulfilment.action_state import ActionState, Checks, compile_actions, holds, start, step
+from .fulfilment.conditions import CONDITIONS, Condition
+from .fulfilment.custom_types import add_type, load_types, remove_type
+from .fulfilment.snapshot import Moment, moment
 from .lesson.action_places import ActionPlace, action_places, all_actions, operations
 from .lesson.action_vector import CHANNELS, WIDTH, ActionVectors, action_vector, decode_action, encode_action
 from .lesson.behaviour_links import BehaviourLinks, behaviour_links
 from .playing.explanation import explain
+from .playing.lesson_validation import Problem, check_lesson, check_scene
 from .playing.player import Event, Lesson, PlayState, begin, play, prepare
-from .playing.soundness import Problem, check_lesson, check_scene
 from .playing.timeline import Timeline, simulate, timeline_record
 from .record.motion_script import motion_from_json, motion_to_json
 from .record.motion_tracks import Input, Motion, Track, moments

@@ -7,7 +7,7 @@ Importing it where Blender is missing raises a
 from __future__ import annotations
 
 from ..errors import MissingPackageError
-from .quiet import captured_output
+from .suppress_output import captured_output
 
 try:
     with captured_output():  # the bpy package says on stdout what it found while it starts

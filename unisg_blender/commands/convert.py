@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 
 from ..errors import DONE, UniSGError
-from ..runtime.file_kinds import BLENDER, READABLE, WRITABLE, is_of
+from ..runtime.file_endings import BLENDER, READABLE, WRITABLE, is_of
 from .common import add_scene, add_scene_options, print_report, read_shown, shown, tell_lost
 
 HELP = f"Turn a scene file ({', '.join(READABLE)}) into {', '.join(WRITABLE)}, through the scenegraph."

@@ -16,7 +16,7 @@ from .common import check_at_least
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from ..experiments.rooms.generation_table import Progress, TablePlan
+    from ..experiments.rooms.generation_benchmark import Progress, TablePlan
 
 HELP = "Furnish the rooms of a dataset anew with a model, measure the result, and print baselines beside it."
 QUICK_SCENES, QUICK_TREES = 12, 50
@@ -47,8 +47,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Measure and print the table."""
     from ..experiments.reports import machine
+    from ..experiments.rooms.generation_benchmark import compare
     from ..experiments.rooms.generation_report import table, write_report
-    from ..experiments.rooms.generation_table import compare
     from ..runtime.process_pool import processes
 
     plan = _plan(args)
@@ -71,8 +71,8 @@ def run(args: argparse.Namespace) -> int:
 def _plan(args: argparse.Namespace) -> TablePlan:
     from ..dataset.format.reader import open_dataset
     from ..experiments.rooms.atiss_proposer import load_generator
-    from ..experiments.rooms.generation_table import TablePlan
-    from ..experiments.rooms.table_rows import Data
+    from ..experiments.rooms.benchmark_rows import Data
+    from ..experiments.rooms.generation_benchmark import TablePlan
     from ..metrics.two_sample_test import TREES
 
     check_at_least(args, 1, "scenes", "seeds", "jobs")

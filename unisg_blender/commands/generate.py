@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..errors import DONE, SOME_FAILED, UniSGError
 from ..formats.scene_files import check_kinds, load_blender, write_scene_file
-from ..runtime.file_kinds import BLENDER, WRITABLE, is_of
+from ..runtime.file_endings import BLENDER, WRITABLE, is_of
 from .common import check_folder_of, print_report, read_shown
 
 if TYPE_CHECKING:

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..errors import DONE, UniSGError
-from ..runtime.file_kinds import BLENDER, is_of
+from ..runtime.file_endings import BLENDER, is_of
 from .common import add_scene, check_folder_of, print_report, read_shown
 
 if TYPE_CHECKING:

@@ -15,7 +15,7 @@ from tqdm import tqdm
 
 from ..errors import DONE, MISUSE, UniSGError
 from ..runtime.atomic_files import filling
-from ..runtime.file_kinds import BLENDER, is_of
+from ..runtime.file_endings import BLENDER, is_of
 from .common import add_scene, print_report, read_shown
 
 if TYPE_CHECKING:
@@ -64,7 +64,7 @@ def run(args: argparse.Namespace) -> int:
         print("unisg simulate: --rate must be above 0 and at most 1000 frames per second", file=sys.stderr)
         return MISUSE
     from ..behaviour import prepare, simulate, timeline_record
-    from ..behaviour.check.custom_types import load_types
+    from ..behaviour.fulfilment.custom_types import load_types
     from ..formats.scene_files import write_scene_file
 
     for path in args.types:

@@ -11,8 +11,8 @@ from typing import Any
 
 from ..errors import DONE, UniSGError
 from ..learn import jobs
+from ..learn.hyperparameters import ACCELERATORS, Settings
 from ..learn.jobs import JOBS
-from ..learn.settings import ACCELERATORS, Settings
 from . import train_meshes
 
 HELP = "Train a model on a dataset and write it as an ONNX file that runs without torch."

@@ -75,7 +75,7 @@ def _train_networks(args: argparse.Namespace, models: list[ShapeFile], provenanc
 
 
 def _fit_labels(args: argparse.Namespace, models: list[ShapeFile], provenance: dict[str, Any]) -> dict[str, Any]:
-    from ..learn.categories.training import fit_labels
+    from ..learn.object_categories.training import fit_labels
     from ..meshes.atlasnet_sessions import ENCODER_FILE
     from ..meshes.shape_feature import AtlasNetEncoder
     from ..predict.category_model import LABELS_FILE

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from ..errors import DONE, UniSGError
 from ..formats.scene_files import write_scene_file
 from ..runtime.process_pool import processes
-from ..worlds.many import make_many
+from ..worlds.world_batches import make_many
 from .common import add_form, check_at_least, print_report
 
 if TYPE_CHECKING:

@@ -12,7 +12,7 @@ import re
 from pathlib import Path
 from urllib.parse import unquote
 
-from ..runtime.file_kinds import USD, is_of
+from ..runtime.file_endings import USD, is_of
 
 MTLLIB = re.compile(rb"^mtllib[ \t]+([^\r\n]+)", re.MULTILINE)
 

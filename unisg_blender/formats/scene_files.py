@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import UniSGError
-from ..runtime.file_kinds import BLENDER, JSON, READABLE, USD, WRITABLE, is_of
+from ..runtime.file_endings import BLENDER, JSON, READABLE, USD, WRITABLE, is_of
 from ..scene.graph import SceneGraph
 from .json_scenes import read_json, write_json
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from .generator import Generated, Generator
-from .place.placement import Placement
-from .place.settle_scene import Settled, settle, settle_rows
+from .place.placement_record import Placement
+from .place.settle_existing import Settled, settle, settle_rows
 
 __all__ = ["Generated", "Generator", "Placement", "Settled", "settle", "settle_rows"]

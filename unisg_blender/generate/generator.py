@@ -20,8 +20,8 @@ from ..scene.categories import FLOOR, STRUCTURE
 from .behaviour import ActionPolicy, Behaviour, add_behaviour, behaviour_path, load_behaviour
 from .observe.contract import Contract
 from .observe.placement_order import in_order
-from .place.placement import Placement
-from .place.placing import Placing
+from .place.placement_record import Placement
+from .place.placer import ObjectPlacer
 from .place.room_shell import add_shell
 from .place.scene_extension import Names, extend, uid_maker
 from .place.shape_library import Library
@@ -140,7 +140,7 @@ class Generator:
             yield from placements
         shapes = {self.categories.index(name): given for name, given in (assets or {}).items() if name in counts}
         numbers = [self.categories.index(name) for name in wanted]
-        work = Placing(self.proposer, self.library, scene, rng, settle, numbers, shapes)
+        work = ObjectPlacer(self.proposer, self.library, scene, rng, settle, numbers, shapes)
         work.request(on, beside)
         for planned in work.order(bulk):
             placements.append(work.place(planned, names, make_uid))

@@ -2,7 +2,7 @@
 
 The trace of a relative rotation by the angle a is 1 + 2 cos a. For matrices whose
 columns are nearly at right angles it follows from a few products; where it leaves no
-doubt, nothing else is needed. :mod:`..behaviour.check.deviation` computes the angle itself.
+doubt, nothing else is needed. :mod:`..behaviour.fulfilment.deviation` computes the angle itself.
 """
 
 from __future__ import annotations

@@ -3,7 +3,7 @@
 From a point of one box to the nearest point of the other, and back from there: if the
 two are near enough, the boxes are; if all of the first box lies too far beyond, seen
 along the line between them, they are not. What is left open, and what is too close to call, is
-for the exact test in :mod:`..behaviour.check.body_contact`.
+for the exact test in :mod:`..behaviour.fulfilment.body_contact`.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ def plainly_near(
 ) -> tuple[Bools, Bools]:
     """Where bodies plainly come within ``distance`` of each other, and where they plainly do not; both bool (K,).
 
-    Poses (12, K) and boxes (6, K) are those of :func:`..behaviour.check.body_contact.touching`.
+    Poses (12, K) and boxes (6, K) are those of :func:`..behaviour.fulfilment.body_contact.touching`.
     """
     center, radius = sphere(first, first_bounds)
     other_center, other_radius = sphere(second, second_bounds)

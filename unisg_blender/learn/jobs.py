@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..errors import MissingPackageError
-from .settings import Settings
+from .hyperparameters import Settings
 
 if TYPE_CHECKING:
     from ..dataset.format.reader import Dataset
@@ -42,7 +42,7 @@ JOBS = {
     ),
     "topology": Job("which thing stands on which, from datasets with relations", model="topology", several=True),
     "classifier": Job(
-        "what kind of scene it is, from datasets with labels, or one dataset per kind", model="classifier", several=True
+        "what kind of scene it is, from datasets with labels, or one dataset per kind", model="scene_classifier", several=True
     ),
     "meshes": Job("the mesh feature (AtlasNet) and the model of categories, from folders of mesh files", "atlasnet"),
 }  # fmt: skip

@@ -15,7 +15,7 @@ from .. import __version__
 from ..dataset.assets.asset_file import save_assets
 from ..dataset.format.reader import Dataset
 from ..generate.propose.trained_model import assets_path
-from .settings import Settings
+from .hyperparameters import Settings
 from .training_scenes import FEW_SCENES, dataset_checksum
 
 

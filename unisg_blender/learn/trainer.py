@@ -19,7 +19,7 @@ from torch.utils.data import DataLoader
 from torch.utils.data.distributed import DistributedSampler
 
 from ..errors import UniSGError
-from .settings import Settings, accelerator_device
+from .hyperparameters import Settings, accelerator_device
 
 Terms = Callable[[nn.Module, Any], Mapping[str, Tensor]]
 """Loss terms of a batch by name; "loss" is what is minimised."""

@@ -11,8 +11,8 @@ from torch import Tensor, nn
 from torch.utils.data import DataLoader
 
 from ..dataset.format.reader import Dataset
+from .hyperparameters import Settings
 from .provenance import provenance
-from .settings import Settings
 from .trainer import Schedule, fit
 
 

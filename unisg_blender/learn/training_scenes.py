@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from tqdm import tqdm
 
 from ..dataset.format.reader import Dataset
-from ..dataset.shaped_scenes import scenes_with_shapes
+from ..dataset.scenes_with_shapes import scenes_with_shapes
 from ..errors import UniSGError
 from ..generate.observe.observed_scene import relative
 from ..generate.observe.support_priors import CategoryPriors, learn_priors

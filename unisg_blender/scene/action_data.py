@@ -43,7 +43,7 @@ class ActionData:
     uid
         Unique identifier, by which the lesson refers to the action.
     type
-        One of :data:`TYPES`, or a user's own; :mod:`~..behaviour.check.conditions` says what each asks for.
+        One of :data:`TYPES`, or a user's own; :mod:`~..behaviour.fulfilment.conditions` says what each asks for.
     name
         What a learner reads.
     targets, tools

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 
 from ..errors import UniSGError
 from ..runtime.atomic_files import replacing
-from ..runtime.file_kinds import USD, is_of
+from ..runtime.file_endings import USD, is_of
+from .entity_progress import Progress, ticks
 from .pxr_library import require_pxr
-from .ticks import Progress, ticks
 
 if TYPE_CHECKING:
     from ..scene.graph import SceneGraph

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from ..scene.action_data import ActionData
 from ..scene.lesson_node import LessonNode
+from .behaviour_script import Script, Thing, choices, turned
 from .layout import Layout
-from .script import Script, Thing, choices, turned
 
 
 def home_lesson(layout: Layout) -> tuple[dict[str, list[ActionData]], LessonNode | None]:

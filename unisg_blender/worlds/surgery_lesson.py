@@ -6,8 +6,8 @@ import numpy as np
 
 from ..scene.action_data import ActionData
 from ..scene.lesson_node import LessonNode
+from .behaviour_script import Script, Thing, choices, turned
 from .layout import Layout
-from .script import Script, Thing, choices, turned
 
 
 class Cast:

@@ -8,10 +8,10 @@ import numpy as np
 
 from ...scene.action_data import ActionData
 from ...scene.graph import SceneGraph
-from ..check.action_batch import make_batch
-from ..check.conditions import CONDITIONS, in_contact
-from ..check.deviation import away_by
-from ..check.snapshot import Moment
+from ..fulfilment.action_batch import make_batch
+from ..fulfilment.conditions import CONDITIONS, in_contact
+from ..fulfilment.deviation import away_by
+from ..fulfilment.snapshot import Moment
 
 
 def explain(graph: SceneGraph, action: ActionData, moment: Moment) -> str:

@@ -18,14 +18,14 @@ from ...errors import UniSGError
 from ...scene.action_data import ActionData
 from ...scene.graph import SceneGraph
 from ...scene.lesson_node import LessonNode
-from ..check.action_state import ActionState, Checks, compile_actions, start, step
-from ..check.conditions import Condition
-from ..check.snapshot import Moment
+from ..fulfilment.action_state import ActionState, Checks, compile_actions, start, step
+from ..fulfilment.conditions import Condition
+from ..fulfilment.snapshot import Moment
 from ..lesson.action_places import all_actions, operations
 from ..lesson.lesson_progress import DONE, OPEN, SKIPPED, WAITING, Change, advance, blockers, first_status
 from ..lesson.lesson_tree import Outline, outline
 from .explanation import explain
-from .soundness import check_lesson
+from .lesson_validation import check_lesson
 
 KINDS = {OPEN: "opened", DONE: "done", SKIPPED: "skipped"}
 

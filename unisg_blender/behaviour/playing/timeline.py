@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from ..check.snapshot import Moment
+from ..fulfilment.snapshot import Moment
 from ..lesson.lesson_progress import STATUSES
 from .player import Event, Lesson, PlayState, begin, play
 

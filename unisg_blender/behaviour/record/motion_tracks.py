@@ -13,7 +13,7 @@ from ...poses import FORMS
 from ...poses.reduction import rebuild
 from ...scene.graph import SceneGraph
 from ...scene.hierarchy import without_world, world_matrices
-from ..check.snapshot import Moment, moment
+from ..fulfilment.snapshot import Moment, moment
 
 PARENT = "parent"
 WORLD = ""

@@ -9,7 +9,7 @@ from typing import TypeVar
 from ...scene.components import ANIMATION, EVENTS, RECORDING
 from ...scene.graph import SceneGraph
 from ...scene.recording_tables import RecordedEvent, event_table
-from ..check.snapshot import Moment
+from ..fulfilment.snapshot import Moment
 from ..playing.player import Event, Lesson
 from .motion_tracks import Input, Motion, Track
 

@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 
 from ...geometry.affine_rows import compose, gather, rotation_and_size
 from ...geometry.planar import rotation
-from ..check.action_batch import Batch
-from ..check.body_contact import body_bounds, touching
+from ..fulfilment.action_batch import Batch
+from ..fulfilment.body_contact import body_bounds, touching
 from ..playing.player import Lesson
 
 _ROUNDS, _HEIGHTS = 4, 40

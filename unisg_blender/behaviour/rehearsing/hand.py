@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from ...scene import components
 from ...scene.hierarchy import placed, world_matrices
-from ..check.snapshot import moment
+from ..fulfilment.snapshot import moment
 from ..playing.player import Lesson, PlayState, begin, play
 from ..record.motion_tracks import PARENT, Input, Motion, Track
 

@@ -10,10 +10,10 @@ from collections.abc import Callable
 import numpy as np
 
 from ...errors import UniSGError
-from ..check.action_batch import Batch, make_batch
-from ..check.custom_types import OWN_GESTURES
-from ..check.deviation import away_by
-from ..check.snapshot import moment
+from ..fulfilment.action_batch import Batch, make_batch
+from ..fulfilment.custom_types import OWN_GESTURES
+from ..fulfilment.deviation import away_by
+from ..fulfilment.snapshot import moment
 from ..lesson.lesson_progress import OPEN
 from ..playing.player import Lesson
 from ..record.motion_tracks import Motion

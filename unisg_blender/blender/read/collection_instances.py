@@ -14,7 +14,7 @@ from ...scene.graph import TYPE_INDEX, SceneGraph
 from ...scene.identity import derived_uid
 from ...scene.mesh import Mesh
 from ..unsupported.read_report import ReadReport
-from .mesh_shelf import MeshShelf
+from .mesh_cache import MeshShelf
 
 Entry = tuple[int, SceneGraph, NDArray[np.float64], str]
 

@@ -25,7 +25,7 @@ from ..unsupported.of_objects import report_losses
 from ..unsupported.of_scenes import report_scene_losses
 from ..unsupported.read_report import ReadReport
 from .collection_instances import instance_table
-from .mesh_shelf import MeshShelf
+from .mesh_cache import MeshShelf
 from .object_components import component_tables
 from .object_hierarchy import read_hierarchy
 from .sampled_animation import may_move, sample_animation

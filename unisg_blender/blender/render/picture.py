@@ -19,7 +19,7 @@ from ...runtime.atomic_files import replacing
 from ...scene.categories import STRUCTURE
 from ...scene.properties import CATEGORY
 from ..depsgraph import updated_depsgraph
-from ..quiet import captured_output
+from ..suppress_output import captured_output
 
 View = Literal["perspective", "top"]
 Engine = Literal["workbench", "cycles"]

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from ...errors import UniSGError
-from ...runtime.file_kinds import BLENDER, USD
+from ...runtime.file_endings import BLENDER, USD
 
 SUFFIXES = (*BLENDER, *USD)
 """Kinds of scene file that are looked for in folders; a .json may be anything, and is read where it is named."""

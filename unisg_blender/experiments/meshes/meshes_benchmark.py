@@ -10,7 +10,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from ...learn.categories.training import build_lexicon
+from ...learn.object_categories.training import build_lexicon
 from ...meshes import reconstruct, sample_surface
 from ...meshes.decode import decode_unit
 from ...meshes.normalise import normalise, size_channels

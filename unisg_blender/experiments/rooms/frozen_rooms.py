@@ -23,7 +23,7 @@ from ...errors import UniSGError
 from ...runtime.atomic_files import write_file
 from ...runtime.process_pool import processes
 from ...scene import SceneGraph
-from ...worlds.many import make_many
+from ...worlds.world_batches import make_many
 
 NAME, VERSION = "unisg-rooms", "1.0"
 RECORD = "benchmark.json"

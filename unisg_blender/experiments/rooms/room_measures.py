@@ -12,9 +12,9 @@ from ...geometry.arrays import Floats
 from ...metrics.layout_distances import layout_of
 from ...metrics.layout_features import OBJECT, PAIR, Features, scene_features, scene_width
 from ...metrics.scene_validity import CategoryPair, measure_scene
+from .benchmark_rows import Data, RowSpec, case_number, hole_number, training_rooms, vocabulary_of, way_of
 from .completion import NOTHING, complete
 from .furnishing import Real
-from .table_rows import Data, RowSpec, case_number, hole_number, training_rooms, vocabulary_of, way_of
 
 VERSION = 6
 """Of what is measured; kept results of another version are not used."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...behaviour.check.body_contact import body_bounds
+from ...behaviour.fulfilment.body_contact import body_bounds
 from ...geometry.arrays import Floats
 from ...scene import SceneGraph, world_matrices
 from .action_kinds import Reference

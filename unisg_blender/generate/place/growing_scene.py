@@ -16,7 +16,7 @@ from ..observe.support_priors import RESTS, SupportPrior
 from ..propose.proposer import Query
 from .free_space import FreeSpace, find_outline
 from .scene_extension import Addition, Names, UidMaker
-from .settling import Support
+from .settle_geometry import Support
 from .spanning_objects import fit_for
 
 

@@ -13,7 +13,7 @@ from ...errors import UniSGError
 from ...scene import SceneGraph, subtree, take, world_matrices
 from ...scene.categories import STRUCTURE
 from .growing_scene import GrowingScene
-from .placement import Placement
+from .placement_record import Placement
 from .scene_extension import Addition, Names, UidMaker, extend
 from .shape_library import Library
 from .spanning_objects import reaches

@@ -14,12 +14,12 @@ from ...dataset.format.reader import Dataset
 from ...generate.observe.contract import Contract
 from ...generate.observe.placement_order import learn_orders
 from ...generate.propose.anchor_inputs import ANCHOR_INPUTS, INTEGERS
+from ..hyperparameters import Settings
 from ..losses.mixtures import height_nll, mixture_nll
 from ..losses.ranking import ranking_loss
 from ..losses.variational import kl_divergence
 from ..onnx_export import export_onnx
 from ..provenance import save_model_assets
-from ..settings import Settings
 from ..trainer import Schedule, loader
 from ..training_job import Prepared
 from ..training_scenes import scenes_and_priors, split

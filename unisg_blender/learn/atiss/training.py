@@ -19,9 +19,9 @@ from ...generate.observe.contract import Contract
 from ...generate.observe.observed_scene import ObservedScene
 from ...generate.observe.placement_order import ranks
 from ...geometry.planar import wrapped
+from ..hyperparameters import Settings
 from ..losses.mixtures import logistics_nll
 from ..onnx_export import export_onnx
-from ..settings import Settings
 from ..trainer import Schedule
 from ..training_job import Prepared
 from ..training_scenes import TrainingScene, scenes_and_priors, split

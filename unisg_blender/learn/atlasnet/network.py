@@ -14,7 +14,7 @@ import torch
 from torch import Tensor, nn
 
 from ...meshes.atlasnet_sessions import FEATURE_WIDTH
-from ..winners import largest, pick
+from ..tensor_rows import largest, pick
 from .patch_decoder import PatchDecoder, draw_template
 
 

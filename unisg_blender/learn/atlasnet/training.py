@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from ...errors import UniSGError
 from ...meshes.shape_feature import cloud
 from ...meshes.shape_files import ShapeFile
+from ..hyperparameters import accelerator_device
 from ..losses.chamfer import chamfer
-from ..settings import accelerator_device
 from .network import AtlasNet
 
 POOL = 4096

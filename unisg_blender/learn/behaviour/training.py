@@ -15,15 +15,15 @@ import torch
 from torch import Tensor, nn
 
 from ...dataset.format.reader import Dataset
-from ...dataset.shaped_scenes import scenes_with_shapes
+from ...dataset.scenes_with_shapes import scenes_with_shapes
 from ...errors import UniSGError
 from ...generate.behaviour.action_kinds import Kinds, behaviour_path
 from ...generate.behaviour.action_policy import RoleMasks
 from ...generate.behaviour.action_statistics import learn_kinds
 from ...generate.behaviour.network_policy import INPUTS, OUTPUTS, observation_arrays
 from ...generate.behaviour.observation import BehaviourObservation, observe_behaviour
+from ..hyperparameters import Settings
 from ..onnx_export import export_onnx
-from ..settings import Settings
 from ..trainer import Schedule, loader
 from ..training_job import Prepared, train_model
 from ..training_scenes import split_rows

@@ -20,11 +20,11 @@ from ...generate.observe.contract import Contract
 from ...generate.observe.support_priors import CategoryPriors
 from ...generate.propose.cgvae_proposer import edges_of, node_features
 from ...poses import FORMS
+from ..hyperparameters import Settings
 from ..losses.edge_losses import dense_edge_loss
 from ..losses.variational import node_terms
 from ..onnx_export import export_onnx
 from ..provenance import save_model_assets
-from ..settings import Settings
 from ..training_job import Prepared
 from ..training_scenes import TrainingScene, scenes_and_priors, split
 from .network import Cgvae, CgvaeSizes

@@ -5,7 +5,7 @@ from __future__ import annotations
 import torch
 from torch import Tensor
 
-from ..winners import largest, pick
+from ..tensor_rows import largest, pick
 
 
 def chamfer(first: Tensor, second: Tensor) -> Tensor:

@@ -15,8 +15,8 @@ from torch_geometric.transforms import ToUndirected
 
 from ...dataset import UniSGDataset
 from ...poses import FORMS
-from ..classifier.network import SceneClassifier
 from ..hetero_sage import COMPONENTS, EdgeKind, edge_kinds
+from ..scene_classifier.network import SceneClassifier
 from .experiment_scenes import TESTS
 
 HIDDEN, BATCH = 32, 10

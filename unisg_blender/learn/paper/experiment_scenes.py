@@ -16,7 +16,7 @@ from ...meshes.shape_feature import AtlasNetEncoder
 from ...scene import SceneGraph
 from ...scene.augmentation import pose_noise, scale_noise
 from ...worlds import WORLDS
-from ...worlds.many import make_many
+from ...worlds.world_batches import make_many
 
 FORM = "trs_matrix"
 """The datasets hold whole affines; each experiment writes them in its own form."""

@@ -15,7 +15,7 @@ from torch.utils.data import TensorDataset
 from tqdm import tqdm
 
 from ...dataset.format.reader import Dataset
-from ...dataset.shaped_scenes import scenes_with_shapes
+from ...dataset.scenes_with_shapes import scenes_with_shapes
 from ...errors import UniSGError
 from ...metrics.edge_metrics import average_precision, best_threshold, f1_score
 from ...predict.object_pairs import PAIR_CHANNELS, candidate_pairs, pair_features
@@ -24,9 +24,9 @@ from ...predict.support_prediction import KIND
 from ...runtime.onnx_session import metadata_text
 from ...scene import SceneGraph
 from ...spatial import find_objects
+from ..hyperparameters import Settings
 from ..onnx_export import export_onnx
 from ..provenance import several
-from ..settings import Settings
 from ..trainer import loader
 from ..training_job import Prepared
 from ..training_scenes import split_rows

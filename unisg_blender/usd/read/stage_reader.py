@@ -16,8 +16,8 @@ from ...scene.assembly import Columns, assemble
 from ...scene.graph import SceneGraph
 from ...scene.identity import resolve_uids
 from .. import schema
+from ..entity_progress import Progress, ticks
 from ..names import true_name
-from ..ticks import Progress, ticks
 from .camera_light_prims import read_data
 from .component_scopes import read_components
 from .elements import is_elements, read_elements

@@ -9,10 +9,10 @@ from dataclasses import dataclass, replace
 from ...scene.action_data import ActionData
 from ...scene.graph import SceneGraph
 from ...scene.lesson_node import LessonNode
-from ..check.conditions import Condition
+from ..fulfilment.conditions import Condition
 from ..lesson.action_places import all_actions, operations
 from ..lesson.lesson_tree import Outline, outline
-from .action_soundness import action_problems, group_members
+from .action_validation import action_problems, group_members
 from .deadlock import circles, unreached
 
 

@@ -19,7 +19,7 @@ from ..observe.placeable import Placeable
 from ..observe.prior_tables import PriorTables
 from ..observe.support_priors import AT_SIDE, HANGS, RESTS, CategoryPriors, SupportPrior, contact
 from .free_space import FreeSpace, find_outline
-from .settling import Support, fitting, rest, search
+from .settle_geometry import Support, fitting, rest, search
 
 NEAREST, FARTHEST, STEPS, DIRECTIONS = 0.02, 0.6, 16, 16
 """Free places are looked for on so many rings, between these radii in metres, in so many directions."""

@@ -11,7 +11,7 @@ from ...geometry.arrays import Bools, Floats
 from ..observe.support_priors import RESTS
 from ..propose.proposer import Proposals
 from .growing_scene import GrowingScene, Target
-from .settling import fitting, nearest_support, rest, search
+from .settle_geometry import fitting, nearest_support, rest, search
 
 SEARCHED = 4
 """Supports whose whole surface is searched when no proposal fits."""

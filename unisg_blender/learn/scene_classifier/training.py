@@ -25,9 +25,9 @@ from ...predict.prediction_session import VERSION
 from ...predict.scene_kind import COMPONENTS, graph_inputs
 from ...runtime.onnx_session import metadata_text
 from ..hetero_sage import FAMILY, EdgeKind
+from ..hyperparameters import Settings
 from ..onnx_export import export_onnx
 from ..provenance import several
-from ..settings import Settings
 from ..trainer import loader
 from ..training_job import Prepared
 from .network import SceneClassifier

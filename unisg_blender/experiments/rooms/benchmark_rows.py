@@ -9,7 +9,7 @@ from itertools import islice
 from pathlib import Path
 
 from ...dataset.format.reader import open_dataset
-from ...dataset.shaped_scenes import scenes_with_shapes
+from ...dataset.scenes_with_shapes import scenes_with_shapes
 from ...generate import Generator
 from ...generate.observe.contract import Contract
 from ...generate.observe.observed_scene import ObservedScene
@@ -55,7 +55,7 @@ class Data:
     scenes: int
 
 
-def table_rows(model: Path, others: Sequence[Path], training: bool) -> list[RowSpec]:
+def benchmark_rows(model: Path, others: Sequence[Path], training: bool) -> list[RowSpec]:
     """All lines of the table: real rooms, the model, other models, and with training rooms the simple baselines."""
     rows = [RowSpec("real rooms", "real")]
     if training:

@@ -2,7 +2,7 @@
 
 Every test room is emptied down to its structure (floor, walls, doors, windows)
 and furnished again with the same objects in the same shapes; see :mod:`.room_measures`
-for what is measured, :mod:`.table_rows` for the lines.
+for what is measured, :mod:`.benchmark_rows` for the lines.
 """
 
 from __future__ import annotations
@@ -25,9 +25,18 @@ from ...metrics.scene_validity import overlapping_categories
 from ...metrics.two_sample_test import FOLDS, LEVELS, NOISES, TREES, c2st
 from ...runtime.result_cache import Task, array_task, run_all
 from ..behaviour.behaviour_benchmark import count_right
+from .benchmark_rows import (
+    LEARNED,
+    Data,
+    RowSpec,
+    benchmark_rows,
+    generator_of,
+    test_rooms,
+    training_rooms,
+    vocabulary_of,
+)
 from .room_measures import VERSION, Arrays, features_of, joined, measure_rooms, split_ragged, training_layouts
-from .row_summary import Measured, TableRow, row_of
-from .table_rows import LEARNED, Data, RowSpec, generator_of, table_rows, test_rooms, training_rooms, vocabulary_of
+from .table_columns import Measured, TableRow, row_of
 
 LOT, LAYOUT_LOT = 20, 200
 """Rooms that are measured, and training rooms that are read, at a time."""
@@ -52,7 +61,7 @@ class TablePlan:
 
     def rows(self) -> list[RowSpec]:
         """The lines of the table."""
-        return table_rows(self.model, self.others, bool(self.data.training))
+        return benchmark_rows(self.model, self.others, bool(self.data.training))
 
     def seeds_of(self, spec: RowSpec) -> range:
         """Seeds of a row."""

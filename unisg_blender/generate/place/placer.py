@@ -18,12 +18,12 @@ from ..observe.support_priors import RESTS
 from ..propose.proposer import Proposals, Proposer, Query
 from ..propose.requests import Beside, On
 from .growing_scene import GrowingScene, Target
-from .placement import Placement
-from .planning import Planned, Planner
+from .placement_record import Placement
+from .proposal_selection import FoundPlace, first_fitting
 from .scene_extension import Names, UidMaker
-from .settle_proposals import FoundPlace, first_fitting
 from .shape_library import Library
 from .spanning_objects import reaches
+from .support_planner import Planned, Planner
 
 BATCHES = (8, 24, 28)
 """Proposals asked for at a time, until one fits: first on the candidate that was planned, then on any."""
@@ -32,7 +32,7 @@ OTHER_SHAPES = 2
 """Further shapes to try when the first one finds no place."""
 
 
-class Placing:
+class ObjectPlacer:
     """One call of :meth:`Generator.add`: the scene while it grows, and what is to be placed there."""
 
     def __init__(

@@ -6,8 +6,8 @@ from collections.abc import Iterator, Mapping
 
 from ...scene.action_data import ActionData
 from ...scene.graph import SceneGraph
-from ..check.conditions import CONDITIONS, Condition
-from ..check.custom_types import OWN_CONDITIONS
+from ..fulfilment.conditions import CONDITIONS, Condition
+from ..fulfilment.custom_types import OWN_CONDITIONS
 
 
 def action_problems(
