@@ -31,7 +31,7 @@ from unisg_blender.learn.scene_classifier.training import example_inputs as clas
 from unisg_blender.learn.training_job import Prepared  # noqa: E402
 from unisg_blender.worlds import cubes, living_room  # noqa: E402
 
-MODELS = ("anchors", "atiss", "behaviour", "cgvae", "classifier", "topology")
+MODELS = ("anchors", "atiss", "behaviour", "cgvae", "scene_classifier", "topology")
 
 
 @pytest.fixture(scope="module")
@@ -45,7 +45,7 @@ def folders(tmp_path_factory: pytest.TempPathFactory) -> Sequence[Path]:
 
 def prepared(model: str, folders: Sequence[Path]) -> tuple[Any, Prepared]:
     """The module of a model, and its network before the first step."""
-    chosen = {"classifier": folders[:2], "topology": folders[2:]}.get(model, folders[:1])
+    chosen = {"scene_classifier": folders[:2], "topology": folders[2:]}.get(model, folders[:1])
     module = jobs.load(f"{model}.training")
     settings = Settings(epochs=1, form=module.FORM, quiet=True)
     return module, module.prepare([open_dataset(path) for path in chosen], settings)
@@ -94,7 +94,7 @@ def test_a_whole_network_works_on_another_device(folders: Sequence[Path], model:
         "anchors": lambda: anchor_inputs(ready.network),
         "atiss": lambda: dict(atiss_inputs()),
         "behaviour": lambda: behaviour_inputs(ready.contract),
-        "classifier": lambda: classifier_inputs(ready.network),
+        "scene_classifier": lambda: classifier_inputs(ready.network),
         "topology": lambda: {"features": torch.zeros(3, len(ready.network.mean))},
     }
     inputs = {name: value.to("meta") for name, value in examples[model]().items()}

@@ -376,16 +376,16 @@ def test_lines_of_the_overlay():
 
 
 def test_copies_are_told_apart_at_once():
-    from unisg_extension.operators import copied
+    from unisg_extension.operators import copy_repair
 
     build_lesson()
     scene = bpy.context.scene
-    copied._after_update(scene, None)
+    copy_repair._after_update(scene, None)
     activate("Scalpel")
     bpy.ops.object.duplicate()
     bpy.context.view_layer.update()
-    assert bpy.app.timers.is_registered(copied._repair)
-    copied._repair()
+    assert bpy.app.timers.is_registered(copy_repair._repair)
+    copy_repair._repair()
     assert len({item.get("unisg_uid") for item in scene.objects if "unisg_uid" in item}) == 2 + 1
     copy = bpy.data.objects["Scalpel.001"]
     assert actions_of(copy)[0].targets == (copy["unisg_uid"],)
