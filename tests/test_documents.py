@@ -76,6 +76,7 @@ def test_links_lead_somewhere(page: Path) -> None:
     assert not missing, "\n".join(missing)
 
 
+@pytest.mark.slow
 def test_architecture_names_what_is_there() -> None:
     text = ARCHITECTURE.read_text(encoding="utf-8")
     by_path = {module.path.as_posix().removeprefix(f"{LIBRARY}/"): module for module in modules().values()}

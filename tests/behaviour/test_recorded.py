@@ -109,6 +109,7 @@ def test_a_blend_file_keeps_recordings_as_custom_properties(recorded, tmp_path):
     assert performed(again) == (True, [event.action for event in timeline.performed()])
 
 
+@pytest.mark.slow
 def test_simulate_writes_a_recording_that_simulate_plays(graph, tmp_path, capsys):
     write_usd(graph, tmp_path / "surgery.usda")
     words = ["simulate", "-q", "--json", str(tmp_path / "surgery.usda")]

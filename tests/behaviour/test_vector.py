@@ -43,6 +43,7 @@ def any_action(draw):
     )
 
 
+@pytest.mark.slow
 @given(st.lists(any_action(), max_size=4))
 @settings(max_examples=60, deadline=None)
 def test_actions_pass_json_and_the_vector_unharmed(actions):

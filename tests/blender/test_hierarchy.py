@@ -164,6 +164,7 @@ AFFINE = st.lists(st.floats(-2, 2, width=32), min_size=12, max_size=12).map(
 )
 
 
+@pytest.mark.slow
 @settings(max_examples=40, deadline=None)
 @given(st.lists(st.tuples(AFFINE, st.integers(-1, 5)), min_size=1, max_size=8))
 def test_any_matrices_in_any_hierarchy(rows: list[tuple[np.ndarray, int]]) -> None:

@@ -23,6 +23,7 @@ def unisg(*words: object, limit: float = 120) -> subprocess.CompletedProcess[str
     return subprocess.run(command, capture_output=True, text=True, timeout=limit, check=False)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(bool(missing_pxr()), reason="this Blender offers no USD to Python")
 def test_the_tree_and_nothing_else_on_stdout() -> None:
     done = unisg("inspect", NESTED, "-q")
@@ -33,6 +34,7 @@ def test_the_tree_and_nothing_else_on_stdout() -> None:
     assert not done.stderr
 
 
+@pytest.mark.slow
 def test_json_holds_the_whole_scene() -> None:
     done = unisg("inspect", RIG, "--json")
     record = json.loads(done.stdout)
@@ -48,6 +50,7 @@ def test_limit_and_summary() -> None:
     assert "not represented:" in done.stderr
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("words", "status"), [(["inspect", "missing.glb"], 1), (["inspect"], 2)])
 def test_exit_statuses(words: list[str], status: int) -> None:
     done = unisg(*words)

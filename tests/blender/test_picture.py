@@ -28,6 +28,7 @@ def two_boxes() -> None:
     bpy.context.view_layer.update()
 
 
+@pytest.mark.slow
 def test_the_view_from_above(tmp_path: Path) -> None:
     two_boxes()
     render_picture(tmp_path / "top.png", view="top", size=(160, 120))

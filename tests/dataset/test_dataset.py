@@ -192,6 +192,7 @@ def test_the_documentation_names_every_column() -> None:
         assert f"`{key}`" in text, key
 
 
+@pytest.mark.slow
 def test_reading_needs_neither_torch_nor_bpy(tmp_path: Path, scenes: list[SceneGraph]) -> None:
     write_dataset(scenes, tmp_path / "ds")
     code = (

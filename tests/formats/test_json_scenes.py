@@ -41,6 +41,7 @@ def assert_identical(first: SceneGraph, second: SceneGraph) -> None:
             assert second.components[name].columns[key].dtype == column.dtype, (name, key)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("world", ["operating-room", "living-room", "cubes"])
 @settings(max_examples=5, deadline=None)
 @given(seed=st.integers(0, 10_000))

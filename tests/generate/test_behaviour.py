@@ -58,6 +58,7 @@ def without_new(node: LessonNode, old: set[str]) -> LessonNode:
     return LessonNode(node.kind, node.uid, node.name, node.action, kept, node.requires, node.optional, node.ordered)
 
 
+@pytest.mark.slow
 def test_kinds_tell_who_plays_what_where() -> None:
     found = {kind.name: kind for kind in kinds().kinds}
     incise = found["Incise the knee"]
@@ -85,6 +86,7 @@ def test_a_lesson_is_extended_and_not_changed(name: str) -> None:
         assert bare[row].actions == made.scene[place].actions
 
 
+@pytest.mark.slow
 def test_a_thing_gets_back_what_it_had() -> None:
     real, bare, made = again(rooms()[0], "Scalpel")
     row = real.row("Scalpel")
@@ -112,6 +114,7 @@ def test_same_seed_same_behaviour_another_seed_other_uids() -> None:
     assert _uids(one) != _uids(other)
 
 
+@pytest.mark.slow
 def test_a_scene_without_a_lesson_gets_a_whole_one_that_plays() -> None:
     graph = rooms()[2]
     bare = graph.replace(components={key: graph.components[key] for key in ("relations",)})

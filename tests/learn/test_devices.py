@@ -64,6 +64,7 @@ def elsewhere(compute: Callable[[], dict[str, torch.Tensor]]) -> None:
         assert torch.equal(value, expected[name]), name
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("model", MODELS)
 @pytest.mark.parametrize("training", [True, False])
 def test_losses_and_their_gradients_stay_where_the_batch_is(

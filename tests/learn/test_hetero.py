@@ -51,6 +51,7 @@ def permuted(x: dict, edges: dict, seed: int) -> tuple[dict, dict, torch.Tensor]
     }, order["entity"]  # fmt: skip
 
 
+@pytest.mark.slow
 def test_the_order_of_the_nodes_does_not_matter() -> None:
     torch.manual_seed(0)
     network, classifier = GraphAutoencoder(WIDTHS, 16, 8), SceneClassifier(WIDTHS, 3, 16)

@@ -21,6 +21,7 @@ def test_inner_layers_start_alike_whatever_the_widths() -> None:
     assert narrow.parameters_each == (7 * 16 + 16) + 2 * (16 * 16 + 16) + (16 * 3 + 3)
 
 
+@pytest.mark.slow
 def test_each_network_learns_as_if_it_were_alone() -> None:
     generator = torch.Generator().manual_seed(0)
     x = torch.randn(2, 50, 5, generator=generator)

@@ -31,6 +31,7 @@ def plain(encoder: PointNetEncoder, points: torch.Tensor) -> torch.Tensor:
     return hidden.reshape(*points.shape[:2], -1).amax(dim=1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("training", [True, False])
 def test_pooling_of_winners_is_exact(training: bool) -> None:
     torch.manual_seed(0)

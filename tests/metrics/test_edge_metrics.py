@@ -39,6 +39,7 @@ def test_average_precision_is_that_of_its_definition(seed: int) -> None:
     assert average_precision(score, truth) == pytest.approx(expected, nan_ok=True)
 
 
+@pytest.mark.slow
 @settings(deadline=None)
 @given(st.lists(st.tuples(st.integers(0, 6), st.booleans()), min_size=2, max_size=60))
 def test_as_scikit_learn_with_ties(pairs: list[tuple[int, bool]]) -> None:

@@ -117,6 +117,7 @@ def test_rooms_of_one_kind_cannot_be_told_apart_and_others_can(level):
     assert np.nanmean(other) > (0.9 if level == "scene" else 0.6)
 
 
+@pytest.mark.slow
 def test_more_noise_hides_more_and_the_same_seed_gives_the_same():
     real, made = rooms(range(40)), rooms(range(100, 140), shift=0.15)
     sharp, blurred, again = (c2st(real, made, "scene", noise, VOCABULARY, trees=TREES) for noise in (0.01, 1.0, 0.01))

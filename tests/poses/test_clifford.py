@@ -80,6 +80,7 @@ def test_product_of_forms_is_product_of_matrices(a, b):
         np.testing.assert_allclose(FORMS[name].decode(from_multivector(product)), a @ b, atol=1e-13)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("factor", [1.0, -1.0, 1e-3, -1e3])
 @pytest.mark.parametrize("scale", [1.0, 0.25, 40.0])
 @settings(max_examples=15, deadline=None)
@@ -96,6 +97,7 @@ def test_parts_multiply_to_the_motor(factor, scale, matrix):
     np.testing.assert_allclose(from_multivector(grow), dilator(scale), atol=1e-13)
 
 
+@pytest.mark.slow
 @settings(max_examples=40, deadline=None)
 @given(poses)
 def test_rotor_and_translator_are_the_stated_formulas(matrix):

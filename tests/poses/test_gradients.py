@@ -130,6 +130,7 @@ def test_dilator_at_scale_one():
     assert float(gradient[form.channels.index("e45")]) == pytest.approx(-2.0, abs=1e-15)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
 def test_second_derivatives_and_forward_mode(name):
     for place in ("general", "rotation", "almost half a turn", "mirrored"):

@@ -40,6 +40,7 @@ def twist_matrix(screw) -> np.ndarray:
     return np.array([[0, -z, y, v[0]], [z, 0, -x, v[1]], [-y, x, 0, v[2]], [0, 0, 0, 0]])
 
 
+@pytest.mark.slow
 @settings(max_examples=150, deadline=None)
 @given(screws, st.sampled_from([1.0, 1e-3, 1e-9, 0.0]))
 def test_exponential_is_the_matrix_exponential(screw, size):
@@ -137,6 +138,7 @@ def test_conversion_drops_what_the_target_does_not_hold(source, target):
     np.testing.assert_allclose(FORMS[target].decode(found), expected, atol=1e-14)
 
 
+@pytest.mark.slow
 @settings(max_examples=100, deadline=None)
 @given(motors, motors, st.floats(0.0, 1.0))
 def test_screw_interpolation_is_the_power_of_the_relative_motion(a, b, fraction):

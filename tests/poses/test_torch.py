@@ -78,6 +78,7 @@ def test_gradients_are_finite_where_formulas_are_singular(name, case):
         assert gradient.isfinite().all()
 
 
+@pytest.mark.slow
 def test_motion_on_tensors():
     motors = FORMS["dual_quaternion"].encode(affines(8))
     tensors = torch.tensor(motors)

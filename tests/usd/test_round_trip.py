@@ -26,6 +26,7 @@ def test_any_scene_survives(tmp_path: Path, graph: SceneGraph) -> None:
         assert_same_graph(graph, read_usd(path))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("ending", ["usd", "usdz"])
 @given(graph=scenes())
 @settings(max_examples=4, deadline=None, suppress_health_check=RELAXED)

@@ -42,7 +42,8 @@ JOBS = {
     ),
     "topology": Job("which thing stands on which, from datasets with relations", model="topology", several=True),
     "classifier": Job(
-        "what kind of scene it is, from datasets with labels, or one dataset per kind", model="scene_classifier", several=True
+        "what kind of scene it is, from datasets with labels, or one dataset per kind",
+        model="scene_classifier", several=True,
     ),
     "meshes": Job("the mesh feature (AtlasNet) and the model of categories, from folders of mesh files", "atlasnet"),
 }  # fmt: skip
