@@ -1,9 +1,14 @@
-"""Mutation check: change one operator of a room at random, and see whether the room's tests notice.
+"""Mutation check: change one operator at random, and see whether the tests notice.
 
     python benchmarks/mutations.py --room poses --count 20 --seed 1 [--tests tests/poses] [--fast]
 
-Works in a temporary copy of the checkout. Prints every change that no test noticed, with file and line, and how many
-were noticed. Such a change is a hole in the tests, or makes no difference (a bound of which both sides are allowed).
+    pytest -n 2 --dist loadfile --cov=unisg_blender --cov-context=test --cov-report=
+    python benchmarks/mutations.py --count 200 --seed 1 --coverage .coverage
+
+With a coverage file that says which test runs which line, each change is tried by the tests that run it, at most
+``--most`` of them, and where none is known by the tests of the room. Works in a temporary copy of the checkout. Prints
+every change that no test noticed, with file and line, and how many were noticed. Such a change is a hole in the tests,
+or makes no difference (a bound of which both sides are allowed).
 """
 
 from __future__ import annotations
@@ -13,9 +18,11 @@ import ast
 import os
 import random
 import shutil
+import sqlite3
 import subprocess
 import sys
 import tempfile
+from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -86,56 +93,95 @@ def _swapped(node: ast.BinOp | ast.Compare | ast.BoolOp | ast.UnaryOp) -> Iterat
     elif swap := SWAPS.get(type(node.op)):
         kept, node.op = node.op, swap()  # type: ignore[assignment]
         yield ast.unparse(node)
-        node.op = kept  # type: ignore[assignment]
+        node.op = kept
 
 
 def run_tests(copy: Path, tests: list[str], workers: int, seconds: float) -> int:
     """The exit status of the tests in the copy; what takes too long counts as failed."""
     words = ["-x", "-q", "-p", "no:cacheprovider", "-n", str(workers), "--dist", "loadfile", "--timeout", str(seconds)]
     environment = os.environ | {"PYTHONPATH": str(copy), "PYTHONDONTWRITEBYTECODE": "1"}
+    chosen = copy / "chosen-tests.txt"  # more than fit on a command line
+    chosen.write_text("\n".join(tests), encoding="utf-8")
     try:
         return subprocess.run(
-            [sys.executable, "-m", "pytest", *words, *tests],
+            [sys.executable, "-m", "pytest", *words, f"@{chosen}"],
             cwd=copy, env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, timeout=3 * seconds,
         ).returncode  # fmt: skip
     except subprocess.TimeoutExpired:
         return 1
 
 
-def check(room: str, tests: list[str], count: int, seed: int, workers: int, seconds: float) -> None:
-    """Draw the changes, try one after another, print what stayed unseen."""
-    folder = Path("unisg_blender") / room
-    files = sorted(path.relative_to(ROOT) for path in (ROOT / folder).rglob("*.py"))
-    found = [mutation for path in files for mutation in mutations_of(path)]
+def covering_tests(coverage: Path, mutation: Mutation, most: int) -> list[str]:
+    """Tests that run the line: the room's own first, and one case of each test before its other cases."""
+    room = mutation.path.parts[1]
+    with sqlite3.connect(coverage) as data:
+        rows = data.execute(
+            "SELECT context.context, line_bits.numbits FROM line_bits JOIN context ON context.id = context_id"
+            " JOIN file ON file.id = file_id WHERE file.path LIKE ?",
+            (f"%/{mutation.path.as_posix()}",),
+        ).fetchall()
+    where, bit = divmod(mutation.line, 8)
+    running = sorted(
+        {name.split("|")[0] for name, bits in rows if name and where < len(bits) and bits[where] >> bit & 1}
+    )
+    seen: Counter[str] = Counter()
+    ordered = []
+    for name in running:
+        function = name.split("[")[0]
+        ordered.append((seen[function], not name.startswith(f"tests/{room}/"), name))
+        seen[function] += 1
+    return [name for _, _, name in sorted(ordered)[:most]]
+
+
+def drawn_mutations(room: str, count: int, seed: int) -> tuple[list[Mutation], int]:
+    """Changes drawn at random from a room, or from the whole library, and how many are possible."""
+    folder = ROOT / "unisg_blender" / room
+    found = [mutation for path in sorted(folder.rglob("*.py")) for mutation in mutations_of(path.relative_to(ROOT))]
     if not found:
         sys.exit(f"no operators in {folder}")
-    drawn = random.Random(seed).sample(found, min(count, len(found)))
+    return random.Random(seed).sample(found, min(count, len(found))), len(found)
+
+
+def check(args: argparse.Namespace) -> None:
+    """Draw the changes, try one after another, print what stayed unseen."""
+    drawn, possible = drawn_mutations(args.room, args.count, args.seed)
+    fast = ["-m", "not slow"] if args.fast else []
     with tempfile.TemporaryDirectory() as name:
         copy = Path(name) / "copy"
         shutil.copytree(ROOT, copy, ignore=LEFT_OUT)
-        if run_tests(copy, tests, workers, seconds):
-            sys.exit(f"{' '.join(tests)}: the tests must pass before anything is changed")
+        if not args.coverage and run_tests(copy, [*tests_of(args, args.room), *fast], args.workers, args.seconds):
+            sys.exit("the tests must pass before anything is changed")
         unseen = 0
         for number, mutation in enumerate(drawn, start=1):
+            tests = covering_tests(args.coverage, mutation, args.most) if args.coverage else []
+            tests = tests or tests_of(args, mutation.path.parts[1])
             before = (copy / mutation.path).read_bytes()
             (copy / mutation.path).write_bytes(mutation.apply(before))
-            if run_tests(copy, tests, workers, seconds) == 0:
+            if run_tests(copy, [*tests, *fast], args.workers, args.seconds) == 0:
                 unseen += 1
                 print(f"unseen  {mutation}", flush=True)
             (copy / mutation.path).write_bytes(before)
             print(f"{number} of {len(drawn)}, {unseen} unseen", end="\r", file=sys.stderr, flush=True)
-    print(f"{len(drawn) - unseen} of {len(drawn)} noticed ({len(found)} possible changes in {room}, seed {seed})")
+    print(f"{len(drawn) - unseen} of {len(drawn)} noticed ({possible} possible changes, seed {args.seed})")
+
+
+def tests_of(args: argparse.Namespace, room: str) -> list[str]:
+    """The tests named by the user, else those of a room, else all."""
+    own = f"tests/{room.split('/')[0]}" if room else "tests"
+    return args.tests or [own if (ROOT / own).is_dir() else "tests"]
 
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
-    parser.add_argument("--room", required=True, help="folder in unisg_blender/, such as poses or behaviour/play")
+    parser.add_argument(
+        "--room", default="", help="folder in unisg_blender/, such as poses (default: the whole library)"
+    )
     parser.add_argument("--tests", nargs="+", help="what has to notice (default: tests/ROOM)")
     parser.add_argument("--count", type=int, default=20, help="changes to try (default: 20)")
     parser.add_argument("--seed", type=int, default=1, help="same seed, same changes (default: 1)")
     parser.add_argument("--workers", type=int, default=2, help="processes for the tests (default: 2)")
     parser.add_argument("--seconds", type=float, default=300, help="a test that takes longer has failed (default: 300)")
     parser.add_argument("--fast", action="store_true", help="leave out the tests that are marked slow")
-    args = parser.parse_args()
-    tests = [*(args.tests or [f"tests/{args.room.split('/')[0]}"]), *(["-m", "not slow"] if args.fast else [])]
-    check(args.room, tests, args.count, args.seed, args.workers, args.seconds)
+    parser.add_argument("--coverage", type=Path, help="a .coverage file with test contexts: choose tests by line")
+    parser.add_argument("--most", type=int, default=150, help="with --coverage, tests for one change (default: 150)")
+    check(parser.parse_args())

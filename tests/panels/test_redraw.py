@@ -58,7 +58,7 @@ def draw(extension: ModuleType) -> list[str]:
     panels = extension.panels
     for place in (0, 1):
         bpy.context.window_manager.unisg_action = place
-        panels.actions.UNISG_PT_actions.draw(SimpleNamespace(layout=layout), context)
+        panels.object_actions.UNISG_PT_actions.draw(SimpleNamespace(layout=layout), context)
     for panel in (panels.lesson.UNISG_PT_lesson, panels.lesson.UNISG_PT_play):
         panel.draw(SimpleNamespace(layout=layout), context)
     for button in ("lesson_add", "lesson_remove", "lesson_move", "lesson_check", "play"):

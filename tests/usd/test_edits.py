@@ -14,7 +14,7 @@ from unisg_blender.scene import SceneBuilder, SceneGraph, mesh_from_faces, table
 from unisg_blender.scene.graph import TYPE_INDEX
 from unisg_blender.usd import read_usd, write_usd
 from unisg_blender.usd.cameras import NEW as CAMERA
-from unisg_blender.usd.lights import NEW as LIGHT
+from unisg_blender.usd.light_units import NEW as LIGHT
 from unisg_blender.usd.pxr_library import require_pxr
 
 TRIANGLE = mesh_from_faces("Triangle", np.eye(3), [[0, 1, 2]])

@@ -25,6 +25,7 @@ from ...metrics.scene_validity import overlapping_categories
 from ...metrics.two_sample_test import FOLDS, LEVELS, NOISES, TREES, c2st
 from ...runtime.result_cache import Task, array_task, run_all
 from ..behaviour.behaviour_benchmark import count_right
+from .benchmark_columns import Measured, TableRow, row_of
 from .benchmark_rows import (
     LEARNED,
     Data,
@@ -36,7 +37,6 @@ from .benchmark_rows import (
     vocabulary_of,
 )
 from .room_measures import VERSION, Arrays, features_of, joined, measure_rooms, split_ragged, training_layouts
-from .table_columns import Measured, TableRow, row_of
 
 LOT, LAYOUT_LOT = 20, 200
 """Rooms that are measured, and training rooms that are read, at a time."""

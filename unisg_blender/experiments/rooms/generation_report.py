@@ -9,7 +9,7 @@ from typing import Any
 
 from ...runtime.atomic_files import filling
 from ..reports import markdown_table, write_csv, write_json
-from .table_columns import TableRow
+from .benchmark_columns import TableRow
 
 COLUMNS = {
     "colliding": ("collide %", 100, 1), "overlapping": ("overlap %", 100, 1), "off_support": ("float %", 100, 1),

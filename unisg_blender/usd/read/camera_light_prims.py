@@ -13,7 +13,7 @@ import numpy as np
 
 from ...scene import components
 from ...scene.component_table import Table, table
-from .. import cameras, lights, schema
+from .. import cameras, light_units, schema
 from ..names import true_name
 from .mesh_topology import NOW
 from .prim_entities import Entities
@@ -23,8 +23,9 @@ SAME = 1e-5
 """Relative difference that single precision leaves between a value and its attribute."""
 CAMERA_NAMES = tuple(cameras.camera_attributes(cameras.NEW))
 LIGHT_INPUTS = (
-    "color", "intensity", "angle", "radius", "width", "height", lights.CONE, lights.SOFTNESS, lights.SHADOW,
-    *lights.COMMON, *lights.SWITCHES,
+    "color", "intensity", "angle", "radius", "width", "height",
+    light_units.CONE, light_units.SOFTNESS, light_units.SHADOW,
+    *light_units.COMMON, *light_units.SWITCHES,
 )  # fmt: skip
 
 
@@ -32,7 +33,7 @@ def read_data(found: Entities, tables: dict[str, Table], metres: float) -> dict[
     """The components ``camera``, ``light`` and ``visibility``; ``metres`` is the size of a scene unit."""
     changed = {
         components.CAMERA: _merged(found, "CAMERA", tables.get(components.CAMERA), cameras.NEW, _camera(metres)),
-        components.LIGHT: _merged(found, "LIGHT", tables.get(components.LIGHT), lights.NEW, _light(metres)),
+        components.LIGHT: _merged(found, "LIGHT", tables.get(components.LIGHT), light_units.NEW, _light(metres)),
         components.VISIBILITY: _visibility(found, tables.get(components.VISIBILITY)),
     }
     return {name: each for name, each in changed.items() if each is not None and len(each.rows)}
@@ -85,10 +86,10 @@ def _light(metres: float) -> Callable[[Any, Values], Values | None]:
         """A light's values, or what was edited of known ones; None for what is no light."""
         inputs = {name: _value(prim, f"inputs:{name}") for name in LIGHT_INPUTS}
         inputs = {name: value for name, value in inputs.items() if value is not None}
-        said = lights.light_values(str(prim.GetTypeName()), inputs, metres)
+        said = light_units.light_values(str(prim.GetTypeName()), inputs, metres)
         if not known or said is None:
             return said if not known else {}
-        return _edits(said, lights.light_values(*lights.light_attributes(known), 1.0) or {})
+        return _edits(said, light_units.light_values(*light_units.light_attributes(known), 1.0) or {})
 
     return read
 

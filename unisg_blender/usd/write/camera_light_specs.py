@@ -8,7 +8,7 @@ from typing import Any
 from ...scene import components
 from ...scene.component_table import Table
 from ...scene.graph import SceneGraph
-from .. import lights
+from .. import light_units
 from ..cameras import camera_attributes
 from ..names import Identifiers
 from .specs import Types, apply_schema, attribute, define
@@ -16,7 +16,7 @@ from .specs import Types, apply_schema, attribute, define
 Values = Mapping[str, Any]
 FALLBACK = {
     "exposure": 0.0, "diffuse": 1.0, "specular": 1.0, "colorTemperature": 6500.0, "enableColorTemperature": False,
-    lights.SHADOW: True,
+    light_units.SHADOW: True,
 }  # fmt: skip
 """Inputs of lights that are left out where they are what USD takes for granted."""
 
@@ -38,14 +38,14 @@ def write_camera(prim: Any, identifiers: Identifiers, found: Table | None, row: 
 def write_light(prim: Any, identifiers: Identifiers, found: Table | None, row: int) -> str:
     """A light under the entity's prim; the entity type that it shows."""
     values = _entry(found, row)
-    kind, inputs = lights.light_attributes(values) if values else ("SphereLight", {})
+    kind, inputs = light_units.light_attributes(values) if values else ("SphereLight", {})
     light = define(prim, identifiers.take(prim.name), kind)
     inputs = {name: value for name, value in inputs.items() if value != FALLBACK.get(name)}
     for name, value in inputs.items():
         form = {tuple: Types.Color3f, bool: Types.Bool}.get(type(value), Types.Float)
         value = value if isinstance(value, bool | tuple) else float(value)
         attribute(light, f"inputs:{name}", form, value, uniform=False)
-    schemas = ["ShapingAPI"] * (lights.CONE in inputs) + ["ShadowAPI"] * (lights.SHADOW in inputs)
+    schemas = ["ShapingAPI"] * (light_units.CONE in inputs) + ["ShadowAPI"] * (light_units.SHADOW in inputs)
     if schemas:
         apply_schema(light, *schemas)
     return "LIGHT"
