@@ -87,11 +87,11 @@ def _swapped(node: ast.BinOp | ast.Compare | ast.BoolOp | ast.UnaryOp) -> Iterat
     if isinstance(node, ast.Compare):
         for place, operator in enumerate(node.ops):
             if swap := SWAPS.get(type(operator)):
-                node.ops[place] = swap()  # type: ignore[assignment]
+                node.ops[place] = swap()  # type: ignore[call-overload]
                 yield ast.unparse(node)
                 node.ops[place] = operator
     elif swap := SWAPS.get(type(node.op)):
-        kept, node.op = node.op, swap()  # type: ignore[assignment]
+        kept, node.op = node.op, swap()  # type: ignore[call-overload]
         yield ast.unparse(node)
         node.op = kept
 
