@@ -133,3 +133,97 @@ def test_what_an_instanced_collection_draws_itself_is_reported() -> None:
     report = ReadReport()
     read_scene(report=report)
     assert "Grid: instances that it may draw inside an instanced collection are not read" in list(report)
+
+
+def bevelled_curve(name: str) -> bpy.types.Object:
+    curve = bpy.data.curves.new(name, "CURVE")
+    curve.dimensions, curve.bevel_depth = "3D", 0.1
+    curve.splines.new("POLY").points.add(2)
+    for place, point in enumerate(curve.splines[0].points):
+        point.co = (place, place * place, 0, 1)
+    return add(name, curve)
+
+
+def text(name: str) -> bpy.types.Object:
+    letters = bpy.data.curves.new(name, "FONT")
+    letters.body, letters.extrude = "Exit", 0.05
+    letters.follow_curve = add(f"{name} line", bpy.data.curves.new("Line", "CURVE"))
+    return add(name, letters)
+
+
+def surface(name: str) -> bpy.types.Object:
+    bpy.ops.surface.primitive_nurbs_surface_sphere_add()
+    bpy.context.object.name = name
+    return bpy.context.object
+
+
+def metaballs(name: str) -> bpy.types.Object:
+    """Two of one family: Blender makes one mesh of both and gives it to the first."""
+    for number in range(2):
+        bpy.ops.object.metaball_add(location=(number, 0, 0))
+        bpy.context.object.name = f"{name}.{number:03d}" if number else name
+    return bpy.data.objects[name]
+
+
+CURVE_LIKE = {"CURVE": bevelled_curve, "FONT": text, "SURFACE": surface, "META": metaballs}
+
+
+@pytest.mark.parametrize("kind", CURVE_LIKE)
+def test_a_curve_and_its_like_are_read_once(kind: str) -> None:
+    item = CURVE_LIKE[kind]("Pipe")
+    item.location = (0, 0, 2)
+    graph = read_scene()
+    assert graph.name.count("Pipe") == 1
+    assert "instances" not in graph.components
+    assert graph["Pipe"].type == kind
+    expected = drawn_boxes()
+    assert len(expected) == 1
+    assert relative_gap(meshes_of(graph), expected) < 1e-6
+    again = write_scene(graph)
+    assert len(again.objects) == len(graph)
+    bpy.context.window.scene = again
+    assert relative_gap(drawn_boxes(), expected) < 1e-6
+
+
+@pytest.mark.parametrize("itself", [False, True])
+def test_nodes_draw_a_curve_once(itself: bool) -> None:
+    pipe = bevelled_curve("Pipe")
+    instance_on_points(pipe if itself else add("Above", box("Above", 3)), add("Source", box()) if itself else pipe)
+    bpy.context.view_layer.update()
+    assert relative_gap(meshes_of(realize(read_scene())), drawn_boxes()) < 1e-5
+
+
+@pytest.mark.parametrize("instancer", ["vertices", "particles"])
+def test_an_instanced_curve_is_drawn_once(instancer: str) -> None:
+    pipe, above = bevelled_curve("Pipe"), add("Above", box("Above", 3))
+    if instancer == "vertices":
+        pipe.parent, above.instance_type = above, "VERTS"
+    else:
+        above.modifiers.new("Hair", "PARTICLE_SYSTEM")
+        settings = above.particle_systems[0].settings
+        settings.type, settings.count, settings.use_advanced_hair = "HAIR", 8, True
+        settings.render_type, settings.instance_object = "OBJECT", pipe
+    graph = read_scene()
+    drawn = graph["Above"].component("instances")["prototype"]
+    assert [prototype.meshes for prototype in drawn] == [(graph["Pipe"].mesh,)] * 8
+
+
+def test_points_that_nodes_make_are_kept_and_curves_reported() -> None:
+    grid = add("Grid", box("Grid"))
+    tree = bpy.data.node_groups.new("Parts", "GeometryNodeTree")
+    for way in ("INPUT", "OUTPUT"):
+        tree.interface.new_socket("Geometry", in_out=way, socket_type="NodeSocketGeometry")
+    nodes = ("NodeGroupInput", "NodeGroupOutput", "GeometryNodeJoinGeometry")
+    entry, leave, join = map(tree.nodes.new, nodes)
+    for kind in ("GeometryNodeMeshToPoints", "GeometryNodeMeshToCurve"):
+        node = tree.nodes.new(kind)
+        tree.links.new(entry.outputs[0], node.inputs[0])
+        tree.links.new(node.outputs[0], join.inputs[0])
+    tree.links.new(entry.outputs[0], join.inputs[0])
+    tree.links.new(join.outputs[0], leave.inputs[0])
+    grid.modifiers.new("Parts", "NODES").node_group = tree
+    report = ReadReport()
+    graph = read_scene(report=report)
+    (prototype,) = graph["Grid"].component("instances")["prototype"]
+    assert len(graph["Grid"].mesh.points) == len(prototype.meshes[0].points) == 8
+    assert "Grid: geometry of type curve in it is not read" in list(report)

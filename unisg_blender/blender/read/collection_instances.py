@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from typing import Any
 
 import bpy
 import numpy as np
@@ -14,8 +15,9 @@ from ...scene.graph import TYPE_INDEX, SceneGraph
 from ...scene.identity import derived_uid
 from ...scene.mesh import Mesh
 from ..unsupported.read_report import ReadReport
-from .mesh_cache import MeshShelf
+from .mesh_cache import CURVE_LIKE, MeshShelf
 
+UNUSED = 2**31 - 1  # in a persistent id
 Entry = tuple[int, SceneGraph, NDArray[np.float64], str]
 
 
@@ -56,12 +58,19 @@ def _drawn_instances(items: Sequence[bpy.types.Object], shelf: MeshShelf, report
     inverses: dict[int, NDArray[np.float64] | None] = {}
     prototypes: dict[int, SceneGraph] = {}
     entries: list[Entry] = []
+    whole: set[Any] = set()
     for instance in shelf.depsgraph.object_instances:
         if not instance.is_instance or instance.parent is None or instance.object.type == "EMPTY":
             continue
         row = rows.get(instance.parent.original)
         if row is None:
             continue
+        if _is_part(instance, whole):
+            if instance.object.type not in ("MESH", "POINTCLOUD"):
+                report.add(items[row].name, f"geometry of type {instance.object.type.lower()} in it is not read")
+                continue
+            if instance.object.original.type in CURVE_LIKE:  # its mesh is read with the object
+                continue
         if row not in inverses:
             inverses[row] = _inverse(np.array(instance.parent.matrix_world, np.float64))
         inverse, drawn = inverses[row], instance.object
@@ -74,6 +83,21 @@ def _drawn_instances(items: Sequence[bpy.types.Object], shelf: MeshShelf, report
             prototypes[key] = _drawn_prototype(drawn, shelf.drawn_mesh(drawn, made))
         entries.append((row, prototypes[key], inverse @ np.array(instance.matrix_world, np.float64), "GEOMETRY"))
     return entries
+
+
+def _is_part(instance: bpy.types.DepsgraphObjectInstance, whole: set[Any]) -> bool:
+    """Whether it is only an object's geometry of another type than its own, such as the surface of a curve.
+
+    Its numbers are those of the object itself behind one more; ``whole`` collects owner, object and numbers of
+    objects that were drawn as a whole.
+    """
+    owner, original = instance.parent.original, instance.object.original
+    numbers = tuple(number for number in instance.persistent_id if number != UNUSED)
+    above = (owner, original, numbers[1:])
+    if instance.object.type != original.type and (above == (owner, owner, ()) or above in whole):
+        return True
+    whole.add((owner, original, numbers))
+    return False
 
 
 def _inverse(matrix: NDArray[np.float64]) -> NDArray[np.float64] | None:

@@ -57,6 +57,8 @@ class MeshShelf:
 
         ``made``: geometry nodes made it, it is no object of its own.
         """
+        if made and drawn.type == "POINTCLOUD":
+            return read_points(drawn.data)
         if made:
             return read_mesh(drawn.data) if drawn.type == "MESH" else None
         place = self.place(drawn.original)
