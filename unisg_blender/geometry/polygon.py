@@ -1,6 +1,6 @@
 """Polygons in the plane: area, inside, distance.
 
-Three short functions, for which shapely would put compiled wheels for every platform into Blender's zip.
+Short functions, for which shapely would put compiled wheels for every platform into Blender's zip.
 """
 
 from __future__ import annotations
@@ -45,3 +45,28 @@ def inside(polygon: Floats, points: Floats) -> Bools:
     crosses = (y0 > y) != (y1 > y)
     height = np.where(y1 == y0, 1.0, y1 - y0)
     return (crosses & (x < x0 + (y - y0) * (x1 - x0) / height)).sum(axis=-1) % 2 == 1
+
+
+def convex_hull(points: Floats) -> Floats:
+    """The convex hull of points (N, 2), counter-clockwise (K, 2); fewer than three corners where it has no area."""
+    order = np.unique(points, axis=0)
+    if len(order) < 3:
+        return order
+    from scipy.spatial import ConvexHull, QhullError
+
+    try:
+        return points[ConvexHull(points).vertices]
+    except QhullError:
+        return order[[0, -1]]
+
+
+def convex_gap(first: Floats, second: Floats) -> float:
+    """Distance of two convex polygons (K, 2), metres; 0 where they overlap."""
+    corners = np.concatenate([first, second])
+    for polygon in (first, second):
+        edge = next_corners(polygon) - polygon
+        seen = corners @ np.stack([edge[:, 1], -edge[:, 0]])
+        one, two = seen[: len(first)], seen[len(first) :]
+        if ((one.min(axis=0) > two.max(axis=0)) | (two.min(axis=0) > one.max(axis=0))).any():
+            return float(min(outside_distance(first, second).min(), outside_distance(second, first).min()))
+    return 0.0

@@ -4,15 +4,23 @@ from __future__ import annotations
 
 import numpy as np
 
-from .arrays import Floats
+from .arrays import Bools, Floats
 
 Triangles = Floats
 """float64 (M, 3, 3): corners of triangles."""
 
 GRID = 8
 SAMPLES = 48
+PROBES = 256
 STEEPEST = 0.5
 """Surfaces bear objects up to the slope whose normal has this upward part: 60 degrees."""
+
+
+SAME_HEIGHT = 1e-4
+"""Metres within which a surface counts as the first, or the last, that a line meets."""
+
+AT_ONCE = 20_000
+"""Triangles that are looked at together: some hundred places times as many numbers fit into memory."""
 
 
 def within(triangles: Triangles, low: Floats, high: Floats) -> Triangles:
@@ -39,8 +47,10 @@ def contact_heights(
 ) -> Floats:
     """Heights of the places where ``upper`` rests on ``lower``.
 
-    The vertical lines through a grid and through points of both surfaces are
-    followed within the axis-aligned box from ``low`` to ``high``.
+    The vertical lines through a grid and through points of both surfaces are followed within the axis-aligned box
+    from ``low`` to ``high``. Of ``upper`` counts what looks down, of ``lower`` what looks up. The lowest and the
+    highest that a line meets of a surface do, however their normals look: sheets have but one side, and some meshes
+    are turned inside out.
 
     Parameters
     ----------
@@ -52,11 +62,15 @@ def contact_heights(
     float64 (C,)
         Heights of the contacts; empty if there are none.
     """
-    upper, lower = _bearing(within(upper, low, high)), _bearing(within(lower, low, high))
-    if not len(upper) or not len(lower):
+    near_upper, near_lower = bearing(within(upper, low, high)), bearing(within(lower, low, high))
+    if not len(near_upper) or not len(near_lower):
         return np.zeros(0)
-    places = _places(upper, lower, low, high)
-    above, below = _facing(places, upper, down=True), _facing(places, lower, down=False)
+    places = _places(near_upper, near_lower, low, high)
+    above, below = heights(places, near_upper), heights(places, near_lower)
+    met = np.isfinite(above).any(axis=1) & np.isfinite(below).any(axis=1)
+    places, above, below = places[met], above[met], below[met]
+    above = _facing(above, near_upper, places, upper, down=True)
+    below = _facing(below, near_lower, places, lower, down=False)
     space = above[:, :, None] - below[:, None, :]
     touching = (space <= gap) & (space >= -overlap)
     place, _, bearer = np.nonzero(touching)
@@ -64,24 +78,54 @@ def contact_heights(
     return below[place[first], bearer[first]]
 
 
-def _facing(places: Floats, triangles: Triangles, down: bool) -> Floats:
-    """Heights of the surfaces that look down, or up; a line that meets only one surface takes it as it is."""
-    found = heights(places, triangles)
+def _facing(found: Floats, near: Triangles, places: Floats, whole: Triangles, down: bool) -> Floats:
+    """The heights (K, M) of the triangles ``near`` where the ``whole`` surface looks down, or up; NaN elsewhere.
+
+    Where a vertical line meets it first it looks down, and up where last, as one-sided sheets show no other side. Where
+    the normals of both ends say the reverse, the mesh is inside out.
+    """
+    up = looks_up(whole)
+    (up_low, up_high), (down_low, down_high) = column_ends(places, whole[up]), column_ends(places, whole[~up])
+    inside_out = (down_high > up_high) & (up_low < down_low)
+    end = np.minimum(up_low, down_low) if down else np.maximum(up_high, down_high)
+    looks = (looks_up(near) != inside_out[:, None]) != down
+    return np.where(looks | (np.abs(found - end[:, None]) <= SAME_HEIGHT), found, np.nan)
+
+
+def looks_up(triangles: Triangles) -> Bools:
+    """Which triangles look up, bool (M,)."""
     one, two = triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]
-    upward = one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0] > 0
-    single = np.isfinite(found).sum(axis=1) == 1
-    return np.where((upward != down) | single[:, None], found, np.nan)
+    return one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0] > 0
 
 
-def _bearing(triangles: Triangles) -> Triangles:
+def column_ends(places: Floats, triangles: Triangles) -> tuple[Floats, Floats]:
+    """Where vertical lines through places (K, 2) meet a surface first and last, metres (K,); inf and -inf for none."""
+    lowest, highest = np.full(len(places), np.inf), np.full(len(places), -np.inf)
+    if not len(places):
+        return lowest, highest
+    low, high = (np.append(end, limit) for end, limit in ((places.min(axis=0), -np.inf), (places.max(axis=0), np.inf)))
+    column = bearing(within(triangles, low, high))
+    for begin in range(0, len(column), AT_ONCE):
+        found = heights(places, column[begin : begin + AT_ONCE])
+        lowest = np.fmin(lowest, np.fmin.reduce(found, axis=1))
+        highest = np.fmax(highest, np.fmax.reduce(found, axis=1))
+    return lowest, highest
+
+
+def bearing(triangles: Triangles) -> Triangles:
+    """The triangles that are level enough to bear something, or to stand on something."""
     normal = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
     return triangles[np.abs(normal[:, 2]) > STEEPEST * np.linalg.norm(normal, axis=1)]
 
 
-def _places(upper: Triangles, lower: Triangles, low: Floats, high: Floats) -> Floats:
+def grid_places(low: Floats, high: Floats) -> Floats:
+    """Places (GRID * GRID, 2), evenly over a box seen from above."""
     steps = (np.arange(GRID) + 0.5) / GRID
-    grid = np.stack(np.meshgrid(steps, steps), axis=-1).reshape(-1, 2)
-    found = [low[:2] + grid * (high - low)[:2]]
+    return low[:2] + np.stack(np.meshgrid(steps, steps), axis=-1).reshape(-1, 2) * (high - low)[:2]
+
+
+def _places(upper: Triangles, lower: Triangles, low: Floats, high: Floats) -> Floats:
+    found = [grid_places(low, high)]
     for triangles in (upper, lower):
         points = triangles.reshape(-1, 3)[:, :2]
         points = points[((points >= low[:2]) & (points <= high[:2])).all(axis=1)]
@@ -100,16 +144,39 @@ def walls_around(point: Floats, triangles: Triangles, axes: Floats) -> Floats:
 
 
 def surface_gap(first: Triangles, second: Triangles) -> float:
-    """Smallest distance found between corners, middles of edges and of faces of one surface and the other, metres."""
+    """Smallest distance found between corners, middles of edges and of faces of one surface and the other, metres; 0
+    where an edge of one goes through the other."""
     if not len(first) or not len(second):
         return float("inf")
+    if _pierces(first, second) or _pierces(second, first):
+        return 0.0
     return min(_nearest(_probes(first), second), _nearest(_probes(second), first))
 
 
 def _probes(triangles: Triangles) -> Floats:
     middles = (triangles + np.roll(triangles, 1, axis=1)) / 2
     points = np.concatenate([triangles.reshape(-1, 3), middles.reshape(-1, 3), triangles.mean(axis=1)])
-    return points[:: max(1, len(points) // 256)]
+    return points[:: max(1, len(points) // PROBES)]
+
+
+def _pierces(first: Triangles, second: Triangles) -> bool:
+    """Does an edge of ``first`` go through a triangle of ``second``?"""
+    edges = np.concatenate([first[:, [0, 1]], first[:, [1, 2]], first[:, [2, 0]]])
+    edges = edges[:: max(1, len(edges) // PROBES)]
+    corner, one, two = second[:, 0], second[:, 1] - second[:, 0], second[:, 2] - second[:, 0]
+    normal = np.cross(one, two)
+    along = edges[:, 1] - edges[:, 0]
+    slope = along @ normal.T
+    step = edges[:, 0, None] - corner
+    with np.errstate(divide="ignore", invalid="ignore"):
+        share = -np.einsum("kmi,mi->km", step, normal) / slope
+        hit = (share > 0) & (share < 1) & (np.abs(slope) > 1e-12)
+        edge, face = np.nonzero(hit)
+    place = step[edge, face] + share[edge, face, None] * along[edge]
+    square = np.einsum("ni,ni->n", normal[face], normal[face])
+    u = np.einsum("ni,ni->n", np.cross(place, two[face]), normal[face]) / square
+    v = np.einsum("ni,ni->n", np.cross(one[face], place), normal[face]) / square
+    return bool(((u > 0) & (v > 0) & (u + v < 1)).any())
 
 
 def _nearest(points: Floats, triangles: Triangles) -> float:

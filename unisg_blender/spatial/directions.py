@@ -8,6 +8,7 @@ from ..geometry.arrays import Floats, Ints
 from ..geometry.box_overlap import nearby_pairs
 from ..geometry.boxes import Boxes
 from ..geometry.planar import rotate
+from ..geometry.polygon import convex_gap
 from .object_rows import Objects
 from .relation_tolerances import RelationTolerances
 
@@ -54,8 +55,12 @@ def _horizontal(objects: Objects, tolerances: RelationTolerances) -> list[tuple[
     lower = np.minimum(high[:, 0, 2] - low[:, 0, 2], high[:, 1, 2] - low[:, 1, 2])
     space = np.maximum(low[:, 0, :2], low[:, 1, :2]) - np.minimum(high[:, 0, :2], high[:, 1, :2])
     distance = np.linalg.norm(np.maximum(space, 0), axis=1)
-    apart = (space >= -tolerances.overlap).any(axis=1) & (distance <= tolerances.beside)
-    level = apart & (common >= tolerances.shared * lower) & (common > 0)
+    level = (common >= tolerances.shared * lower) & (common > 0)
+    apart = (space >= -tolerances.overlap).any(axis=1)
+    for pair in np.flatnonzero(level & ~apart):  # turned things can be apart though their boxes overlap
+        distance[pair] = convex_gap(*(objects.footprint(int(obj)) for obj in pairs[pair]))
+        apart[pair] = distance[pair] > 0
+    level &= apart & (distance <= tolerances.beside)
     pairs, offset = pairs[level], _seen(objects, pairs[level], tolerances.heading)
     sideways = np.abs(offset[:, 0]) >= np.abs(offset[:, 1])
     found = [("beside", one, two) for one, two in pairs.tolist()]

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from ..errors import UniSGError
 from ..geometry.arrays import Floats
-from ..geometry.polygon import area
+from ..geometry.polygon import area, convex_hull
 from ..scene.categories import FLOOR, has_category
 from ..scene.graph import SceneGraph
 from ..scene.hierarchy import world_matrices
@@ -63,7 +63,10 @@ def _outline(mesh: Mesh, matrix: Floats) -> Floats:
     weld = weld.reshape(-1)
     loops = _border_loops(np.stack([weld[start[up]], weld[stop[up]]], axis=1))
     if not loops:
-        return _convex_hull(places)
+        hull = convex_hull(places)
+        if len(hull) < 3:
+            raise UniSGError('the floor has no area: give the category "Floor" to a surface')
+        return hull
     polygons = [_without_straight_corners(places[loop]) for loop in loops]
     largest = max(polygons, key=lambda polygon: abs(area(polygon)))
     return largest if area(largest) > 0 else largest[::-1]
@@ -88,12 +91,3 @@ def _without_straight_corners(polygon: Floats) -> Floats:
     bend = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
     kept = np.abs(bend) > 1e-6 * np.linalg.norm(before, axis=1) * np.linalg.norm(after, axis=1)
     return polygon[kept] if kept.sum() >= 3 else polygon
-
-
-def _convex_hull(points: Floats) -> Floats:
-    from scipy.spatial import ConvexHull, QhullError
-
-    try:
-        return points[ConvexHull(points).vertices]
-    except (QhullError, ValueError):
-        raise UniSGError('the floor has no area: give the category "Floor" to a surface') from None

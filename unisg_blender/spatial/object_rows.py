@@ -10,6 +10,7 @@ import numpy as np
 from ..geometry.arrays import Bools, Floats, Ints
 from ..geometry.boxes import Boxes, orthonormal_axes, upright_boxes
 from ..geometry.planar import heading
+from ..geometry.polygon import convex_hull
 from ..geometry.surface_contact import Triangles
 from ..scene.graph import SceneGraph
 from ..scene.hierarchy import world_matrices
@@ -113,6 +114,16 @@ class Objects:
             found[:, obj] = seen.min(axis=0), seen.max(axis=0)
         return found
 
+    def footprint(self, obj: int) -> Floats:
+        """The convex hull of an object seen from above, (C, 2) metres."""
+        if obj not in self._footprints:
+            self._footprints[obj] = convex_hull(self.triangles(obj).reshape(-1, 3)[:, :2])
+        return self._footprints[obj]
+
+    @cached_property
+    def _footprints(self) -> dict[int, Floats]:
+        return {}
+
     @cached_property
     def parts(self) -> PartBoxes:
         """World boxes of the connected parts of the meshes, each with the number of its object, ascending."""
@@ -155,6 +166,18 @@ class Objects:
             corners = np.concatenate([np.zeros((0, 3, 3)), *(self._triangles(row) for row in self.meshes[obj])])
             self._made[obj] = corners[np.isfinite(corners).all(axis=(1, 2))]
         return self._made[obj]
+
+    def triangles_within(self, obj: int, low: Floats, high: Floats) -> Triangles:
+        """The triangles of an object whose boxes reach into an axis-aligned box."""
+        triangles = self.triangles(obj)
+        if obj not in self._ends:
+            self._ends[obj] = triangles.min(axis=1), triangles.max(axis=1)
+        lowest, highest = self._ends[obj]
+        return triangles[((lowest <= high) & (highest >= low)).all(axis=1)]
+
+    @cached_property
+    def _ends(self) -> dict[int, tuple[Floats, Floats]]:
+        return {}
 
     @cached_property
     def _made(self) -> dict[int, Triangles]:

@@ -8,13 +8,14 @@ import numpy as np
 
 from ..geometry.arrays import Ints
 from ..geometry.box_overlap import nearby_pairs, penetration
-from ..geometry.surface_contact import contact_heights, surface_gap, walls_around, within
+from ..geometry.surface_contact import contact_heights, surface_gap, walls_around
 from ..scene import components
 from ..scene.component_table import entry_table
 from ..scene.graph import SceneGraph
 from .directions import directions
 from .object_rows import Objects, find_objects
 from .relation_tolerances import DEFAULT, RelationTolerances
+from .surface_under import surface_under
 
 KINDS = (
     "on_top_of", "inside", "above", "below", "left_of", "right_of", "in_front_of", "behind", "beside", "part_of",
@@ -92,6 +93,7 @@ def _close_pairs(objects: Objects, tolerances: RelationTolerances) -> Ints:
 def _touching(objects: Objects, pairs: Ints, tolerances: RelationTolerances) -> list[Found]:
     """What rests on, lies in, belongs to or is joined with what."""
     found: list[Found] = []
+    joined: list[tuple[int, int]] = []
     for one, two in pairs.tolist():
         between: list[Found] = []
         for subject, target in ((one, two), (two, one)):
@@ -107,8 +109,23 @@ def _touching(objects: Objects, pairs: Ints, tolerances: RelationTolerances) -> 
             elif objects.is_below(two, one):
                 between = [(two, "part_of", one)]
             else:
-                between = [(one, "connected_to", two), (two, "connected_to", one)]
+                joined.append((one, two))
         found += between
+    return found + _sunk_or_connected(objects, joined, {entry[0] for entry in found if entry[1] != "part_of"})
+
+
+def _sunk_or_connected(objects: Objects, joined: list[tuple[int, int]], borne: set[int]) -> list[Found]:
+    """Of what meets: what stands sunk in something stands on it, where nothing bears it; the rest is connected."""
+    deepest: dict[int, tuple[float, int]] = {}
+    for pair in joined:
+        for subject, target in (pair, pair[::-1]):
+            if subject not in borne and (height := surface_under(objects, subject, target)) is not None:
+                deepest[subject] = max(deepest.get(subject, (height, target)), (height, target))
+    found = [(subject, "on_top_of", target) for subject, (_, target) in deepest.items()]
+    sunk = {(subject, target) for subject, _, target in found}
+    for one, two in joined:
+        if (one, two) not in sunk and (two, one) not in sunk:
+            found += [(one, "connected_to", two), (two, "connected_to", one)]
     return found
 
 
@@ -158,5 +175,5 @@ def _lies_inside(objects: Objects, subject: int, target: int, tolerances: Relati
 def _meets(objects: Objects, one: int, two: int, tolerances: RelationTolerances) -> bool:
     low = np.maximum(objects.low[one], objects.low[two]) - tolerances.gap
     high = np.minimum(objects.high[one], objects.high[two]) + tolerances.gap
-    parts = within(objects.triangles(one), low, high), within(objects.triangles(two), low, high)
+    parts = (objects.triangles_within(obj, low, high) for obj in (one, two))
     return surface_gap(*parts) <= tolerances.gap

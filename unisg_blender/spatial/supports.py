@@ -14,6 +14,7 @@ from ..geometry.planar import rotation
 from ..scene import components
 from ..scene.graph import SceneGraph
 from .object_rows import Objects, find_objects
+from .surface_under import surface_under
 
 SUPPORT_KINDS = ("on_top_of", "inside", "hangs_from")
 """Relations to what holds an object."""
@@ -86,8 +87,9 @@ def find_supports(graph: SceneGraph) -> Supports:
 
     Of the relations ``on_top_of``, ``inside`` and ``hangs_from`` count. Above in the hierarchy the nearest
     object with geometry counts, and one without it only where nothing bears the object. What rests on what is told by
-    boxes (:func:`resting_on`). What hangs is told by relations or the hierarchy alone: geometry cannot tell a picture
-    on a wall from a chair that was pushed against it.
+    boxes (:func:`resting_on`), and by meshes where boxes say nothing: on a hill, or in a house of one mesh, things
+    stand anywhere in the box, and some are sunk a little into what they stand on. What hangs is told by relations or
+    the hierarchy alone: geometry cannot tell a picture on a wall from a chair that was pushed against it.
     """
     objects = find_objects(graph)
     solid = np.array([len(rows) > 0 for rows in objects.meshes], bool)
@@ -99,6 +101,8 @@ def find_supports(graph: SceneGraph) -> Supports:
     for obj in np.argsort(objects.upright[0][:, 2] - objects.upright[1][:, 2], kind="stable"):  # what bears comes first
         if above[obj] < 0 and solid[obj]:
             above[obj] = resting_on(objects, int(obj), above)
+            if above[obj] < 0:
+                above[obj] = _standing_in(objects, int(obj), above, solid)
     above = np.where(above < 0, objects.above, above)
     rest = np.setdiff1d(np.flatnonzero(above >= 0), subject)
     subject, target = np.concatenate([subject, rest]), np.concatenate([target, above[rest]])
@@ -144,6 +148,20 @@ def resting_on(objects: Objects, obj: int, support: Ints) -> int:
         depth = penetration(own.take(np.full(len(near), obj)), parts.boxes.take(near))
         under = near[depth >= -CONTACT]
     return int(parts.owner[under[np.argmax(tops[under])]]) if len(under) else -1
+
+
+def _standing_in(objects: Objects, obj: int, support: Ints, solid: Bools) -> int:
+    """The object with the highest surface on or in which object ``obj`` stands, by their meshes; -1 for none."""
+    low, high = objects.low - CONTACT, objects.high + CONTACT
+    near = solid & (low <= objects.high[obj]).all(axis=1) & (high >= objects.low[obj]).all(axis=1)
+    near[obj] = False
+    best, highest = -1, -np.inf
+    for other in np.flatnonzero(near).tolist():
+        if not _holds(support, obj, other):
+            height = surface_under(objects, obj, other, CONTACT)
+            if height is not None and height > highest:
+                best, highest = other, height
+    return best
 
 
 def _holds(support: Ints, obj: int, other: int) -> bool:
