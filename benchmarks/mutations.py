@@ -91,7 +91,7 @@ def _swapped(node: ast.BinOp | ast.Compare | ast.BoolOp | ast.UnaryOp) -> Iterat
                 yield ast.unparse(node)
                 node.ops[place] = operator
     elif swap := SWAPS.get(type(node.op)):
-        kept, node.op = node.op, swap()  # type: ignore[call-overload]
+        kept, node.op = node.op, swap()  # type: ignore[assignment]
         yield ast.unparse(node)
         node.op = kept
 

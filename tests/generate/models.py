@@ -29,10 +29,12 @@ def shared_model(kind: str) -> Path:
     """A model of a kind, trained for a moment."""
     import torch
 
-    from unisg_blender.learn import jobs
+    from unisg_blender.learn import job_list
     from unisg_blender.learn.hyperparameters import Settings
 
     torch.set_num_threads(1)  # two test runs at a time share the cores
     out = Path(_FOLDER.name) / f"{kind}.onnx"
-    jobs.train("cgvae", [open_dataset(shared_dataset())], out, Settings(paper=kind == "cgvae", epochs=2, quiet=True))
+    job_list.train(
+        "cgvae", [open_dataset(shared_dataset())], out, Settings(paper=kind == "cgvae", epochs=2, quiet=True)
+    )
     return out

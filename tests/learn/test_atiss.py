@@ -17,7 +17,7 @@ from unisg_blender.experiments.rooms.furnishing import ByModel  # noqa: E402
 from unisg_blender.generate.observe.contract import Contract  # noqa: E402
 from unisg_blender.generate.observe.placeable import box_placeable  # noqa: E402
 from unisg_blender.generate.observe.support_priors import CategoryPriors  # noqa: E402
-from unisg_blender.learn import jobs  # noqa: E402
+from unisg_blender.learn import job_list  # noqa: E402
 from unisg_blender.learn.atiss.network import Atiss, AtissSizes  # noqa: E402
 from unisg_blender.learn.atiss.training import example_inputs, write_atiss  # noqa: E402
 from unisg_blender.learn.hyperparameters import Settings  # noqa: E402
@@ -30,7 +30,7 @@ pytestmark = pytest.mark.slow
 def model(tmp_path_factory: pytest.TempPathFactory) -> Path:
     torch.set_num_threads(1)
     out = tmp_path_factory.mktemp("atiss") / "atiss.onnx"
-    report = jobs.train("atiss", [open_dataset(shared_dataset())], out, Settings(epochs=3, quiet=True))
+    report = job_list.train("atiss", [open_dataset(shared_dataset())], out, Settings(epochs=3, quiet=True))
     assert report["scenes_trained"] + report["scenes_held_out"] == 12
     return out
 

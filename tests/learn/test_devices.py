@@ -17,7 +17,7 @@ from tests.generate.rooms import room  # noqa: E402
 from unisg_blender.dataset import open_dataset, write_dataset  # noqa: E402
 from unisg_blender.errors import UniSGError  # noqa: E402
 from unisg_blender.generate.behaviour.action_statistics import learn_kinds  # noqa: E402
-from unisg_blender.learn import jobs  # noqa: E402
+from unisg_blender.learn import job_list  # noqa: E402
 from unisg_blender.learn.anchors.training import example_inputs as anchor_inputs  # noqa: E402
 from unisg_blender.learn.atiss.training import example_inputs as atiss_inputs  # noqa: E402
 from unisg_blender.learn.atlasnet.network import AtlasNet  # noqa: E402
@@ -46,7 +46,7 @@ def folders(tmp_path_factory: pytest.TempPathFactory) -> Sequence[Path]:
 def prepared(model: str, folders: Sequence[Path]) -> tuple[Any, Prepared]:
     """The module of a model, and its network before the first step."""
     chosen = {"scene_classifier": folders[:2], "topology": folders[2:]}.get(model, folders[:1])
-    module = jobs.load(f"{model}.training")
+    module = job_list.load(f"{model}.training")
     settings = Settings(epochs=1, form=module.FORM, quiet=True)
     return module, module.prepare([open_dataset(path) for path in chosen], settings)
 
@@ -135,7 +135,7 @@ def test_behaviour_of_scenes_without_missing_actions_is_elsewhere_too() -> None:
     inputs = behaviour_inputs(kinds)
     batch = {**inputs, "wanted": torch.zeros(1, len(kinds.kinds)), "able": torch.ones(1, len(kinds.kinds))}
     batch["made"] = torch.zeros(0, 6, dtype=torch.int64)
-    terms = jobs.load("behaviour.training").terms
+    terms = job_list.load("behaviour.training").terms
     elsewhere(lambda: {name: value.detach() for name, value in terms(network, batch).items()})
 
 

@@ -18,7 +18,7 @@ from unisg_blender.cli import main  # noqa: E402
 from unisg_blender.dataset import open_dataset, write_dataset  # noqa: E402
 from unisg_blender.errors import UniSGError  # noqa: E402
 from unisg_blender.generate.propose.trained_model import assets_path, load_model  # noqa: E402
-from unisg_blender.learn import jobs  # noqa: E402
+from unisg_blender.learn import job_list  # noqa: E402
 from unisg_blender.learn.anchors import training as train_anchors  # noqa: E402
 from unisg_blender.learn.behaviour import training as train_behaviour  # noqa: E402
 from unisg_blender.learn.cgvae import training as train_cgvae  # noqa: E402
@@ -67,7 +67,7 @@ def test_same_seed_same_network_and_another_seed_another(
     found = networks(monkeypatch)
     for seed in (3, 3, 4):
         settings = Settings(paper=paper, epochs=1, seed=seed, quiet=True)
-        jobs.train("cgvae", [open_dataset(dataset_folder)], tmp_path / "model.onnx", settings)
+        job_list.train("cgvae", [open_dataset(dataset_folder)], tmp_path / "model.onnx", settings)
     one, two, other = (torch.cat([weight.flatten() for weight in network.parameters()]) for network in found)
     assert torch.equal(one, two)
     assert not torch.allclose(one, other)
@@ -88,7 +88,7 @@ def test_an_interrupted_training_goes_on_where_it_stopped(
 
     def train(epochs: int) -> None:
         settings = Settings(paper=module is train_cgvae, epochs=epochs, quiet=True, logs=logs)
-        jobs.train("cgvae", [open_dataset(dataset_folder)], tmp_path / "model.onnx", settings)
+        job_list.train("cgvae", [open_dataset(dataset_folder)], tmp_path / "model.onnx", settings)
 
     monkeypatch.setattr(module, "terms", failing)
     with pytest.raises(RuntimeError, match="power"):

@@ -20,7 +20,7 @@ from torch_geometric.data import Batch  # noqa: E402
 
 from unisg_blender.cli import main  # noqa: E402
 from unisg_blender.dataset import open_dataset, write_dataset  # noqa: E402
-from unisg_blender.learn import jobs  # noqa: E402
+from unisg_blender.learn import job_list  # noqa: E402
 from unisg_blender.learn.hyperparameters import Settings  # noqa: E402
 from unisg_blender.learn.scene_classifier import training as train_classifier  # noqa: E402
 from unisg_blender.learn.topology import training as train_topology  # noqa: E402
@@ -95,7 +95,7 @@ def test_same_seed_same_network(
     monkeypatch.setattr(module, f"write_{job}", lambda network, *rest: found.append(network))
     datasets = [open_dataset(path) for path in folders.values()]
     for seed in (1, 1, 2):
-        jobs.train(job, datasets, tmp_path / "m.onnx", Settings(epochs=1, seed=seed, quiet=True))
+        job_list.train(job, datasets, tmp_path / "m.onnx", Settings(epochs=1, seed=seed, quiet=True))
     one, two, other = (torch.cat([weight.flatten() for weight in network.parameters()]) for network in found)
     assert torch.equal(one, two)
     assert not torch.allclose(one, other)
@@ -141,7 +141,7 @@ def test_training_ends_early_and_keeps_the_best(
     monkeypatch.setattr(train_topology, "terms", terms)
     monkeypatch.setattr(train_topology, "BATCH", 100_000)
     datasets = [open_dataset(folders["cubes"])]
-    jobs.train("topology", datasets, tmp_path / "m.onnx", Settings(epochs=6, patience=2, quiet=True))
+    job_list.train("topology", datasets, tmp_path / "m.onnx", Settings(epochs=6, patience=2, quiet=True))
     assert len(weights) == 4
     assert torch.equal(kept[0].layers[0].weight.detach(), weights[1])
 

@@ -10,9 +10,9 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import DONE, UniSGError
-from ..learn import jobs
+from ..learn import job_list
 from ..learn.hyperparameters import ACCELERATORS, Settings
-from ..learn.jobs import JOBS
+from ..learn.job_list import JOBS
 from . import train_meshes
 
 HELP = "Train a model on a dataset and write it as an ONNX file that runs without torch."
@@ -60,7 +60,7 @@ def run(args: argparse.Namespace) -> int:
         devices=args.devices, nodes=args.nodes, logs=args.logs, patience=args.patience, quiet=args.quiet,
         command=_command(args),
     )  # fmt: skip
-    report = {"model": str(args.out), **jobs.train(args.job, datasets, args.out, settings)}
+    report = {"model": str(args.out), **job_list.train(args.job, datasets, args.out, settings)}
     report["seconds"] = round(time.perf_counter() - start, 1)
     if args.json:
         print(json.dumps(report, ensure_ascii=False))

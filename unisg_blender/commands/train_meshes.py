@@ -14,7 +14,7 @@ from typing import Any
 from .. import __version__
 from ..errors import DONE, UniSGError
 from ..learn.atlasnet.world_shapes import world_models
-from ..learn.jobs import load
+from ..learn.job_list import load
 from ..meshes.shape_files import ShapeFile, of_split, read_models
 
 WORLDS_WITH_OBJECTS = ("operating-room", "living-room")

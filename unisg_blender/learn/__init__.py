@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from ..runtime.lazy_names import lazy_names
 from .hyperparameters import Settings
-from .jobs import JOBS, train
+from .job_list import JOBS, train
 
 if TYPE_CHECKING:
     from .object_categories.training import fit_labels

@@ -8,7 +8,7 @@ from ..geometry.arrays import Floats
 from ..scene.graph import SceneGraph
 from .furniture import building, surgical
 from .layout import Layout, Placed, facing, matrix_of, pick
-from .operating_sides import anaesthesia_side, floor_around_table, sterile_side
+from .operating_table_sides import anaesthesia_side, floor_around_table, sterile_side
 from .operating_walls import along_the_walls
 from .shell import Side, build_shell, cut_corner, keep_door_free, rectangle
 from .surgery_lesson import surgery_lesson

@@ -8,7 +8,7 @@ from .furniture import anaesthesia, building, storage, surgical
 from .furniture import instruments as tools
 from .furniture.kit import Furniture
 from .layout import Layout, Placed, pick
-from .operating_sides import STOOL_COLORS, hang_bags
+from .operating_table_sides import STOOL_COLORS, hang_bags
 from .shell import Side, against, beside_wall, mount
 
 BOX_COLORS = ["blue", "green", "cream", "white", "teal"]

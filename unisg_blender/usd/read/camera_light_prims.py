@@ -15,8 +15,8 @@ from ...scene import components
 from ...scene.component_table import Table, table
 from .. import cameras, light_units, schema
 from ..names import true_name
+from .entity_selection import Entities
 from .mesh_topology import NOW
-from .prim_entities import Entities
 
 Values = Mapping[str, Any]
 SAME = 1e-5

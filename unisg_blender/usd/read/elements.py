@@ -17,9 +17,9 @@ from ...scene.assembly import Columns, assemble
 from ...scene.graph import SceneGraph
 from ...scene.mesh import Mesh
 from ...scene.properties import ObjectProperties
-from .entity_prims import read_entries
+from .entity_attributes import read_entries
+from .entity_selection import Entities
 from .mesh_topology import array
-from .prim_entities import Entities
 from .stage import Y_TO_Z
 
 COMPONENTS = ("TRS", "Mesh", "VA")

@@ -14,8 +14,8 @@ from ...scene import components
 from ...scene.component_table import Table, table
 from ...scene.graph import SceneGraph
 from .. import schema
+from .entity_selection import Entities
 from .mesh_topology import array
-from .prim_entities import Entities
 from .xforms import from_usd, local_transform
 
 SAME = 1e-5

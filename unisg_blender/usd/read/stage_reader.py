@@ -21,10 +21,10 @@ from ..names import true_name
 from .camera_light_prims import read_data
 from .component_scopes import read_components
 from .elements import is_elements, read_elements
-from .entity_prims import read_entries
+from .entity_attributes import read_entries
+from .entity_selection import find_entities
 from .instancers import read_instances
 from .mesh_prims import MeshPrims
-from .prim_entities import find_entities
 from .stage import quiet, stage_frame
 from .time_samples import read_motion
 from .unsupported_prims import tell_losses

@@ -11,7 +11,7 @@ from pxr import Usd, UsdGeom
 from ...scene import components
 from ...scene.component_table import Table, table
 from .. import schema
-from .prim_entities import Entities
+from .entity_selection import Entities
 from .xforms import Frames, from_usd
 
 Clip = tuple[NDArray[np.float64], NDArray[np.float64]]

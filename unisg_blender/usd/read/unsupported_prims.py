@@ -15,8 +15,8 @@ from pxr import UsdShade
 
 from .. import schema
 from .camera_light_prims import CAMERA_NAMES, LIGHT_INPUTS
+from .entity_selection import Entities
 from .mesh_topology import UV_TYPES
-from .prim_entities import Entities
 
 HELD = frozenset((
     "xformOpOrder", "visibility", "purpose", "extent", "extentsHint", "proxyPrim", "points", "faceVertexCounts",

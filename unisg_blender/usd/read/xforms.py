@@ -14,7 +14,7 @@ from ...scene import components
 from ...scene.component_table import Table, table
 from ...scene.parents import compose_world
 from .. import schema
-from .prim_entities import Entities
+from .entity_selection import Entities
 
 SEES_ALONG_MINUS_Z = ("CAMERA", "LIGHT")
 FLAT = 1e9

@@ -15,7 +15,7 @@ from ...scene.properties import ObjectProperties, decode_properties
 from ...scene.relation import Relation
 from .. import schema
 from ..names import true_name
-from .prim_entities import Entities
+from .entity_selection import Entities
 
 _OWN = {
     schema.UID: properties.UID,
