@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import UniSGError
+from ...runtime.wording import some_of
 from .schema import COLUMNS, REFERENCES, STRINGS, TABLES, VOCABULARIES, table_of
 
 Columns = dict[str, NDArray[Any]]
@@ -172,5 +173,5 @@ def check_covered(used: Mapping[str, Iterable[str]], vocabulary: Mapping[str, Se
     for kind in VOCABULARIES:
         missing = [repr(name) for name in used[kind] if name not in vocabulary.get(kind, ())]
         if missing:
-            shown = ", ".join(missing[:5]) + (f" and {len(missing) - 5} more" if len(missing) > 5 else "")
+            shown = some_of(missing, 5)
             raise UniSGError(f"{owner} has {kind} that the vocabulary asked for lacks: {shown}; give one that has them")
