@@ -50,7 +50,7 @@ class UNISG_OT_convert(FileOperator):
         finally:
             manager.progress_end()
         if len(report):
-            self.report({"WARNING"}, f"Not represented: {report.summary()}")
+            self.report({"WARNING"}, f"Not represented: {report.summary(most=3)}")
         self.report({"INFO"}, f"Saved {path.name}")
 
 
@@ -75,10 +75,9 @@ class UNISG_OT_open_master_file(FileOperator):
         scene = write_scene(graph, report=report)
         if context.window is not None:
             context.window.scene = scene
-        for line in lost:
-            report.add("", line)
+        report.extend(lost)
         if len(report):
-            self.report({"WARNING"}, f"Not represented: {report.summary()}")
+            self.report({"WARNING"}, f"Not represented: {report.summary(most=3)}")
         self.report({"INFO"}, f"{len(graph)} entities in the scene {scene.name!r}")
 
 

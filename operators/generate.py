@@ -74,14 +74,14 @@ class UNISG_OT_generate(GenerationChoices, SteppedOperator):
         """Make the objects, select them, and say what happened."""
         from ..unisg_blender.blender import write_rows
         from ..unisg_blender.blender.authoring.extended_lessons import extend_lessons
+        from ..unisg_blender.runtime.wording import grouped
 
         result = self._result
         extend_lessons(result.scene, result.rows.tolist(), context.scene)
         objects = write_rows(result.scene, result.rows, context.scene)
         self._select(context, objects)
-        for placement in result.objects:
-            if placement.note:
-                self.report({"WARNING"}, f"{placement.name or placement.category}: {placement.note}")
+        for line in grouped((each.name or each.category, each.note) for each in result.objects if each.note):
+            self.report({"WARNING"}, line)
         spent = time.perf_counter() - self._began
         added = f"{_number(result.added, 'object')} added{self._actions(result.actions) if result.added else ''}"
         refused = ""

@@ -155,7 +155,7 @@ class UNISG_OT_record(Operator):
             write_usd(graph, bpy.path.abspath(self.filepath))
         store_recording(graph, scene, report)
         if len(report):
-            self.report({"WARNING"}, f"Not recorded: {report.summary()}")
+            self.report({"WARNING"}, f"Not recorded: {report.summary(most=3)}")
         counts = [0 if each is None else len(each.rows) for each in (moved, events)]
         self.report({"INFO"}, f"{counts[0]} objects and {counts[1]} events recorded")
         return {"FINISHED"}

@@ -26,6 +26,7 @@ class UNISG_OT_settle(Operator):
 
         from ..unisg_blender.blender import objects_by_uid, read_scene
         from ..unisg_blender.generate.place.settle_existing import settle_rows
+        from ..unisg_blender.runtime.wording import grouped
 
         graph = read_scene(context.scene, details=False)
         items = objects_by_uid(context.scene)
@@ -38,9 +39,9 @@ class UNISG_OT_settle(Operator):
             context.view_layer.update()  # parents come first: the next one is set in the world again
         moved = sum(not settled.note for settled in found)
         self.report({"INFO"}, f"{moved} of {len(found)} objects settled")
-        for settled in found:  # last: the status bar shows the last report only
-            if settled.note:
-                self.report({"WARNING"}, f"{graph.name[settled.row]}: {settled.note}")
+        notes = [(graph.name[settled.row], settled.note) for settled in found if settled.note]
+        for line in grouped(notes):  # last: the status bar shows the last report only
+            self.report({"WARNING"}, line)
         return {"FINISHED"} if moved else {"CANCELLED"}
 
 

@@ -150,6 +150,8 @@ def test_vocabulary_can_be_given(tmp_path: Path, scenes: list[SceneGraph]) -> No
     dataset = open_dataset(tmp_path / "ds")
     assert dataset.categories[:2] == ("Zebra", "Table")
     assert dataset.manifest["category_counts"][:2] == [0, len(scenes)]
+    assert "Zebra" not in dataset.category_counts
+    assert dataset.category_counts["Table"] == len(scenes)
     assert "Table" in dataset[0].categories
 
 

@@ -14,10 +14,18 @@ from torch_geometric.data import Batch, HeteroData  # noqa: E402
 from torch_geometric.loader import DataLoader  # noqa: E402
 from torch_geometric.transforms import ToUndirected  # noqa: E402
 
-from unisg_blender.dataset import UniSGDataset, open_dataset, to_heterodata, write_dataset  # noqa: E402
+from unisg_blender.dataset import (  # noqa: E402
+    UniSGDataset,
+    common_vocabulary,
+    open_dataset,
+    to_heterodata,
+    write_dataset,
+)
 from unisg_blender.dataset.format import writer  # noqa: E402
+from unisg_blender.errors import UniSGError  # noqa: E402
 from unisg_blender.poses import FORMS  # noqa: E402
-from unisg_blender.scene import SceneBuilder, SceneGraph  # noqa: E402
+from unisg_blender.scene import Relation, SceneBuilder, SceneGraph  # noqa: E402
+from unisg_blender.spatial.relations import KINDS  # noqa: E402
 
 Make = Callable[..., SceneGraph]
 
@@ -28,6 +36,9 @@ def assert_same(data: HeteroData, other: HeteroData) -> None:
     for store, copy in zip(data.stores, other.stores, strict=True):
         assert set(store.keys()) == set(copy.keys())
         for key, value in store.items():
+            if key == "numbering":
+                assert list(value) == list(copy[key])
+                continue
             assert torch.equal(value, copy[key]), (store._key, key)
             assert value.dtype == copy[key].dtype, (store._key, key)
 
@@ -84,6 +95,70 @@ def test_unknown_names_are_left_out(make_scene: Make) -> None:
     assert set(data["entity"].category.tolist()) == {0, -1}
     assert data["entity", "inside", "entity"].num_edges == 0
     assert ("entity", "on_top_of", "entity") not in data.edge_types
+
+
+def related(kind: str, categories: tuple[str, str] = ("Bowl", "Apple")) -> SceneGraph:
+    """Two objects, the second of which stands in a relation to the first."""
+    builder = SceneBuilder(kind)
+    builder.add("first", uid="first", category=categories[0])
+    builder.add("second", uid="second", category=categories[1], relations=(Relation(kind, "first"),))
+    return builder.build()
+
+
+@pytest.mark.parametrize("order", [(0, 1), (1, 0)])
+def test_a_batch_of_scenes_is_the_same_in_any_order(order: tuple[int, int]) -> None:
+    graphs = [related("inside"), related("clipped_to", ("Cup", "Bowl"))]
+    names = common_vocabulary(graphs)
+    data = [to_heterodata(graphs[place], vocabulary=names) for place in order]
+    batch = Batch.from_data_list(data)
+    assert batch.vocabulary == names
+    for kind in ("inside", "clipped_to"):
+        assert batch["entity", kind, "entity"].num_edges == 1
+    for one, other in zip(batch.to_data_list(), data, strict=True):
+        assert_same(one, other)
+        assert one.vocabulary == names
+    found = [names["categories"][place] for place in batch["entity"].category]
+    expected = [["Bowl", "Apple"], ["Cup", "Bowl"]]
+    assert found == [*expected[order[0]], *expected[order[1]]]
+
+
+@pytest.mark.parametrize("order", [(0, 1), (1, 0)])
+@pytest.mark.parametrize(
+    ("other", "kind"), [(related("inside", ("Apple", "Cup")), "categories"), (related("clipped_to"), "relations")]
+)
+def test_graphs_of_other_numbers_are_refused(order: tuple[int, int], other: SceneGraph, kind: str) -> None:
+    data = [to_heterodata(graph) for graph in (related("inside"), other)]
+    with pytest.raises(UniSGError, match=f"number their {kind} differently.*common_vocabulary"):
+        Batch.from_data_list([data[place] for place in order])
+
+
+def test_every_graph_has_edges_of_all_known_kinds() -> None:
+    data = to_heterodata(related("inside"))
+    assert all(("entity", kind, "entity") in data.edge_types for kind in (*KINDS, "hangs_from"))
+    assert data.vocabulary["categories"] == ("Apple", "Bowl")
+
+
+def test_a_dataset_is_read_with_the_numbers_of_another(tmp_path: Path) -> None:
+    write_dataset([related("inside")], tmp_path / "train")
+    write_dataset([related("inside", ("Apple", "Bowl")), related("inside")], tmp_path / "test")
+    train = UniSGDataset(tmp_path / "train")
+    test = UniSGDataset(tmp_path / "test", vocabulary=train.vocabulary)
+    assert test.vocabulary == train.vocabulary == test[0].vocabulary
+    assert test[0]["entity"].category.tolist() == [
+        train.vocabulary["categories"].index(name) for name in ("Apple", "Bowl")
+    ]
+    assert open_dataset(tmp_path / "test", vocabulary=train.vocabulary)[0].categories == ("Apple", "Bowl")
+    assert_same(test[1], train[0])
+    Batch.from_data_list([train[0], test[0]])
+    with pytest.raises(UniSGError, match="number their categories differently"):
+        Batch.from_data_list([train[0], UniSGDataset(tmp_path / "test")[0]])
+
+
+@pytest.mark.parametrize("other", [related("inside", ("Apple", "Fig")), related("clipped_to")])
+def test_a_vocabulary_that_lacks_names_is_refused(tmp_path: Path, other: SceneGraph) -> None:
+    write_dataset([other], tmp_path / "ds")
+    with pytest.raises(UniSGError, match=r"that the vocabulary asked for lacks: '(Fig|clipped_to)'"):
+        open_dataset(tmp_path / "ds", vocabulary=common_vocabulary([related("inside")]))
 
 
 @pytest.mark.parametrize("indices", [[3], [19, 0, 8, 8, 5], list(range(20))])

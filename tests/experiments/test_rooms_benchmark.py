@@ -90,3 +90,12 @@ def test_training_and_test_rooms_are_apart() -> None:
         seeds = [set(range(part.seed, part.seed + part.count)) for part in PARTS if part.world == world]
         assert [len(part) for part in seeds] == [1000, 300]
         assert not seeds[0] & seeds[1]
+
+
+def test_training_and_test_rooms_number_names_alike(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    training = FrozenPart("living-room/training", "living-room", 0, 3, "")
+    monkeypatch.setattr(rooms_benchmark, "PARTS", (training, SMALL[1]))
+    write_rooms(argparse.Namespace(), tmp_path, lambda _: None)
+    one, two = (open_dataset(tmp_path / part.folder) for part in (training, SMALL[1]))
+    assert two.categories[: len(one.categories)] == one.categories
+    assert scenes_digest(two.path) == SMALL[1].digest

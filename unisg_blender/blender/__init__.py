@@ -15,12 +15,12 @@ try:
 except ImportError:
     raise MissingPackageError("bpy", "blender") from None
 
+from ..runtime.read_report import ReadReport
 from .blend_files import SUFFIXES, new_file, open_file, read_file, save_blend
 from .lookup import objects_by_uid
 from .read.sampled_animation import sample_animation
 from .read.scene_reader import read_scene, read_scenes
 from .render.picture import render_picture
-from .unsupported.read_report import ReadReport
 from .write.scene_writer import write_rows, write_scene
 
 __all__ = [

@@ -13,10 +13,10 @@ import bpy
 from ..errors import UniSGError
 from ..runtime.atomic_files import replacing
 from ..runtime.file_endings import BLENDER, USD
+from ..runtime.read_report import ReadReport
 from ..scene.graph import SceneGraph
 from .read.scene_reader import Geometry, read_scene, read_scenes
 from .suppress_output import captured_output, heard
-from .unsupported.read_report import ReadReport
 from .write.scene_writer import write_scene
 
 SUFFIXES = (*BLENDER, *USD)

@@ -6,18 +6,22 @@ import argparse
 import json
 import sys
 import time
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..errors import UniSGError
 from ..runtime.progress import Progress
+from ..runtime.wording import first_lines
 
 if TYPE_CHECKING:
+    from ..runtime.read_report import ReadReport
     from ..scene import SceneGraph
 
 MOMENT = 1.0  # seconds
+SHOWN = 100
+KINDS_OF_LOSS = 20
 
 
 def add_scene(parser: argparse.ArgumentParser, name: str = "file", meaning: str = "a scene file") -> None:
@@ -41,6 +45,13 @@ def add_form(parser: argparse.ArgumentParser, default: str = "quaternion") -> No
     from ..poses import FORMS
 
     parser.add_argument("--form", choices=FORMS, default=default, help=f"form of the dataset's poses ({default})")
+
+
+def add_limit(parser: argparse.ArgumentParser, things: str) -> None:
+    """How much a verb prints."""
+    parser.add_argument(
+        "--limit", type=int, default=SHOWN, metavar="N", help=f"show at most N {things} ({SHOWN}; 0: all)"
+    )
 
 
 def check_at_least(args: argparse.Namespace, least: int, *names: str) -> None:
@@ -79,7 +90,7 @@ def shown(quiet: bool, unit: str) -> Iterator[Callable[[int, int], None]]:
 
 def read_shown(
     args: argparse.Namespace, path: Path, target: Path | None = None, unit: str = "entities read", **options: Any
-) -> tuple[SceneGraph, list[str]]:
+) -> tuple[SceneGraph, ReadReport]:
     """The scene of a file and what it could not hold, with a progress bar.
 
     ``target`` is the file that will be written of it, if any; ``options`` are those of
@@ -101,8 +112,13 @@ def print_report(args: argparse.Namespace, report: dict[str, Any], lines: Iterab
             print(line)
 
 
-def tell_lost(args: argparse.Namespace, lost: Iterable[str]) -> None:
+def shown_lines(args: argparse.Namespace, lines: Sequence[str], things: str) -> list[str]:
+    """The lines about ``things`` that ``--limit`` lets through, and how many it does not."""
+    return first_lines(lines, args.limit, f"more {things} (--limit 0 shows all, --json has them)")
+
+
+def tell_lost(args: argparse.Namespace, lost: ReadReport) -> None:
     """Say on stderr what could not be represented."""
     if not (args.json or args.quiet):
-        for line in lost:
+        for line in first_lines(lost.lines(), KINDS_OF_LOSS, "more kinds of loss (--json has them)"):
             print(f"not represented: {line}", file=sys.stderr)

@@ -36,8 +36,8 @@ def run(args: argparse.Namespace) -> int:
     if args.realize:
         graph = realize(graph)
     with shown(args.quiet or args.json, "entities written") as tell:  # instanced ones included
-        lost += write_scene_file(graph, args.target, tell)
-    report = {"in": str(args.source), "out": str(args.target), **summary(graph), "not_represented": lost}
+        lost.extend(write_scene_file(graph, args.target, tell))
+    report = {"in": str(args.source), "out": str(args.target), **summary(graph), "not_represented": list(lost)}
     print_report(args, report, [f"{args.target}: {len(graph)} entities, {len(graph.meshes)} meshes"])
     tell_lost(args, lost)
     return DONE

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import textwrap
 from collections.abc import Iterator
 from concurrent.futures import Executor
 from pathlib import Path
@@ -16,6 +17,7 @@ if TYPE_CHECKING:
     from ..runtime.progress import Progress
 
 HELP = "Turn scene files into a dataset for learning."
+LONGEST_NOTE = 200
 ENCODERS = {"atlasnet": "unisg_blender.meshes.shape_feature:atlasnet_feature"}
 """Mesh encoders that have a name of their own."""
 
@@ -99,7 +101,9 @@ def _show_file(bar: Progress, record: dict[str, Any]) -> None:
     if record["status"] == "failed":
         bar.write(f"{source}: FAILED: {record['reason']}")
     elif record["status"] == "ok":
-        note = record["not_represented"]
+        note = textwrap.shorten(
+            record["not_represented"], LONGEST_NOTE, placeholder=" ... (all of it in files-*.jsonl)"
+        )
         bar.write(f"{source}: {f'not represented: {note}' if note else 'complete'}")
 
 

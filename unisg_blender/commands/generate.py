@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import argparse
 import time
+from collections import Counter
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..errors import DONE, SOME_FAILED, UniSGError
 from ..formats.scene_files import check_kinds, load_blender, write_scene_file
 from ..runtime.file_endings import BLENDER, WRITABLE, is_of
-from .common import check_folder_of, print_report, read_shown
+from .common import add_limit, check_at_least, check_folder_of, print_report, read_shown, shown_lines
 
 if TYPE_CHECKING:
     from ..generate import Generated
@@ -37,6 +38,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--no-behaviour", action="store_true", help="give the new objects no actions and leave the lesson alone"
     )
     parser.add_argument("--render", metavar="PNG", type=Path, help="write a picture of the result")
+    add_limit(parser, "objects")
 
 
 def run(args: argparse.Namespace) -> int:
@@ -63,13 +65,14 @@ def run(args: argparse.Namespace) -> int:
     spent = time.perf_counter() - start
     _write(args, result)
     report = {"out": str(args.out), **to_report(result), "seconds": round(spent, 4)}
-    print_report(args, report, _lines(report))
+    print_report(args, report, _lines(args, report))
     return SOME_FAILED if result.refused else DONE
 
 
 def _check(args: argparse.Namespace) -> None:
     if args.render is not None and args.render.suffix.lower() != ".png":
         raise UniSGError(f"--render writes .png, not {args.render.name!r}")
+    check_at_least(args, 0, "limit")
     check_folder_of(args.out)
     check_folder_of(args.render)
     if (args.on or args.beside) and (args.scene is None or args.add is None):
@@ -116,15 +119,14 @@ def to_report(result: Generated) -> dict[str, Any]:
     }
 
 
-def _lines(report: dict[str, Any]) -> list[str]:
-    lines = []
-    for item in report["objects"]:
-        what = f"{item['category']}: no place: {item['note']}" if item["refused"] else _placed(item)
-        lines.append(what)
-    lines.append(
-        f"{report['out']}: {report['added']} objects added, {report['refused']} refused, {report['seconds']} s"
-    )
-    return lines
+def _lines(args: argparse.Namespace, report: dict[str, Any]) -> list[str]:
+    lines = [_placed(item) for item in report["objects"] if not item["refused"]]
+    refused = Counter((item["category"], item["note"]) for item in report["objects"] if item["refused"])
+    return [
+        *shown_lines(args, lines, "objects"),
+        *(f"{count} x {category}: no place: {note}" for (category, note), count in refused.items()),
+        f"{report['out']}: {report['added']} objects added, {report['refused']} refused, {report['seconds']} s",
+    ]
 
 
 def _placed(item: dict[str, Any]) -> str:

@@ -8,19 +8,16 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import DONE
-from .common import add_scene_options, read_shown, tell_lost
+from .common import add_limit, add_scene_options, check_at_least, read_shown, shown_lines, tell_lost
 
 HELP = "Show the entity tree of a scene file, with components and behaviour, or the contents of a dataset."
-SHOWN = 1000
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """What the verb takes."""
     parser.add_argument("path", metavar="FILE_OR_DATASET", type=Path, help="a scene file, or the folder of a dataset")
     add_scene_options(parser)
-    parser.add_argument(
-        "--limit", type=int, default=SHOWN, metavar="N", help=f"show at most N entities ({SHOWN}; 0: all)"
-    )
+    add_limit(parser, "lines of each kind: entities, parts of the lesson, relations")
     parser.add_argument("--figures", type=Path, metavar="DIR", help="of a dataset: write pictures to this folder")
 
 
@@ -28,14 +25,21 @@ def run(args: argparse.Namespace) -> int:
     """Print the tree, or with ``--json`` everything as one JSON object."""
     if args.path.is_dir():
         return _inspect_dataset(args)
-    from ..scene.scene_text import summary, to_records, tree_lines
+    from ..scene.lesson_node import lesson_to_json
+    from ..scene.scene_text import entity_lines, lesson_lines, relation_lines, summary, to_records
 
+    check_at_least(args, 0, "limit")
     graph, lost = read_shown(args, args.path, geometry=args.geometry, scene=args.scene)
     if args.json:
-        record = {"file": str(args.path), **summary(graph), "records": to_records(graph), "not_represented": lost}
+        lessons = [json.loads(lesson_to_json(operation)) for _, operation in graph.entries("lsa", "data")]
+        record = {"file": str(args.path), **summary(graph), "records": to_records(graph), "lessons": lessons}
+        record["not_represented"] = list(lost)
         print(json.dumps(record, ensure_ascii=False))
         return DONE
-    print("\n".join(tree_lines(graph, args.limit or None)))
+    print("\n".join(shown_lines(args, entity_lines(graph), "entities")))
+    for lines, things in ((lesson_lines(graph), "parts of the lesson"), (relation_lines(graph), "relations")):
+        if lines:
+            print("\n".join(shown_lines(args, lines, things)))
     if not args.quiet:
         print("\n" + "\n".join(_summary_lines(summary(graph))))
     tell_lost(args, lost)

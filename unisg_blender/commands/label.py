@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from ..errors import DONE, UniSGError
 from ..runtime.file_endings import BLENDER, is_of
-from .common import add_scene, check_folder_of, print_report, read_shown
+from .common import add_limit, add_scene, check_at_least, check_folder_of, print_report, read_shown, shown_lines
 
 if TYPE_CHECKING:
     from ..predict.category_proposals import Proposal
@@ -25,6 +25,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--best", metavar="N", type=int, default=3, help="categories to name for each object (3)")
     parser.add_argument("--use", metavar="KINDS", default=",".join(EVIDENCE), help="evidence (shape,name,neighbours)")
     parser.add_argument("--all", action="store_true", help="also for objects that have a category")
+    add_limit(parser, "objects")
     parser.add_argument("--model", metavar="M", type=Path, help="model of categories (default: the shipped one)")
     parser.add_argument("--out", metavar="OUT", type=Path, help="write the scene with the accepted categories")
     parser.add_argument(
@@ -55,6 +56,7 @@ def _checked(args: argparse.Namespace) -> list[str]:
         raise UniSGError(f"--use takes some of {', '.join(EVIDENCE)}, not {args.use!r}")
     if args.best < 1 or not 0 <= args.threshold <= 1:
         raise UniSGError("--best must be at least 1, and --threshold lie between 0 and 1")
+    check_at_least(args, 0, "limit")
     check_folder_of(args.out)
     return use
 
@@ -105,6 +107,7 @@ def _lines(args: argparse.Namespace, proposals: Sequence[Proposal], accepted: in
     ]
     if not proposals:
         return ["nothing to propose: no object without a category has a mesh"]
+    lines = shown_lines(args, lines, "objects")
     if args.out is not None:
         lines.append(f"{args.out}: {accepted} of {len(proposals)} proposals accepted")
     return lines

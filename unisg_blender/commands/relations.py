@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 import argparse
+from collections import Counter
+from collections.abc import Sequence
 from pathlib import Path
 
 from ..errors import DONE, UniSGError
 from ..formats.scene_files import write_scene_file
 from ..scene.graph import SceneGraph
+from ..spatial.directions import OPPOSITE
 from ..spatial.relation_tolerances import RelationTolerances
-from ..spatial.relations import KINDS, find_relations, relate
-from .common import add_scene, check_at_least, print_report, read_shown
+from ..spatial.relations import KINDS, Found, find_relations, relate
+from .common import add_limit, add_scene, check_at_least, print_report, read_shown, shown_lines
 
 HELP = "Tell which thing stands on, in, above or beside which other, from geometry, or what is on what by a network."
+CONVERSE = OPPOSITE | {kind: other for other, kind in OPPOSITE.items()} | {"connected_to": "connected_to"}
 LENGTHS = {
     "gap": "largest distance at which surfaces touch, metres",
     "overlap": "largest depth at which surfaces touch, metres",
@@ -33,6 +37,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="M.onnx",
         help="tell what is on top of what by a network (the shipped one)",
     )
+    add_limit(parser, "relations, each pair of objects once")
     parser.add_argument("--out", type=Path, metavar="FILE", help="write the scene with its relations to this file")
     for name, text in LENGTHS.items():
         default = getattr(RelationTolerances(), name)
@@ -40,7 +45,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Print one line per relation, or with ``--json`` all of them as one JSON object."""
+    """Print counts and one line per relation, or with ``--json`` all of them as one JSON object."""
+    check_at_least(args, 0, "limit")
     if args.model is not None:
         return _run_model(args)
     check_at_least(args, 0, "gap", "overlap", "beside", "above")
@@ -50,7 +56,7 @@ def run(args: argparse.Namespace) -> int:
     if args.out is not None:
         write_scene_file(relate(graph, tolerances=tolerances), args.out)
     report = {"file": str(args.file), "relations": _records(graph, found)}
-    print_report(args, report, (_line(graph, *entry) for entry in found))
+    print_report(args, report, _lines(args, graph, found))
     return DONE
 
 
@@ -67,16 +73,29 @@ def _run_model(args: argparse.Namespace) -> int:
         write_scene_file(with_supports(graph, found), args.out)
     records = _records(graph, [entry[:3] for entry in found])
     chances = [record | {"chance": entry[3]} for record, entry in zip(records, found, strict=True)]
-    lines = (f"{_line(graph, *entry[:3])}  {entry[3]:.0%}" for entry in found)
+    lines = _lines(args, graph, [entry[:3] for entry in found], [f"  {entry[3]:.0%}" for entry in found])
     print_report(args, {"file": str(args.file), "relations": chances}, lines)
     return DONE
 
 
-def _line(graph: SceneGraph, subject: int, kind: str, target: int) -> str:
-    return f"{graph.name[subject]}  {kind.replace('_', ' ')}  {graph.name[target]}"
+def _lines(
+    args: argparse.Namespace, graph: SceneGraph, found: list[Found], marks: Sequence[str] | None = None
+) -> list[str]:
+    """How many relations of each kind there are, and the first of them: what carries and holds before directions."""
+    if not found:
+        return [f"{args.file}: no such relation between its {len(graph)} entities"]
+    told: dict[Found, str] = {}
+    for place in sorted(range(len(found)), key=lambda place: KINDS.index(found[place][1])):
+        subject, kind, target = found[place]
+        if (target, CONVERSE.get(kind, ""), subject) not in told:
+            mark = marks[place] if marks else ""
+            told[found[place]] = f"{graph.name[subject]}  {kind.replace('_', ' ')}  {graph.name[target]}{mark}"
+    counts = Counter(kind.replace("_", " ") for _, kind, _ in told)
+    total = ", ".join(f"{kind} {count}" for kind, count in counts.items())
+    return [*shown_lines(args, list(told.values()), "relations"), f"{args.file}: {total}"]
 
 
-def _records(graph: SceneGraph, found: list[tuple[int, str, int]]) -> list[dict[str, str]]:
+def _records(graph: SceneGraph, found: list[Found]) -> list[dict[str, str]]:
     return [
         {
             "subject": graph.name[subject],

@@ -16,7 +16,7 @@ from tqdm import tqdm
 from ..errors import DONE, MISUSE, UniSGError
 from ..runtime.atomic_files import filling
 from ..runtime.file_endings import BLENDER, is_of
-from .common import add_scene, print_report, read_shown
+from .common import add_limit, add_scene, check_at_least, print_report, read_shown, shown_lines
 
 if TYPE_CHECKING:
     from ..behaviour import Moment
@@ -52,6 +52,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="write the scene with what was played as its recording",
     )
     parser.add_argument("--out", metavar="DIR", type=Path, help="write timeline.json and timeline.png here")
+    add_limit(parser, "lines of each kind: parts of the lesson, wrong steps")
     parser.add_argument("--render", action="store_true", help="with --out: write film.gif too (needs Blender)")
 
 
@@ -63,6 +64,7 @@ def run(args: argparse.Namespace) -> int:
     if args.rate is not None and not 0 < args.rate <= 1000:
         print("unisg simulate: --rate must be above 0 and at most 1000 frames per second", file=sys.stderr)
         return MISUSE
+    check_at_least(args, 0, "limit")
     from ..behaviour import prepare, simulate, timeline_record
     from ..behaviour.fulfilment.custom_types import load_types
     from ..formats.scene_files import write_scene_file
@@ -80,7 +82,7 @@ def run(args: argparse.Namespace) -> int:
         _write(args, graph, record, take.frames, script)
     if args.record is not None:
         write_scene_file(take.recorded(timeline.events), args.record)
-    print_report(args, record, _lines(record))
+    print_report(args, record, _lines(args, record))
     return DONE
 
 
@@ -189,14 +191,18 @@ def _name(lesson: Any, place: int) -> str:
     return node.name or action.name or action.type
 
 
-def _lines(record: dict[str, Any]) -> list[str]:
+def _lines(args: argparse.Namespace, record: dict[str, Any]) -> list[str]:
     width = min(shutil.get_terminal_size().columns, 160)
-    lines = [f"{record['operation']}: {'played to the end' if record['finished'] else 'not finished'}"]
+    nodes, wrong = [], []
     for node in record["nodes"][1:]:
         when = f"{node['done']:8.2f} s" if node["done"] is not None else f"{node['status']:>10}"
         why = f"  {node['why']}" if node["why"] else ""
-        lines.append(f"{when}  {'  ' * (node['depth'] - 1)}{node['name']}{why}"[:width])
+        nodes.append(f"{when}  {'  ' * (node['depth'] - 1)}{node['name']}{why}"[:width])
     for event in record["events"]:
         if event["kind"] in ("out_of_order", "wrong_answer"):
-            lines.append(f"{event['time']:8.2f} s  ! {event['why']}"[:width])
-    return lines
+            wrong.append(f"{event['time']:8.2f} s  ! {event['why']}"[:width])
+    return [
+        f"{record['operation']}: {'played to the end' if record['finished'] else 'not finished'}",
+        *shown_lines(args, nodes, "parts of the lesson"),
+        *shown_lines(args, wrong, "wrong steps"),
+    ]

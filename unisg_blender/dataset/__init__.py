@@ -8,13 +8,15 @@ from ..runtime.lazy_names import lazy_names
 from .format.encoding import Sample
 from .format.reader import Dataset, Scene, open_dataset
 from .format.writer import write_dataset
+from .graphs.vocabularies import common_vocabulary
 from .rebuild import to_scenegraph
 
 if TYPE_CHECKING:
     from .graphs.heterodata import UniSGDataset, to_heterodata
 
 __all__ = [
-    "Dataset", "Sample", "Scene", "UniSGDataset", "open_dataset", "to_heterodata", "to_scenegraph", "write_dataset",
+    "Dataset", "Sample", "Scene", "UniSGDataset", "common_vocabulary", "open_dataset", "to_heterodata",
+    "to_scenegraph", "write_dataset",
 ]  # fmt: skip
 
 __getattr__, __dir__ = lazy_names(

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from ..runtime.wording import first_lines
 from .format.columns import Columns
 from .format.reader import Dataset, open_dataset
 
@@ -96,7 +97,8 @@ def description_lines(record: dict[str, Any]) -> list[str]:
     lines.append(f"shapes: {shapes['things']} things of {shapes['categories']} categories, {shapes['rooms']} rooms")
     if record["files"]:
         lines.append(f"read from {record['files']} files, {len(record['failures'])} of them in vain")
-    return lines + [f"  {printable(failure['source'])}: {failure['reason']}" for failure in record["failures"]]
+    failures = [f"  {printable(failure['source'])}: {failure['reason']}" for failure in record["failures"]]
+    return lines + first_lines(failures, SHOWN, "more (--json has them)")
 
 
 def printable(path: str) -> str:
@@ -107,9 +109,10 @@ def printable(path: str) -> str:
 def _table(counts: dict[str, int]) -> list[str]:
     width = max(map(len, counts))
     most = max(max(counts.values()), 1)
-    shown = list(counts.items())[:SHOWN]
-    lines = [f"  {name:<{width}} {count:>9} {'#' * round(30 * count / most)}".rstrip() for name, count in shown]
-    return lines + [f"  ... and {len(counts) - SHOWN} more"] * (len(counts) > SHOWN)
+    lines = [
+        f"  {name:<{width}} {count:>9} {'#' * round(30 * count / most)}".rstrip() for name, count in counts.items()
+    ]
+    return first_lines(lines, SHOWN, "more")
 
 
 def scene_numbers(dataset: Dataset, count: int) -> list[int]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import re
 import sys
 import warnings
 from collections.abc import Callable
@@ -12,10 +13,12 @@ from typing import Any
 
 from ..errors import UniSGError
 from ..runtime.file_endings import BLENDER, JSON, READABLE, USD, WRITABLE, is_of
+from ..runtime.read_report import Loss, ReadReport
 from ..scene.graph import SceneGraph
 from .json_scenes import read_json, write_json
 
 Progress = Callable[[int, int], None]
+PRIM = re.compile(r"(/\S+): (.*)", re.DOTALL)
 
 
 def check_kinds(source: Path | None, target: Path | None = None) -> None:
@@ -47,8 +50,8 @@ def read_scene_file(
     geometry: Any = "evaluated",
     animation: bool = False,
     scene: str = "",
-) -> tuple[SceneGraph, list[str]]:
-    """The scenegraph of a file, and what it could not hold, one line each.
+) -> tuple[SceneGraph, ReadReport]:
+    """The scenegraph of a file, and what it could not hold.
 
     USD and JSON files are read directly, all others through Blender, which samples their
     motion where ``animation`` is wanted; ``progress`` then counts frames. ``scene`` names
@@ -65,34 +68,46 @@ def read_scene_file(
         return _read_directly(path, progress)
     from ..blender.blend_files import read_file
 
-    graph, report = read_file(path, geometry=geometry, animation=animation, scene=scene, progress=progress)
-    return graph, list(report)
+    return read_file(path, geometry=geometry, animation=animation, scene=scene, progress=progress)
 
 
 def read_all_scenes(path: Path) -> tuple[list[SceneGraph], str]:
     """As :func:`read_scene_file`, all scenes of a file that have entities, and in one line what they could not hold."""
     if is_of(path, (*USD, *JSON)):
         graph, lost = _read_directly(path, None)
-        return [graph] if len(graph) else [], "; ".join(lost)
+        return [graph] if len(graph) else [], lost.summary()
     from ..blender.blend_files import read_all_scenes
 
     graphs, report = read_all_scenes(path)
     return [graph for graph in graphs if len(graph)], report.summary()
 
 
-def _read_directly(path: Path, progress: Progress | None) -> tuple[SceneGraph, list[str]]:
+def _read_directly(path: Path, progress: Progress | None) -> tuple[SceneGraph, ReadReport]:
     if is_of(path, JSON):
-        return read_json(path), []
+        return read_json(path), ReadReport()
     from ..usd import read_usd
 
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", UserWarning)
         graph = read_usd(path, progress)
-    return graph, [str(item.message) for item in caught if issubclass(item.category, UserWarning)]
+    report = ReadReport()
+    for item in caught:
+        if isinstance(item.message, Loss):
+            for name in item.message.names:
+                report.add(name, item.message.text)
+        elif isinstance(item.message, UserWarning):
+            report.add(*_of_prim(str(item.message)))
+    return graph, report
 
 
-def write_scene_file(graph: SceneGraph, path: Path, progress: Progress | None = None) -> list[str]:
-    """Write a scenegraph in the kind that the path's ending names; what that kind could not hold, one line each.
+def _of_prim(message: str) -> tuple[str, str]:
+    """The path of a prim, which has no blank, and what is said of it; "" where a message is about the file."""
+    found = PRIM.fullmatch(message)
+    return (found[1], found[2]) if found else ("", message)
+
+
+def write_scene_file(graph: SceneGraph, path: Path, progress: Progress | None = None) -> ReadReport:
+    """Write a scenegraph in the kind that the path's ending names; returns what that kind could not hold.
 
     The file is complete, or is not written at all.
 
@@ -105,10 +120,10 @@ def write_scene_file(graph: SceneGraph, path: Path, progress: Progress | None = 
         from ..usd import write_usd
 
         write_usd(graph, path, progress)
-        return []
+        return ReadReport()
     if is_of(path, JSON):
         write_json(graph, path)
-        return []
+        return ReadReport()
     from ..blender.blend_files import write_blend
 
-    return list(write_blend(graph, path))
+    return write_blend(graph, path)

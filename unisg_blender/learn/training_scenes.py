@@ -46,8 +46,7 @@ def vocabulary_of(dataset: Dataset) -> tuple[str, ...]:
             f"{dataset.path} has {len(dataset)} scenes: a generator needs {FEWEST_SCENES} to train at all, "
             f"about {FEW_SCENES} to be useful"
         )
-    counts = dataset.manifest["category_counts"]
-    names = tuple(sorted(name for name, count in zip(dataset.categories, counts, strict=True) if count))
+    names = tuple(sorted(dataset.category_counts))
     if len(names) < 2:
         found = f"only {names[0]!r}" if names else "no category"
         raise UniSGError(f"{dataset.path} has {found}: give objects at least two categories (unisg_category)")

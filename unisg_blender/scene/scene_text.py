@@ -11,18 +11,12 @@ from .hierarchy import world_matrices
 from .lesson_node import LessonNode
 
 
-def tree_lines(graph: SceneGraph, limit: int | None = None) -> list[str]:
-    """One line per entity, indented by depth, then the lesson and the relations; at most ``limit`` entities."""
+def entity_lines(graph: SceneGraph) -> list[str]:
+    """One line per entity, indented by depth."""
     depth: list[int] = []
     for above in graph.parent:  # parents come first
         depth.append(depth[above] + 1 if above >= 0 else 0)
-    shown = len(graph) if limit is None else min(limit, len(graph))
-    lines = ["  " * depth[row] + _entity_line(graph, row) for row in range(shown)]
-    if shown < len(graph):
-        lines.append(f"... and {len(graph) - shown} more entities")
-    for _, operation in graph.entries("lsa", "data"):
-        lines += _lesson_lines(operation, 0)
-    return lines + _relation_lines(graph)
+    return ["  " * depth[row] + _entity_line(graph, row) for row in range(len(graph))]
 
 
 def _entity_line(graph: SceneGraph, row: int) -> str:
@@ -41,6 +35,11 @@ def _entity_line(graph: SceneGraph, row: int) -> str:
     return "  ".join(parts)
 
 
+def lesson_lines(graph: SceneGraph) -> list[str]:
+    """One line per part of the lessons, indented by depth."""
+    return [line for _, operation in graph.entries("lsa", "data") for line in _lesson_lines(operation, 0)]
+
+
 def _lesson_lines(node: LessonNode, depth: int) -> list[str]:
     marks = " (optional)" * node.optional + " (any order)" * (not node.ordered and bool(node.children))
     lines = [f"{'  ' * depth}{node.kind.capitalize()}: {node.name or node.uid}{marks}"]
@@ -49,7 +48,8 @@ def _lesson_lines(node: LessonNode, depth: int) -> list[str]:
     return lines
 
 
-def _relation_lines(graph: SceneGraph) -> list[str]:
+def relation_lines(graph: SceneGraph) -> list[str]:
+    """One line per relation that the scene has."""
     return [
         f"{graph.name[row]}  {kind.replace('_', ' ')}  {_name_of(graph, target)}"
         for row, kind, target in graph.entries("relations", "kind", "target")
@@ -77,7 +77,7 @@ def summary(graph: SceneGraph) -> dict[str, Any]:
 
 
 def to_records(graph: SceneGraph) -> list[dict[str, Any]]:
-    """One JSON-ready record per entity: identity, category, parent's uid, local and world matrices (rows), actions."""
+    """One JSON-ready record per entity: identity, category, parent's uid, matrices (rows), actions, relations."""
     world = world_matrices(graph)
     return [
         {
@@ -90,6 +90,10 @@ def to_records(graph: SceneGraph) -> list[dict[str, Any]]:
             "local": graph.local[row].tolist(),
             "world": world[row].tolist(),
             "actions": [action.type for _, action in graph.entries("actions", "data", row=row)],
+            "relations": [
+                {"kind": kind, "target": target}
+                for _, kind, target in graph.entries("relations", "kind", "target", row=row)
+            ],
         }
         for row in range(len(graph))
     ]

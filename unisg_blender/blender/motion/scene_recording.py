@@ -10,6 +10,7 @@ from ...behaviour import Event, Input, begin, play, prepare
 from ...behaviour.record.pose_recorder import PoseRecorder, needed_keys
 from ...behaviour.record.recorded_events import later, new_inputs, with_events
 from ...errors import UniSGError
+from ...runtime.read_report import ReadReport
 from ...scene.components import ANIMATION, EVENTS, RECORDING
 from ...scene.graph import SceneGraph
 from ...scene.recording_tables import KEY, Recorded, recorded_from_json, recorded_of, recorded_to_json
@@ -19,7 +20,6 @@ from ..lookup import objects_by_uid
 from ..read.object_hierarchy import read_hierarchy
 from ..read.sampled_animation import sample_animation
 from ..read.scene_reader import read_scene
-from ..unsupported.read_report import ReadReport
 from ..write.animation_curves import write_animation
 from .event_markers import show_events
 

@@ -9,12 +9,12 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+from ...runtime.read_report import ReadReport
 from ...scene.component_table import Table, table
 from ...scene.components import INSTANCES
 from ...scene.graph import TYPE_INDEX, SceneGraph
 from ...scene.identity import derived_uid
 from ...scene.mesh import Mesh
-from ..unsupported.read_report import ReadReport
 from .mesh_cache import CURVE_LIKE, MeshShelf
 
 UNUSED = 2**31 - 1  # in a persistent id

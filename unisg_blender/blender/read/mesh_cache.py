@@ -10,9 +10,9 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+from ...runtime.read_report import ReadReport
 from ...scene.mesh import Mesh
 from ..depsgraph import is_evaluated
-from ..unsupported.read_report import ReadReport
 from .mesh_arrays import read_mesh
 
 CURVE_LIKE = ("CURVE", "SURFACE", "FONT", "META")

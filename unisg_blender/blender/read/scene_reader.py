@@ -10,6 +10,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+from ...runtime.read_report import ReadReport
 from ...scene.assembly import Columns, assemble
 from ...scene.component_table import table
 from ...scene.components import WORLD
@@ -23,7 +24,6 @@ from ..id_properties import custom_properties
 from ..materials import read_material
 from ..unsupported.of_objects import report_losses
 from ..unsupported.of_scenes import report_scene_losses
-from ..unsupported.read_report import ReadReport
 from .collection_instances import instance_table
 from .mesh_cache import MeshShelf
 from .object_components import component_tables

@@ -10,13 +10,13 @@ from collections.abc import Iterator, Sequence
 
 import bpy
 
+from ...runtime.read_report import ReadReport
 from ..depsgraph import is_evaluated
 from ..fcurves import curves_of
 from ..helper_objects import HELPER, TYPE
 from ..id_properties import addon_settings, property_names
 from .changed_settings import changed_by_row, listed
 from .of_object_data import data_losses, material_losses
-from .read_report import ReadReport
 
 NO_DATA = {
     "LATTICE": "a lattice keeps its place, not its points",

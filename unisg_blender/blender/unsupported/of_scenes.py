@@ -6,9 +6,9 @@ from collections.abc import Iterator
 
 import bpy
 
+from ...runtime.read_report import ReadReport
 from ..id_properties import property_names
 from .changed_settings import changed_settings, listed
-from .read_report import ReadReport
 
 HELD = frozenset((
     "camera", "frame_current", "frame_float", "frame_subframe", "threads", "world", "cursor",

@@ -7,11 +7,11 @@ import mathutils
 import numpy as np
 from numpy.typing import NDArray
 
+from ...runtime.read_report import ReadReport
 from ...scene.components import ANIMATION, PARENTING
 from ...scene.graph import SceneGraph
 from ..fcurves import continuous_signs, new_curves
 from ..trs import split
-from ..unsupported.read_report import ReadReport
 from .component_entries import Objects, entries
 
 

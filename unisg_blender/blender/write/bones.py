@@ -10,9 +10,9 @@ import mathutils
 import numpy as np
 from numpy.typing import NDArray
 
+from ...runtime.read_report import ReadReport
 from ...scene.components import BONES
 from ...scene.graph import SceneGraph
-from ..unsupported.read_report import ReadReport
 
 Entry = dict[str, NDArray]
 

@@ -8,11 +8,11 @@ from typing import Any
 import bpy
 import numpy as np
 
+from ...runtime.read_report import ReadReport
 from ...scene.components import CAMERA, EMPTY, MATERIALS
 from ...scene.graph import TYPES, SceneGraph
 from ...scene.mesh import Mesh
 from ..data_fields import ABSENT, BLENDER_NAME, CAMERA_NUMBERS, FOCUS, LIGHT_NUMBERS, LIGHT_SWITCHES
-from ..unsupported.read_report import ReadReport
 from .component_entries import Objects, entries
 from .mesh_data import write_mesh
 

@@ -10,12 +10,12 @@ import mathutils
 import numpy as np
 from numpy.typing import NDArray
 
+from ...runtime.read_report import ReadReport
 from ...scene.components import CHANNELS, PARENTING, WORLD
 from ...scene.graph import SceneGraph
 from ...scene.hierarchy import world_matrices
 from ..helper_objects import new_helper
 from ..trs import differ, split
-from ..unsupported.read_report import ReadReport
 from .component_entries import Objects, entries
 
 SAME = 1e-6  # channels spell a matrix if they agree with it to this, relative

@@ -6,6 +6,7 @@ import json
 
 import bpy
 
+from ...runtime.read_report import ReadReport
 from ...scene.action_data import actions_to_json
 from ...scene.components import ACTIONS, LSA, PROPERTIES
 from ...scene.graph import TYPES, SceneGraph
@@ -18,7 +19,6 @@ from ...scene.recording_tables import recorded_of, recorded_to_json
 from ...scene.relation import relations_to_json
 from ..helper_objects import TYPE
 from ..id_properties import set_custom_properties
-from ..unsupported.read_report import ReadReport
 
 
 def row_properties(graph: SceneGraph, row: int) -> dict[str, object]:

@@ -8,12 +8,12 @@ from dataclasses import dataclass, field
 import bpy
 
 from ...errors import UniSGError
+from ...runtime.read_report import ReadReport
 from ...scene import components
 from ...scene.components import INSTANCES, MATERIALS
 from ...scene.graph import SceneGraph
 from ..lookup import objects_by_uid
 from ..materials import write_materials
-from ..unsupported.read_report import ReadReport
 from .animation_curves import write_animation
 from .bones import write_bones
 from .instance_collections import write_instances

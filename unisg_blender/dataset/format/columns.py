@@ -9,6 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...errors import UniSGError
+from ...runtime.wording import some_of
 from .schema import COLUMNS, REFERENCES, STRINGS, TABLES, VOCABULARIES, table_of
 
 Columns = dict[str, NDArray[Any]]
@@ -164,3 +166,12 @@ class Vocabulary:
                 places[old] = self.place(kind, names[kind][old])
             moved[key] = places[values]
         return columns | moved
+
+
+def check_covered(used: Mapping[str, Iterable[str]], vocabulary: Mapping[str, Sequence[str]], owner: str) -> None:
+    """Refuse, with a UniSGError, a vocabulary that lacks names that ``owner`` uses."""
+    for kind in VOCABULARIES:
+        missing = [repr(name) for name in used[kind] if name not in vocabulary.get(kind, ())]
+        if missing:
+            shown = some_of(missing, 5)
+            raise UniSGError(f"{owner} has {kind} that the vocabulary asked for lacks: {shown}; give one that has them")

@@ -17,7 +17,7 @@ from ...errors import UniSGError
 from ...poses import FORMS
 from ...runtime.atomic_files import DamagedError, checksum, checksum_of
 from ..assets.asset_file import AssetFile
-from .columns import Columns, cut, join, unpack_strings
+from .columns import Columns, Vocabulary, check_covered, cut, join, unpack_strings
 from .encoding import widths
 from .schema import SCHEMA, VERSION
 from .shards import Shard, map_shard
@@ -90,7 +90,14 @@ class Scene:
 class Dataset:
     """A dataset on disk; use :func:`open_dataset`. Can be sent to other processes, which map it anew."""
 
-    def __init__(self, path: Path, manifest: dict[str, Any], verify: bool, memory: int) -> None:
+    def __init__(
+        self,
+        path: Path,
+        manifest: dict[str, Any],
+        verify: bool,
+        memory: int,
+        vocabulary: Mapping[str, Sequence[str]] | None = None,
+    ) -> None:
         self.path = path
         self.manifest = manifest
         self.verify = verify
@@ -100,6 +107,7 @@ class Dataset:
         self._shards: dict[int, Shard] = {}
         self._touched: dict[int, int] = {}
         self._resident = 0
+        self._asked = None if vocabulary is None else Vocabulary(vocabulary)
 
     def __getstate__(self) -> dict[str, Any]:
         return self.__dict__ | {"_verified": set(), "_shards": {}, "_touched": {}, "_resident": 0}
@@ -112,12 +120,19 @@ class Dataset:
     @cached_property
     def vocabulary(self) -> dict[str, tuple[str, ...]]:
         """The names that numbers stand for: "categories", "relations", "scenes"."""
-        return {kind: tuple(names) for kind, names in self.manifest["vocabulary"].items()}
+        names = self.manifest["vocabulary"] if self._asked is None else self._asked.names
+        return {kind: tuple(found) for kind, found in names.items()}
 
     @property
     def categories(self) -> tuple[str, ...]:
         """Category names by number."""
         return self.vocabulary["categories"]
+
+    @cached_property
+    def category_counts(self) -> dict[str, int]:
+        """How many entities have each category that occurs."""
+        names = self.manifest["vocabulary"]["categories"]
+        return {name: count for name, count in zip(names, self.manifest["category_counts"], strict=True) if count}
 
     @cached_property
     def widths(self) -> dict[str, int]:
@@ -171,6 +186,8 @@ class Dataset:
         fresh = self.verify and number not in self._verified
         shard = map_shard(self.path / entry["file"], entry["sha256"] if fresh else None)
         self._verified.add(number)
+        if self._asked is not None:
+            shard.columns.update(self._asked.translate(shard.columns, self.manifest["vocabulary"]))
         self._shards[number] = shard
         return shard
 
@@ -233,7 +250,12 @@ def split_rows(count: int, fractions: Sequence[float], seed: int) -> list[NDArra
     return [np.sort(order[a:b]) for a, b in pairwise(ends)]
 
 
-def open_dataset(path: str | os.PathLike[str], verify: bool = True, memory: int = MEMORY) -> Dataset:
+def open_dataset(
+    path: str | os.PathLike[str],
+    verify: bool = True,
+    memory: int = MEMORY,
+    vocabulary: Mapping[str, Sequence[str]] | None = None,
+) -> Dataset:
     """Open a dataset; needs numpy only.
 
     Parameters
@@ -244,11 +266,13 @@ def open_dataset(path: str | os.PathLike[str], verify: bool = True, memory: int 
         Compare the checksum of each shard when it is first used.
     memory
         Bytes of shards that may be resident at a time, about.
+    vocabulary
+        Names to number as another dataset does (``open_dataset("train").vocabulary``).
 
     Raises
     ------
     UniSGError
-        If there is no dataset, or a newer version wrote it.
+        If there is no dataset, a newer version wrote it, or it has names that the vocabulary asked for lacks.
     """
     folder = Path(path)
     manifest = read_manifest(folder)
@@ -259,4 +283,8 @@ def open_dataset(path: str | os.PathLike[str], verify: bool = True, memory: int 
     known = manifest.get("form")
     if known not in FORMS:
         raise UniSGError(f"{folder} is in the form {known!r}, which this software does not know: update it")
-    return Dataset(folder, manifest, verify, memory)
+    dataset = Dataset(folder, manifest, verify, memory, vocabulary)
+    if vocabulary is not None:
+        used = manifest["vocabulary"] | {"categories": dataset.category_counts}
+        check_covered(used, vocabulary, str(folder))
+    return dataset

@@ -17,11 +17,14 @@ from ..format.encoding import MeshEncoder, Sample, encode_scenes, known_form
 from ..format.gather import gather
 from ..format.reader import open_dataset, split_rows
 from .graph_arrays import GraphArrays, graph_arrays
+from .vocabularies import RELATION_KINDS, NumberedNames, as_names
 
 try:
     import torch
-    from torch_geometric.data import Batch, HeteroData
+    from torch_geometric.data import Batch
     from torch_geometric.data import Dataset as GraphDataset
+
+    from .scene_data import Numbering, SceneData
 except ImportError:
     raise MissingPackageError("torch-geometric", "learn") from None
 
@@ -31,8 +34,8 @@ def to_heterodata(
     form: str = "quaternion",
     vocabulary: Mapping[str, Sequence[str]] | None = None,
     mesh_encoder: MeshEncoder | None = None,
-) -> HeteroData:
-    """A scenegraph as a heterogeneous graph; docs/dataset.md lists its nodes and edges.
+) -> SceneData:
+    """A scenegraph as a heterogeneous graph that carries its vocabulary; docs/dataset.md lists its nodes and edges.
 
     Parameters
     ----------
@@ -41,18 +44,20 @@ def to_heterodata(
     form
         Name in ``FORMS`` of the pose features in ``trs.x``.
     vocabulary
-        Names by number, as ``open_dataset(path).vocabulary``: categories that it
-        lacks become -1, relations that it lacks are left out. The scene's own when omitted.
+        NumberedNames by number, as ``open_dataset(path).vocabulary`` or ``common_vocabulary(graphs)``:
+        categories that it lacks become -1, relations that it lacks are left out. When
+        omitted, the scene's own categories, and the known kinds of relations before its own.
     mesh_encoder
         Gives ``mesh.feature``.
     """
-    names = Vocabulary(vocabulary if vocabulary is not None else {"categories": graph.vocabulary})
+    own = {"categories": graph.vocabulary, "relations": RELATION_KINDS}
+    names = Vocabulary(own if vocabulary is None else vocabulary)
     known = {kind: len(found) for kind, found in names.names.items()}
     columns = encode_scenes([Sample(graph)], known_form(form), names, mesh_encoder)
     if vocabulary is not None:
         columns = _without_unknown(columns, known)
         names = Vocabulary(vocabulary)
-    return _graph(graph_arrays(columns, names.names["relations"]))
+    return _graph(graph_arrays(columns, names.names["relations"]), as_names(names.names))
 
 
 def _without_unknown(columns: Columns, known: Mapping[str, int]) -> Columns:
@@ -63,9 +68,10 @@ def _without_unknown(columns: Columns, known: Mapping[str, int]) -> Columns:
     return columns | rows | {"entity.category": np.where(category < known["categories"], category, -1)}
 
 
-def _graph(arrays: GraphArrays, data: Any = None) -> HeteroData:
-    """Fill a HeteroData (or a batch) with the arrays."""
-    data = HeteroData() if data is None else data
+def _graph(arrays: GraphArrays, names: NumberedNames, data: Any = None) -> SceneData:
+    """Fill a graph (or a batch) with the arrays."""
+    data = SceneData() if data is None else data
+    data.numbering = Numbering({names: 0})
     for kind, attributes in arrays.nodes.items():
         store = data[kind]
         for name, values in attributes.items():
@@ -80,18 +86,20 @@ def _tensor(values: NDArray) -> torch.Tensor:
     return torch.from_numpy(values if values.flags.writeable else values.copy())
 
 
-def _batch(arrays: GraphArrays) -> Any:
+def _batch(arrays: GraphArrays, names: NumberedNames) -> Any:
     """The graph as a ``Batch``: what ``Batch.from_data_list`` makes of the single scenes, without making them."""
-    data = _graph(arrays, Batch(_base_cls=HeteroData))
+    data = _graph(arrays, names, Batch(_base_cls=SceneData))
     count = len(arrays.label)
-    slices: dict[Any, Any] = {"y": torch.arange(count + 1)}
-    increments: dict[Any, Any] = {"y": torch.zeros(count, dtype=torch.int64)}
+    none = torch.zeros(count, dtype=torch.int64)
+    data.numbering = {names: none}
+    slices: dict[Any, Any] = {"y": torch.arange(count + 1), "numbering": {names: torch.arange(count + 1)}}
+    increments: dict[Any, Any] = {"y": none, "numbering": {names: none}}
     ptr = {kind: torch.from_numpy(np.ascontiguousarray(starts)) for kind, starts in arrays.node_ptr.items()}
     for kind, attributes in arrays.nodes.items():
         data[kind].ptr = ptr[kind]
         data[kind].batch = torch.from_numpy(np.repeat(np.arange(count), np.diff(arrays.node_ptr[kind])))
         slices[kind] = dict.fromkeys(attributes, ptr[kind])
-        increments[kind] = dict.fromkeys(attributes, torch.zeros(count, dtype=torch.int64))
+        increments[kind] = dict.fromkeys(attributes, none)
     for edge, starts in arrays.edge_ptr.items():
         slices[edge] = {"edge_index": torch.from_numpy(np.ascontiguousarray(starts))}
         shift = torch.stack([ptr[edge[0]][:-1], ptr[edge[2]][:-1]], dim=1)
@@ -118,18 +126,29 @@ class UniSGDataset(GraphDataset):
         called once, on the whole batch.
     verify
         Compare the checksum of each shard when it is first used.
+    vocabulary
+        NumberedNames to number as another dataset does (``UniSGDataset("train").vocabulary``); refused, as by
+        :func:`..format.reader.open_dataset`, where this dataset has others.
     """
 
     def __init__(
-        self, path: str | os.PathLike[str], transform: Callable[[Any], Any] | None = None, verify: bool = True
+        self,
+        path: str | os.PathLike[str],
+        transform: Callable[[Any], Any] | None = None,
+        verify: bool = True,
+        vocabulary: Mapping[str, Sequence[str]] | None = None,
     ) -> None:
-        self.columns = open_dataset(path, verify)
+        self.columns = open_dataset(path, verify, vocabulary=vocabulary)
         super().__init__(None, transform)
 
     @property
     def vocabulary(self) -> dict[str, tuple[str, ...]]:
         """The names that numbers stand for: "categories", "relations", "scenes"."""
         return self.columns.vocabulary
+
+    @cached_property
+    def _names(self) -> NumberedNames:
+        return as_names(self.vocabulary)
 
     @property
     def form(self) -> str:
@@ -140,16 +159,16 @@ class UniSGDataset(GraphDataset):
         """Number of scenes on disk."""
         return len(self.columns)
 
-    def get(self, idx: int) -> HeteroData:
+    def get(self, idx: int) -> SceneData:
         """The graph of one scene."""
-        return _graph(self._arrays([idx]))
+        return _graph(self._arrays([idx]), self._names)
 
     def batch(self, indices: Sequence[int] | NDArray[np.integer]) -> Any:
         """Some scenes (numbers within this subset) as one ``Batch``."""
         numbers = np.asarray(indices, np.int64)
         if self._indices is not None:
             numbers = self._own_numbers[numbers]
-        data = _batch(self._arrays(numbers))
+        data = _batch(self._arrays(numbers), self._names)
         return data if self.transform is None else self.transform(data)
 
     @cached_property

@@ -92,9 +92,7 @@ def training_rooms(data: Data, most: int = LEARNED) -> tuple[SceneGraph, ...]:
 @cache
 def vocabulary_of(data: Data) -> tuple[str, ...]:
     """The categories that features are numbered by: all of the training rooms, or else of the test rooms."""
-    dataset = open_dataset(data.training or data.tests)
-    counts = dataset.manifest["category_counts"]
-    return tuple(sorted(name for name, count in zip(dataset.categories, counts, strict=True) if count))
+    return tuple(sorted(open_dataset(data.training or data.tests).category_counts))
 
 
 def _rooms(path: str, most: int) -> tuple[SceneGraph, ...]:

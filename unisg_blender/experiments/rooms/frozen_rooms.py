@@ -10,7 +10,7 @@ from __future__ import annotations
 import argparse
 import hashlib
 import json
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -89,14 +89,23 @@ def write_rooms(args: argparse.Namespace, folder: Path, progress: Callable[[str]
         If a folder holds something else, or what is there is not this version.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    parts = {part.folder: write_part(part, folder / part.folder, progress) for part in PARTS}
+    parts: dict[str, Any] = {}
+    numbering: dict[str, Mapping[str, Sequence[str]]] = {}
+    for part in PARTS:
+        parts[part.folder] = write_part(part, folder / part.folder, progress, numbering.get(part.world))
+        numbering.setdefault(part.world, open_dataset(folder / part.folder).vocabulary)
     report = {"name": NAME, "version": VERSION, "software": f"unisg_blender {__version__}", "parts": parts}
     write_file(folder / RECORD, json.dumps(report, indent=1) + "\n")
     return report
 
 
-def write_part(part: FrozenPart, folder: Path, progress: Callable[[str], None]) -> dict[str, Any]:
-    """Make one part, unless it is there; returns its record."""
+def write_part(
+    part: FrozenPart,
+    folder: Path,
+    progress: Callable[[str], None],
+    vocabulary: Mapping[str, Sequence[str]] | None = None,
+) -> dict[str, Any]:
+    """Make one part, its names numbered as ``vocabulary`` does, unless it is there; returns its record."""
     note = folder / "part.json"
     if note.is_file():
         progress(f"{part.folder} is there")
@@ -106,7 +115,7 @@ def write_part(part: FrozenPart, folder: Path, progress: Callable[[str], None]) 
         return record
     seeds = range(part.seed, part.seed + part.count)
     scenes = _told(make_many(part.world, seeds, processes(None)), part, progress)
-    write_dataset((Sample(graph, graph.title, part.world) for graph in scenes), folder, FORM)
+    write_dataset((Sample(graph, graph.title, part.world) for graph in scenes), folder, FORM, vocabulary=vocabulary)
     found = scenes_digest(folder)
     record = {
         "world": part.world, "seed": part.seed, "count": part.count, "digest": found,

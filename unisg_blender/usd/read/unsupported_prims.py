@@ -13,6 +13,7 @@ from typing import Any
 
 from pxr import UsdShade
 
+from ...runtime.read_report import Loss
 from .. import schema
 from .camera_light_prims import CAMERA_NAMES, LIGHT_INPUTS
 from .entity_selection import Entities
@@ -66,7 +67,7 @@ def tell_losses(found: Entities) -> None:
             for text in _losses(each):
                 lost.setdefault(text, []).append(str(each.GetPath()))
     for text, paths in lost.items():
-        warnings.warn(f"{text}: {', '.join(paths)}", stacklevel=2)
+        warnings.warn(Loss(text, paths), stacklevel=2)
 
 
 def _losses(prim: Any) -> Iterator[str]:
