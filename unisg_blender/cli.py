@@ -16,7 +16,7 @@ from typing import NoReturn
 
 from . import __version__
 from .errors import MISUSE, UNUSABLE_INPUT, UniSGError
-from .runtime.process_end import end_process
+from .runtime.process_end import end_process, stop_when_asked
 
 VERBS = {
     "inspect": "show the entity tree of a scene, or the contents of a dataset",
@@ -93,4 +93,5 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def program() -> NoReturn:
     """Run the verb that the words after the program's name ask for, and end the process."""
+    stop_when_asked()
     end_process(main())

@@ -220,7 +220,7 @@ def test_existing_folders_are_respected(tmp_path: Path, scenes: list[SceneGraph]
     (tmp_path / "mine" / "thesis.txt").write_text("precious")
     with pytest.raises(UniSGError, match="not empty"):
         write_dataset(scenes, tmp_path / "mine")
-    assert [path.name for path in (tmp_path / "mine").iterdir() if path.name != ".lock"] == ["thesis.txt"]
+    assert [path.name for path in (tmp_path / "mine").iterdir()] == ["thesis.txt"]
 
 
 def test_bad_input_writes_nothing(tmp_path: Path, scenes: list[SceneGraph]) -> None:

@@ -61,7 +61,7 @@ def test_scenes_stand_in_the_order_of_their_files(tmp_path: Path, put: Callable[
     assert dataset[2].source == records[2]["source"]
     assert dataset.files() == records
     named = [dataset.manifest["shards"][0], dataset.manifest["assets"], dataset.manifest["files"]]
-    assert sorted(contents(tmp_path / "ds")) == sorted([".lock", "manifest.json", *(entry["file"] for entry in named)])
+    assert sorted(contents(tmp_path / "ds")) == sorted(["manifest.json", *(entry["file"] for entry in named)])
 
 
 def test_inputs_may_be_globs_and_overlap(tmp_path: Path, put: Callable[..., Path]) -> None:

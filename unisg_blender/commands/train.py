@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
 import shlex
 import time
 from pathlib import Path
@@ -13,6 +14,7 @@ from ..errors import DONE, UniSGError
 from ..learn import job_list
 from ..learn.hyperparameters import ACCELERATORS, Settings
 from ..learn.job_list import JOBS
+from ..runtime.process_end import end_with_parent
 from . import train_meshes
 
 HELP = "Train a model on a dataset and write it as an ONNX file that runs without torch."
@@ -48,6 +50,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Train, export, report."""
+    if int(os.environ.get("LOCAL_RANK", 0)):  # another process that trains has started this one
+        end_with_parent()
     if args.job == "meshes":
         return train_meshes.run(args)
     from ..dataset.format.reader import open_dataset

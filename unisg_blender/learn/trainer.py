@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import logging
+import signal
 import tempfile
+import threading
 import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -47,6 +49,12 @@ class _Task(lightning.LightningModule):
         self.network, self.terms, self.schedule = network, terms, schedule
         self.automatic_optimization = False  # there may be two optimizers
         self.seen: dict[str, list[Tensor]] = {}
+        self.at_end = signal.getsignal(signal.SIGTERM)
+
+    def on_fit_start(self) -> None:
+        """Let SIGTERM mean again what it meant before Lightning took it: there it ends an epoch as if all were done."""
+        if threading.current_thread() is threading.main_thread():
+            signal.signal(signal.SIGTERM, self.at_end)
 
     def training_step(self, batch: Any, _: int) -> None:
         """One step of all optimizers on one batch."""
@@ -208,7 +216,12 @@ def _fit(
     _keep_metrics(folder)
     last = folder / "last.ckpt"
     task = _Task(network, terms, schedule)
-    trainer.fit(task, *loaders, ckpt_path=str(last) if last.is_file() else None)
+    try:
+        trainer.fit(task, *loaders, ckpt_path=str(last) if last.is_file() else None)
+    except SystemExit:
+        if trainer.interrupted:
+            raise KeyboardInterrupt from None
+        raise
     if trainer.global_rank:
         raise SystemExit(0)
     if settings.patience is not None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import errno
 import hashlib
 import os
@@ -74,6 +75,28 @@ def replacing(path: Path) -> Iterator[Path]:
 
 
 @contextmanager
+def made_folder(folder: Path) -> Iterator[None]:
+    """A folder that is there, made with those above it if need be; what was made and stays empty is taken away again.
+
+    Raises
+    ------
+    UniSGError
+        If it cannot be made.
+    """
+    try:
+        missing = [path for path in (folder, *folder.parents) if not path.exists()]
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise _reason(folder, error) from None
+    try:
+        yield
+    finally:
+        for path in missing:
+            with contextlib.suppress(OSError):  # it is in use
+                path.rmdir()
+
+
+@contextmanager
 def filling(folder: Path) -> Iterator[Path]:
     """A folder to write to, whose contents go to ``folder`` (made if it is missing) when all of them are written.
 
@@ -84,10 +107,8 @@ def filling(folder: Path) -> Iterator[Path]:
     UniSGError
         If the folder cannot be written to.
     """
-    existed = folder.exists()
     try:
-        folder.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(dir=folder, prefix=".unfinished-") as name:
+        with made_folder(folder), tempfile.TemporaryDirectory(dir=folder, prefix=".unfinished-") as name:
             yield Path(name)
             for made in sorted(Path(name).iterdir()):
                 target = folder / made.name
@@ -96,9 +117,6 @@ def filling(folder: Path) -> Iterator[Path]:
                 os.replace(made, target)
     except OSError as error:
         raise _reason(folder, error) from None
-    finally:
-        if not existed and folder.is_dir() and not any(folder.iterdir()):
-            folder.rmdir()
 
 
 def _reason(path: Path, error: OSError) -> UniSGError:

@@ -1,4 +1,4 @@
-"""Ending a process in which Blender may be."""
+"""How a process ends: when it is asked to, with the one that started it, and with Blender in it."""
 
 from __future__ import annotations
 
@@ -6,9 +6,38 @@ import atexit
 import contextlib
 import os
 import shutil
+import signal
 import sys
+import threading
+import time
+from multiprocessing import parent_process
 from pathlib import Path
 from typing import NoReturn
+
+LOOK = 0.5
+"""Seconds between two looks whether the parent is still there."""
+
+
+def stop_when_asked() -> None:
+    """Let SIGTERM and a closed terminal end the work as Ctrl-C does, so that nothing half-done is left."""
+    for name in ("SIGTERM", "SIGHUP"):
+        number = getattr(signal, name, None)  # Windows has only some
+        if number is not None and signal.getsignal(number) == signal.SIG_DFL:
+            signal.signal(number, signal.default_int_handler)
+
+
+def end_with_parent() -> None:
+    """From now on, end this process when the one that started it has ended, however that ended."""
+    parent, number = parent_process(), os.getppid()
+
+    def wait() -> None:
+        if parent is not None:
+            parent.join()
+        while parent is None and os.getppid() == number:
+            time.sleep(LOOK)
+        os._exit(1)
+
+    threading.Thread(target=wait, daemon=True).start()
 
 
 def end_process(status: int) -> NoReturn:

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import os
+import signal
 import sys
-import threading
 from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
-from multiprocessing import get_context, parent_process
+from multiprocessing import active_children, get_context
+
+from .process_end import end_with_parent
 
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
@@ -32,13 +34,19 @@ def processes(asked: int | None) -> int:
 def process_pool(jobs: int) -> Iterator[ProcessPoolExecutor]:
     """New Python processes that compute on one thread each and end with this one, however it ends.
 
-    What has not begun when the block is left is not done.
+    What has not begun when the block is left is not done; when it is left by an error, what has begun neither.
     """
     before = {name: os.environ.get(name) for name in THREADS}
     os.environ.update(dict.fromkeys(THREADS, "1"))
-    pool = ProcessPoolExecutor(jobs, get_context("spawn"), initializer=_end_with_parent)
+    pool = ProcessPoolExecutor(jobs, get_context("spawn"), initializer=_begin)
+    others = active_children()
     try:
         yield pool
+    except BaseException:
+        for process in active_children():
+            if process not in others:
+                process.kill()
+        raise
     finally:
         pool.shutdown(cancel_futures=True)
         for name, value in before.items():
@@ -47,11 +55,7 @@ def process_pool(jobs: int) -> Iterator[ProcessPoolExecutor]:
                 os.environ[name] = value
 
 
-def _end_with_parent() -> None:
-    def wait() -> None:
-        parent = parent_process()
-        assert parent is not None
-        parent.join()
-        os._exit(1)
-
-    threading.Thread(target=wait, daemon=True).start()
+def _begin() -> None:
+    """Leave Ctrl-C, which the terminal sends to all processes, to the one that began."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    end_with_parent()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import queue
+import threading
 from collections.abc import Iterator
 from concurrent.futures import BrokenExecutor, Executor, Future, ThreadPoolExecutor
 from contextlib import contextmanager
@@ -29,8 +30,11 @@ def own_executor(jobs: int | None) -> Iterator[Executor]:
         yield pool
     finally:
         pool.shutdown(wait=False, cancel_futures=True)
-        close_children()  # what still reads is of no use: the threads behind see it end
-        pool.shutdown(wait=True)
+        end = threading.Thread(target=pool.shutdown)
+        end.start()
+        while end.is_alive():  # what still reads is of no use: the threads behind see it end
+            close_children()
+            end.join(0.1)
         close_children()
 
 

@@ -12,6 +12,7 @@ import importlib
 import json
 import os
 import queue
+import shutil
 import sys
 import threading
 from collections.abc import Callable, Iterable
@@ -69,8 +70,11 @@ def load_function(name: str) -> Callable[..., Any]:
         raise UniSGError(f"{name!r} is no function (package.module:name): {error}") from None
 
 
-def serve(memory: int = 0) -> None:
-    """Answer requests until stdin ends or nothing is asked for a minute; ``memory`` limits it to so many bytes."""
+def serve(memory: int, folder: str) -> None:
+    """Answer requests until stdin ends or nothing is asked for a minute.
+
+    ``memory`` limits it to so many bytes; ``folder`` is where it keeps temporary files, removed when stdin ends.
+    """
     channel = os.fdopen(os.dup(1), "w", encoding="utf-8")
     os.dup2(2, 1)  # what Blender prints must not get between the answers
     if memory:
@@ -78,7 +82,7 @@ def serve(memory: int = 0) -> None:
 
         resource.setrlimit(resource.RLIMIT_AS, (memory, memory))
     requests: queue.Queue[str] = queue.Queue()
-    threading.Thread(target=_listen, args=(requests,), daemon=True).start()
+    threading.Thread(target=_listen, args=(requests, folder), daemon=True).start()
     _answer(channel, {"status": "ready"})
     while True:
         try:
@@ -90,9 +94,10 @@ def serve(memory: int = 0) -> None:
         faulthandler.cancel_dump_traceback_later()
 
 
-def _listen(requests: queue.Queue[str]) -> None:
+def _listen(requests: queue.Queue[str], folder: str) -> None:
     for line in sys.stdin:
         requests.put(line)
+    shutil.rmtree(folder, ignore_errors=True)
     os._exit(0)  # who asked us is gone: whatever we are doing is of no use
 
 
@@ -153,7 +158,10 @@ def _left_out(graphs: Iterable[SceneGraph]) -> str:
     return f"not kept in datasets: {', '.join(sorted(found))}" if found else ""
 
 
-def main(memory: int) -> None:
+def main(memory: int, folder: str) -> None:
     """Serve, and end the process."""
-    serve(memory)
+    try:
+        serve(memory, folder)
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
     end_process(0)

@@ -46,7 +46,7 @@ class Child:
         self._folder = tempfile.TemporaryDirectory(prefix="unisg-", ignore_cleanup_errors=True)
         self._errors = open(Path(self._folder.name, "errors"), "w+b")  # noqa: SIM115 (closed by end)
         self._process = subprocess.Popen(
-            child_command(memory),
+            child_command(memory, self._folder.name),
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=self._errors,
@@ -55,6 +55,7 @@ class Child:
             encoding="utf-8",
             errors="replace",
         )
+        _alive.add(self)
         self.ready = self._next_answer(START_LIMIT).get("status") == "ready"
 
     def ask(self, request: dict[str, Any]) -> dict[str, Any]:
@@ -114,13 +115,14 @@ class Child:
             with contextlib.suppress(OSError):
                 stream.close()  # type: ignore[union-attr]
         self._folder.cleanup()
+        _alive.discard(self)
 
 
 _idle: defaultdict[int, queue.LifoQueue[Child]] = defaultdict(queue.LifoQueue)
-_busy: set[Child] = set()
+_alive: set[Child] = set()
 
 
-def child_command(memory: int) -> list[str]:
+def child_command(memory: int, folder: str) -> list[str]:
     """How to start a process that serves; inside Blender, another Blender.
 
     There the library is ``unisg_blender``, whatever it is called here, and finds
@@ -129,7 +131,7 @@ def child_command(memory: int) -> list[str]:
     application = blender_program()
     paths = [str(ROOT), *filter(None, sys.path)]
     code = f"import sys; sys.path += [path for path in {paths!r} if path not in sys.path]; "
-    code += f"from unisg_blender.dataset.export.reader_process import main; main({memory})"
+    code += f"from unisg_blender.dataset.export.reader_process import main; main({memory}, {folder!r})"
     if not application:
         return [sys.executable, "-c", code]
     return [application, "--background", "--factory-startup", "--python-expr", code]
@@ -215,9 +217,7 @@ def _ask(job: dict[str, Any]) -> dict[str, Any]:
             child = waiting.get_nowait()
         except queue.Empty:
             child = Child(job["memory"])
-        _busy.add(child)
         answer = child.ask(job) if child.ready else {}
-        _busy.discard(child)
         if answer and child.files < FILES_PER_CHILD and not answer.pop("tired", False):
             waiting.put(child)
             return answer
@@ -230,7 +230,7 @@ def _ask(job: dict[str, Any]) -> dict[str, Any]:
 
 def close_children() -> None:
     """End all processes that read files for this one."""
-    for child in list(_busy):
+    for child in list(_alive):
         child.stop()  # who waits for it sees it end
     for waiting in _idle.values():
         with contextlib.suppress(queue.Empty):

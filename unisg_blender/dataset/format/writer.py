@@ -20,7 +20,7 @@ from ...behaviour.lesson.behaviour_links import NODE_CHANNELS
 from ...errors import UniSGError
 from ...poses import FORMS
 from ...poses.forms import STRETCH_CHANNELS
-from ...runtime.atomic_files import UNFINISHED, write_file, write_named
+from ...runtime.atomic_files import UNFINISHED, made_folder, write_file, write_named
 from ...runtime.folder_lock import NAME as LOCK
 from ...runtime.folder_lock import folder_lock
 from ...runtime.steps import at_once
@@ -187,22 +187,15 @@ def dataset_folder(out: str | os.PathLike[str], overwrite: bool = False, resume:
         else, is being written to, or cannot be written.
     """
     folder = Path(out)
-    existed = folder.exists()
-    try:
-        with folder_lock(folder):
-            _check_free(folder, overwrite, resume)
-            if overwrite:
-                shutil.rmtree(folder / PARTS, ignore_errors=True)
-            try:
-                yield folder
-            except BaseException:
-                remove_strays(folder, read_manifest(folder))
-                raise
-    except BaseException:
-        if not existed and folder.is_dir() and {path.name for path in folder.iterdir()} <= {LOCK}:
-            (folder / LOCK).unlink(missing_ok=True)
-            folder.rmdir()
-        raise
+    with made_folder(folder), folder_lock(folder):
+        _check_free(folder, overwrite, resume)
+        if overwrite:
+            shutil.rmtree(folder / PARTS, ignore_errors=True)
+        try:
+            yield folder
+        except BaseException:
+            remove_strays(folder, read_manifest(folder))
+            raise
 
 
 def _check_free(folder: Path, overwrite: bool, resume: bool) -> None:
