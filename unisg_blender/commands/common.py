@@ -25,8 +25,14 @@ KINDS_OF_LOSS = 20
 
 
 def add_scene(parser: argparse.ArgumentParser, name: str = "file", meaning: str = "a scene file") -> None:
-    """The scene that a verb reads."""
+    """The scene that a verb reads, with what gives it categories."""
     parser.add_argument(name, metavar="FILE", type=Path, help=meaning)
+    add_mapping(parser)
+
+
+def add_mapping(parser: argparse.ArgumentParser) -> None:
+    """What gives categories to objects that have none."""
+    parser.add_argument("--mapping", metavar="FILE", type=Path, help="JSON or TOML: name patterns to categories")
 
 
 def add_scene_options(parser: argparse.ArgumentParser) -> None:
@@ -68,6 +74,14 @@ def check_folder_of(path: Path | None) -> None:
         raise UniSGError(f"there is no folder {path.parent} to write {path.name} to")
 
 
+def make_folder(path: Path) -> None:
+    """Make a folder, if it is not there; UniSGError if that cannot be."""
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise UniSGError(f"cannot make the folder {path}: {error.strerror}") from None
+
+
 @contextmanager
 def shown(quiet: bool, unit: str) -> Iterator[Callable[[int, int], None]]:
     """A progress bar on stderr, for work that takes longer than a moment."""
@@ -94,13 +108,16 @@ def read_shown(
     """The scene of a file and what it could not hold, with a progress bar.
 
     ``target`` is the file that will be written of it, if any; ``options`` are those of
-    :func:`~..formats.scene_files.read_scene_file`.
+    :func:`~..formats.scene_files.read_scene_file`. Objects without a category have that of ``--mapping``.
     """
+    from ..dataset.category_mapping import apply_mapping, read_mapping
     from ..formats.scene_files import check_kinds, read_scene_file
 
+    mapping = None if args.mapping is None else read_mapping(args.mapping)
     check_kinds(path, target)
     with shown(args.quiet or args.json, unit) as tell:
-        return read_scene_file(path, tell, **options)
+        graph, lost = read_scene_file(path, tell, **options)
+    return graph if mapping is None else apply_mapping(graph, mapping), lost
 
 
 def print_report(args: argparse.Namespace, report: dict[str, Any], lines: Iterable[str]) -> None:

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..errors import DONE, UniSGError
-from .common import check_at_least
+from .common import check_at_least, make_folder
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -96,12 +96,8 @@ def _folder(out: Path | None) -> Iterator[Path]:
         with tempfile.TemporaryDirectory(prefix="unisg-evaluate-") as name:
             yield Path(name)
         return
-    try:
-        folder = out / "measured"
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise UniSGError(f"cannot make the folder {out}: {error.strerror}") from None
-    yield folder
+    make_folder(out / "measured")
+    yield out / "measured"
 
 
 @contextmanager

@@ -12,7 +12,7 @@ from ..errors import DONE, UniSGError
 from ..formats.scene_files import write_scene_file
 from ..runtime.process_pool import processes
 from ..worlds.world_batches import make_many
-from .common import add_form, check_at_least, print_report
+from .common import add_form, check_at_least, make_folder, print_report
 
 if TYPE_CHECKING:
     from ..runtime.progress import Progress
@@ -76,10 +76,7 @@ def _write_files(args: argparse.Namespace, bar: Progress) -> list[str]:
     taken = next((path for path in paths if path.exists()), None)
     if taken is not None and not args.overwrite:
         raise UniSGError(f"{taken} exists already: choose another folder, or use --overwrite")
-    try:
-        args.out.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise UniSGError(f"cannot make the folder {args.out}: {error.strerror}") from None
+    make_folder(args.out)
     for path, graph in zip(paths, _scenes(args, bar), strict=True):
         write_scene_file(graph, path)
     return [str(path) for path in paths]
