@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..errors import UniSGError
+from ..runtime.process_pool import limit_threads, processes
 from ..runtime.progress import Progress
 from ..runtime.wording import first_lines
 
@@ -66,6 +67,14 @@ def check_at_least(args: argparse.Namespace, least: int, *names: str) -> None:
         value = getattr(args, name)
         if value is not None and value < least:
             raise UniSGError(f"--{name} must be at least {least}, not {value}")
+
+
+def jobs_of(args: argparse.Namespace) -> int:
+    """Processes for ``--jobs``, by default one per processor; who asks for N gets no more than N threads either."""
+    check_at_least(args, 1, "jobs")
+    if args.jobs is not None:
+        limit_threads(args.jobs)
+    return processes(args.jobs)
 
 
 def check_folder_of(path: Path | None) -> None:
