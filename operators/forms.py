@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import bpy
 
-from ..unisg_blender.errors import UniSGError
+from ..unisg_blender.errors import UniSGError, did_you_mean
 from .base import Operator, redraw_views
 
 
@@ -24,8 +24,9 @@ class UNISG_OT_copy_form(Operator):
     def run(self, context: bpy.types.Context) -> None:
         from ..unisg_blender.blender.viewport.transform_forms import transform_forms, transform_text
 
-        if self.form not in transform_forms(context.active_object):
-            raise UniSGError(f"there is no form {self.form!r}")
+        forms = transform_forms(context.active_object)
+        if self.form not in forms:
+            raise UniSGError(f"there is no form {self.form!r}{did_you_mean(self.form, forms)}")
         context.window_manager.clipboard = transform_text(context.active_object, self.form)
         self.report({"INFO"}, f"{self.form} copied")
 

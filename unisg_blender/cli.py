@@ -7,15 +7,16 @@ is asked for, so that ``unisg --help`` stays fast.
 
 from __future__ import annotations
 
-import argparse
 import importlib
 import os
 import sys
+from argparse import RawDescriptionHelpFormatter
 from collections.abc import Sequence
 from typing import NoReturn
 
 from . import __version__
 from .errors import MISUSE, UNUSABLE_INPUT, UniSGError
+from .runtime.helpful_parser import HelpfulParser
 from .runtime.process_end import end_process, stop_when_asked
 
 VERBS = {
@@ -35,22 +36,22 @@ VERBS = {
 }
 
 
-def _overview() -> argparse.ArgumentParser:
+def _overview() -> HelpfulParser:
     lines = "\n".join(f"  {verb:<12}{text}" for verb, text in VERBS.items())
-    parser = argparse.ArgumentParser(
+    parser = HelpfulParser(
         prog="unisg",
         description="Scenegraphs that join geometry, behaviour and graph learning.",
         epilog=f"verbs:\n{lines}\n\n'unisg VERB --help' tells more about one.",
-        formatter_class=argparse.RawDescriptionHelpFormatter,
+        formatter_class=RawDescriptionHelpFormatter,
     )
     parser.add_argument("--version", action="version", version=f"unisg {__version__}")
     parser.add_argument("verb", metavar="VERB", choices=VERBS, help="what to do")
     return parser
 
 
-def _verb_parser(verb: str) -> tuple[argparse.ArgumentParser, object]:
+def _verb_parser(verb: str) -> tuple[HelpfulParser, object]:
     module = importlib.import_module(f"{__package__}.commands.{verb}")
-    parser = argparse.ArgumentParser(prog=f"unisg {verb}", description=module.HELP)
+    parser = HelpfulParser(prog=f"unisg {verb}", description=module.HELP)
     module.add_arguments(parser)
     parser.add_argument("--json", action="store_true", help="write a machine-readable report to stdout")
     parser.add_argument("-q", "--quiet", action="store_true", help="print no progress and no summary")

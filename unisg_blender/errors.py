@@ -1,6 +1,9 @@
-"""The one error class that users meet, and the exit statuses of the command line."""
+"""The one error class that users meet, what its messages guess, and the exit statuses of the command line."""
 
 from __future__ import annotations
+
+from collections.abc import Iterable
+from difflib import get_close_matches
 
 DONE = 0
 UNUSABLE_INPUT = 1
@@ -17,3 +20,10 @@ class MissingPackageError(UniSGError):
 
     def __init__(self, package: str, extra: str) -> None:
         super().__init__(f'this needs {package}, which is not installed: pip install "unisg-blender[{extra}]"')
+
+
+def did_you_mean(word: str, known: Iterable[str]) -> str:
+    """The end of a message about a word that nothing has: " (did you mean 'Cup'?)", or "" if no name is near it."""
+    names = {name.casefold(): name for name in known}
+    near = get_close_matches(word.casefold(), names, 1)
+    return f" (did you mean {names[near[0]]!r}?)" if near else ""

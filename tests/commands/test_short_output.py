@@ -9,7 +9,6 @@ from pathlib import Path
 
 import pytest
 
-from unisg_blender.cli import main
 from unisg_blender.formats import write_scene_file
 from unisg_blender.formats.scene_files import read_scene_file
 from unisg_blender.scene import SceneBuilder
@@ -18,15 +17,6 @@ from unisg_blender.worlds import cubes
 pytest.importorskip("pxr")
 
 Run = Callable[..., tuple[str, str]]
-
-
-@pytest.fixture
-def run(capsys: pytest.CaptureFixture[str]) -> Run:
-    def run(*words: object, status: int = 0) -> tuple[str, str]:
-        assert main([str(word) for word in words]) == status
-        return capsys.readouterr()
-
-    return run
 
 
 @pytest.fixture

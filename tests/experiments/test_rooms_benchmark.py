@@ -80,7 +80,7 @@ def test_other_rooms_are_not_called_the_benchmark(tmp_path: Path) -> None:
 
 def test_the_command_writes_all_parts(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(rooms_benchmark, "PARTS", SMALL[1:])
-    report = write_rooms(argparse.Namespace(), tmp_path / "out", lambda _: None)
+    report = write_rooms(argparse.Namespace(jobs=1), tmp_path / "out", lambda _: None)
     assert json.loads((tmp_path / "out" / "benchmark.json").read_text()) == report
     assert report["parts"]["living-room/test"]["is_version"] == report["version"]
 
@@ -95,7 +95,7 @@ def test_training_and_test_rooms_are_apart() -> None:
 def test_training_and_test_rooms_number_names_alike(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     training = FrozenPart("living-room/training", "living-room", 0, 3, "")
     monkeypatch.setattr(rooms_benchmark, "PARTS", (training, SMALL[1]))
-    write_rooms(argparse.Namespace(), tmp_path, lambda _: None)
+    write_rooms(argparse.Namespace(jobs=1), tmp_path, lambda _: None)
     one, two = (open_dataset(tmp_path / part.folder) for part in (training, SMALL[1]))
     assert two.categories[: len(one.categories)] == one.categories
     assert scenes_digest(two.path) == SMALL[1].digest

@@ -50,6 +50,17 @@ def test_a_model_says_where_it_comes_from(
     assert sorted(path.name for path in tmp_path.iterdir() if path.is_file()) == names
 
 
+def test_json_stands_alone_and_what_to_expect_is_told_before_the_training(
+    dataset_folder: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    words = ["train", "cgvae", "--data", str(dataset_folder), "--out", str(tmp_path / "model.onnx"), "--paper"]
+    assert main([*words, "--epochs", "2", "--json"]) == 0
+    out, err = capfd.readouterr()
+    assert json.loads(out)["scenes_trained"] == 11
+    assert err.index("note: 12 scenes are few") < err.index(" steps")
+    assert "epoch 2, loss" in err
+
+
 def networks(monkeypatch: pytest.MonkeyPatch) -> list[torch.nn.Module]:
     """What is trained from here on, in order; nothing is exported."""
     found: list[torch.nn.Module] = []

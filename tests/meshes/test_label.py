@@ -177,7 +177,7 @@ def test_verb_prints_and_writes(tmp_path: Path, capsys: pytest.CaptureFixture[st
     write_usd(scene_of(("Sofa", box((2, 0.9, 0.8)), at(0, 0, 0), "")), tmp_path / "in.usda")
     out = tmp_path / "out.usda"
     assert main(["label", str(tmp_path / "in.usda"), "--json", "--out", str(out), "--threshold", "0"]) == 0
-    report = json.loads(capsys.readouterr().out)
+    (report,) = json.loads(capsys.readouterr().out)["files"]
     assert report["accepted"] == 1
     best = report["proposals"][0]["categories"][0]["category"]
     assert best in [read_usd(out).category_name(row) for row in range(len(read_usd(out)))]

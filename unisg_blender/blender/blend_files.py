@@ -10,10 +10,11 @@ from pathlib import Path
 import addon_utils
 import bpy
 
-from ..errors import UniSGError
+from ..errors import UniSGError, did_you_mean
 from ..runtime.atomic_files import replacing
 from ..runtime.file_endings import BLENDER, USD
 from ..runtime.read_report import ReadReport
+from ..runtime.wording import some_of
 from ..scene.graph import SceneGraph
 from .read.scene_reader import Geometry, read_scene, read_scenes
 from .suppress_output import captured_output, heard
@@ -90,8 +91,9 @@ def read_file(
     open_file(path, report)
     found = bpy.data.scenes.get(scene) if scene else bpy.context.scene
     if found is None:
-        names = ", ".join(repr(each.name) for each in bpy.data.scenes)
-        raise UniSGError(f"{path}: there is no scene {scene!r}; there are {names}")
+        names = [each.name for each in bpy.data.scenes]
+        there = some_of(map(repr, names), 9)
+        raise UniSGError(f"{path}: there is no scene {scene!r}{did_you_mean(scene, names)}; there are {there}")
     tell = None if progress is None else heard(progress)
     with captured_output():
         graph = read_scene(found, geometry=geometry, details=details, animation=animation, report=report, progress=tell)

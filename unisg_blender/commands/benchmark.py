@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import DONE, UniSGError
-from .common import check_at_least, print_report
+from .common import check_at_least, jobs_of, print_report
 
 HELP = "Measure in one run and write tables (CSV, JSON) and figures (PNG, SVG)."
 
@@ -41,13 +41,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--data", type=Path, nargs="+", metavar="DIR", help="folders of mesh files (meshes)")
     parser.add_argument("--seed", type=int, default=0, help="of everything random (default: 0)")
     parser.add_argument("--quick", action="store_true", help="a first look in minutes (paper)")
-    parser.add_argument("--jobs", metavar="N", type=int, help="trainings at a time, default: one per processor (paper)")
+    parser.add_argument(
+        "--jobs", metavar="N", type=int, help="trainings or rooms at a time, default: one per processor (paper, rooms)"
+    )
     parser.add_argument("--tables-only", action="store_true", help="tables of what has been trained so far (paper)")
 
 
 def run(args: argparse.Namespace) -> int:
     """Run one benchmark."""
     check_at_least(args, 1, "count", "repeats", "jobs")
+    jobs_of(args)  # before a library that computes is loaded
     _check_folder(args.out)
     module, function = BENCHMARKS[args.name][1].split(":")
     measure: Callable[..., dict[str, Any]] = getattr(importlib.import_module(module, __package__), function)

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..errors import UniSGError
+from ..runtime.process_pool import limit_threads, processes
 from ..runtime.progress import Progress
 from ..runtime.wording import first_lines
 
@@ -25,8 +26,14 @@ KINDS_OF_LOSS = 20
 
 
 def add_scene(parser: argparse.ArgumentParser, name: str = "file", meaning: str = "a scene file") -> None:
-    """The scene that a verb reads."""
+    """The scene that a verb reads, with what gives it categories."""
     parser.add_argument(name, metavar="FILE", type=Path, help=meaning)
+    add_mapping(parser)
+
+
+def add_mapping(parser: argparse.ArgumentParser) -> None:
+    """What gives categories to objects that have none."""
+    parser.add_argument("--mapping", metavar="FILE", type=Path, help="JSON or TOML: name patterns to categories")
 
 
 def add_scene_options(parser: argparse.ArgumentParser) -> None:
@@ -62,10 +69,26 @@ def check_at_least(args: argparse.Namespace, least: int, *names: str) -> None:
             raise UniSGError(f"--{name} must be at least {least}, not {value}")
 
 
+def jobs_of(args: argparse.Namespace) -> int:
+    """Processes for ``--jobs``, by default one per processor; who asks for N gets no more than N threads either."""
+    check_at_least(args, 1, "jobs")
+    if args.jobs is not None:
+        limit_threads(args.jobs)
+    return processes(args.jobs)
+
+
 def check_folder_of(path: Path | None) -> None:
     """UniSGError if there is no folder to write a file to: told before the work, not after it."""
     if path is not None and not path.parent.is_dir():
         raise UniSGError(f"there is no folder {path.parent} to write {path.name} to")
+
+
+def make_folder(path: Path) -> None:
+    """Make a folder, if it is not there; UniSGError if that cannot be."""
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise UniSGError(f"cannot make the folder {path}: {error.strerror}") from None
 
 
 @contextmanager
@@ -94,13 +117,16 @@ def read_shown(
     """The scene of a file and what it could not hold, with a progress bar.
 
     ``target`` is the file that will be written of it, if any; ``options`` are those of
-    :func:`~..formats.scene_files.read_scene_file`.
+    :func:`~..formats.scene_files.read_scene_file`. Objects without a category have that of ``--mapping``.
     """
+    from ..dataset.category_mapping import apply_mapping, read_mapping
     from ..formats.scene_files import check_kinds, read_scene_file
 
+    mapping = None if args.mapping is None else read_mapping(args.mapping)
     check_kinds(path, target)
     with shown(args.quiet or args.json, unit) as tell:
-        return read_scene_file(path, tell, **options)
+        graph, lost = read_scene_file(path, tell, **options)
+    return graph if mapping is None else apply_mapping(graph, mapping), lost
 
 
 def print_report(args: argparse.Namespace, report: dict[str, Any], lines: Iterable[str]) -> None:

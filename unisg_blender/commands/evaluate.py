@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..errors import DONE, UniSGError
-from .common import check_at_least
+from .common import check_at_least, jobs_of, make_folder
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -49,12 +49,11 @@ def run(args: argparse.Namespace) -> int:
     from ..experiments.reports import machine
     from ..experiments.rooms.generation_benchmark import compare
     from ..experiments.rooms.generation_report import table, write_report
-    from ..runtime.process_pool import processes
 
     plan = _plan(args)
     start = time.perf_counter()
     with _folder(args.out) as folder, _bars(args.quiet) as progress:
-        rows = compare(plan, folder, processes(args.jobs), progress)
+        rows = compare(plan, folder, jobs_of(args), progress)
     facts: dict[str, Any] = {
         "model": args.model.name, "data": str(args.data), "training": str(args.training or ""),
         "also": [path.name for path in args.also], "scenes": plan.data.scenes, "seeds": plan.seeds,
@@ -96,12 +95,8 @@ def _folder(out: Path | None) -> Iterator[Path]:
         with tempfile.TemporaryDirectory(prefix="unisg-evaluate-") as name:
             yield Path(name)
         return
-    try:
-        folder = out / "measured"
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise UniSGError(f"cannot make the folder {out}: {error.strerror}") from None
-    yield folder
+    make_folder(out / "measured")
+    yield out / "measured"
 
 
 @contextmanager

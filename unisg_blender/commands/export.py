@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..errors import DONE, SOME_FAILED, MissingPackageError, UniSGError
-from .common import add_form, check_at_least, print_report
+from .common import add_form, add_mapping, check_at_least, print_report
 
 if TYPE_CHECKING:
     from ..runtime.progress import Progress
@@ -33,7 +33,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--jobs", metavar="N", type=int, help="files read at a time (one per processor)")
     parser.add_argument("--timeout", metavar="SECONDS", type=float, default=300.0, help="limit for one file (300)")
     parser.add_argument("--memory", metavar="GIB", type=float, default=0.0, help="limit for one reading process (none)")
-    parser.add_argument("--mapping", metavar="FILE", type=Path, help="JSON or TOML: name patterns to categories")
+    add_mapping(parser)
     parser.add_argument(
         "--instances",
         choices=("realize", "keep"),

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from ..errors import DONE, SOME_FAILED, UniSGError
 from ..formats.scene_files import check_kinds, load_blender, write_scene_file
 from ..runtime.file_endings import BLENDER, WRITABLE, is_of
-from .common import add_limit, check_at_least, check_folder_of, print_report, read_shown, shown_lines
+from .common import add_limit, add_mapping, check_at_least, check_folder_of, print_report, read_shown, shown_lines
 
 if TYPE_CHECKING:
     from ..generate import Generated
@@ -25,6 +25,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--model", metavar="M", type=Path, help="trained model, or name of a shipped one (default: operating_room)"
     )
     parser.add_argument("--scene", metavar="IN", type=Path, help="scene file to complete (default: an empty scene)")
+    add_mapping(parser)
     parser.add_argument("--add", metavar="WHAT", help='such as "Scalpel=2,Monitor=1" (default: a whole room)')
     parser.add_argument("--on", metavar="NAME", default="", help="thing of the scene on which all of it is wanted")
     parser.add_argument("--beside", metavar="NAME", default="", help="thing of the scene beside which it is wanted")

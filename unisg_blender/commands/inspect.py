@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import DONE
-from .common import add_limit, add_scene_options, check_at_least, read_shown, shown_lines, tell_lost
+from .common import add_limit, add_mapping, add_scene_options, check_at_least, read_shown, shown_lines, tell_lost
 
 HELP = "Show the entity tree of a scene file, with components and behaviour, or the contents of a dataset."
 
@@ -17,6 +17,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """What the verb takes."""
     parser.add_argument("path", metavar="FILE_OR_DATASET", type=Path, help="a scene file, or the folder of a dataset")
     add_scene_options(parser)
+    add_mapping(parser)
     add_limit(parser, "lines of each kind: entities, parts of the lesson, relations")
     parser.add_argument("--figures", type=Path, metavar="DIR", help="of a dataset: write pictures to this folder")
 

@@ -3,15 +3,27 @@
 from __future__ import annotations
 
 import argparse
+import sys
+from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from ..errors import DONE, UniSGError
+from ..errors import DONE, SOME_FAILED, UniSGError
 from ..runtime.file_endings import BLENDER, is_of
-from .common import add_limit, add_scene, check_at_least, check_folder_of, print_report, read_shown, shown_lines
+from .common import (
+    add_limit,
+    add_mapping,
+    check_at_least,
+    check_folder_of,
+    make_folder,
+    print_report,
+    read_shown,
+    shown_lines,
+)
 
 if TYPE_CHECKING:
+    from ..predict.category_model import LabelModel
     from ..predict.category_proposals import Proposal
     from ..scene import SceneGraph
 
@@ -21,33 +33,75 @@ EVIDENCE = ("shape", "name", "neighbours")
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """What the verb takes."""
-    add_scene(parser)
+    parser.add_argument("files", metavar="FILE", type=Path, nargs="+", help="scene files")
+    add_mapping(parser)
     parser.add_argument("--best", metavar="N", type=int, default=3, help="categories to name for each object (3)")
     parser.add_argument("--use", metavar="KINDS", default=",".join(EVIDENCE), help="evidence (shape,name,neighbours)")
     parser.add_argument("--all", action="store_true", help="also for objects that have a category")
-    add_limit(parser, "objects")
+    add_limit(parser, "objects of a file")
     parser.add_argument("--model", metavar="M", type=Path, help="model of categories (default: the shipped one)")
-    parser.add_argument("--out", metavar="OUT", type=Path, help="write the scene with the accepted categories")
+    parser.add_argument(
+        "--out", metavar="OUT", type=Path, help="write the scene with the accepted categories; of several files: folder"
+    )
     parser.add_argument(
         "--threshold", metavar="P", type=float, default=0.5, help="accept from this confidence on (0.5)"
     )
 
 
 def run(args: argparse.Namespace) -> int:
-    """Read, propose, print; with ``--out`` accept and write."""
+    """Read, propose, print; with ``--out`` accept and write. Of several files one that fails costs only itself."""
     from ..predict.category_model import LabelModel
-    from ..predict.category_proposals import propose_categories
 
     use = _checked(args)
     model = LabelModel.load(args.model)
-    graph, _ = read_shown(args, args.file, args.out)
+    targets = _targets(args)
+    reports, lines, failed = [], [], 0
+    for file, out in targets.items():
+        try:
+            report, told = _label(args, file, out, model, use)
+        except UniSGError as error:
+            if len(targets) == 1:
+                raise
+            failed += 1
+            print(f"unisg label: {error}", file=sys.stderr)
+            continue
+        reports.append(report)
+        lines += [*([f"{file}:"] if len(targets) > 1 else []), *told]
+    print_report(args, {"files": reports, "failed": failed}, lines)
+    return SOME_FAILED if failed else DONE
+
+
+def _targets(args: argparse.Namespace) -> dict[Path, Path | None]:
+    """Where each file's scene goes: to ``--out``, or with several files into that folder, which is made."""
+    files = list(dict.fromkeys(args.files))
+    if args.out is None:
+        return dict.fromkeys(files)
+    if len(files) == 1:
+        check_folder_of(args.out)
+        return {files[0]: args.out}
+    names = Counter(file.name for file in files)
+    name, count = names.most_common(1)[0]
+    if count > 1:
+        raise UniSGError(f"{count} of the files are called {name}: label them one by one, or without --out")
+    if any(file.parent.resolve() == args.out.resolve() for file in files):
+        raise UniSGError(f"--out {args.out} is the folder of the files themselves: choose another")
+    make_folder(args.out)
+    return {file: args.out / file.name for file in files}
+
+
+def _label(
+    args: argparse.Namespace, file: Path, out: Path | None, model: LabelModel, use: list[str]
+) -> tuple[dict[str, Any], list[str]]:
+    """The report about a file, and its lines; with ``out`` its scene is written."""
+    from ..predict.category_proposals import propose_categories
+
+    graph, _ = read_shown(args, file, out)
     rows = range(len(graph)) if args.all else None
     proposals = propose_categories(graph, model, rows=rows, best=args.best, use=use)
     accepted = [proposal for proposal in proposals if proposal.confidence >= args.threshold]
-    if args.out is not None:
-        _write(args.file, args.out, graph, accepted)
-    print_report(args, _report(args, graph, proposals, len(accepted)), _lines(args, proposals, len(accepted)))
-    return DONE
+    if out is not None:
+        _write(file, out, graph, accepted)
+    return _report(file, out, graph, proposals, len(accepted)), _lines(args, out, proposals, len(accepted))
 
 
 def _checked(args: argparse.Namespace) -> list[str]:
@@ -57,7 +111,6 @@ def _checked(args: argparse.Namespace) -> list[str]:
     if args.best < 1 or not 0 <= args.threshold <= 1:
         raise UniSGError("--best must be at least 1, and --threshold lie between 0 and 1")
     check_at_least(args, 0, "limit")
-    check_folder_of(args.out)
     return use
 
 
@@ -65,27 +118,32 @@ def _write(source: Path, out: Path, graph: SceneGraph, accepted: Sequence[Propos
     from ..formats.scene_files import write_scene_file
     from ..predict.category_proposals import accept
 
+    graph = accept(graph, accepted)
     if not (is_of(source, BLENDER) and is_of(out, BLENDER)):
-        write_scene_file(accept(graph, accepted), out)
+        write_scene_file(graph, out)
         return
     from ..blender import objects_by_uid, save_blend
     from ..blender.authoring.identities import assign_category
     from ..blender.blend_files import current_scene
+    from ..scene.properties import CATEGORY
 
     objects = objects_by_uid(current_scene())  # the file is still open: what the scenegraph does not hold stays in it
-    for proposal in accepted:
-        if proposal.uid in objects:
-            assign_category([objects[proposal.uid]], proposal.best)
+    for row, uid in enumerate(graph.uid):
+        category = graph.category_name(row)
+        if category and uid in objects and objects[uid].get(CATEGORY) != category:
+            assign_category([objects[uid]], category)
     save_blend(out)
 
 
-def _report(args: argparse.Namespace, graph: SceneGraph, proposals: Sequence[Proposal], accepted: int) -> dict:
+def _report(
+    file: Path, out: Path | None, graph: SceneGraph, proposals: Sequence[Proposal], accepted: int
+) -> dict[str, Any]:
     return {
-        "file": str(args.file),
+        "file": str(file),
         "entities": len(graph),
         "categorised": int((graph.category >= 0).sum()),
         "accepted": accepted,
-        "out": None if args.out is None else str(args.out),
+        "out": None if out is None else str(out),
         "proposals": [
             {
                 "name": proposal.name,
@@ -100,7 +158,7 @@ def _report(args: argparse.Namespace, graph: SceneGraph, proposals: Sequence[Pro
     }
 
 
-def _lines(args: argparse.Namespace, proposals: Sequence[Proposal], accepted: int) -> list[str]:
+def _lines(args: argparse.Namespace, out: Path | None, proposals: Sequence[Proposal], accepted: int) -> list[str]:
     lines = [
         f"{proposal.name}: " + ", ".join(f"{name} {value:.0%}" for name, value in proposal.categories)
         for proposal in proposals
@@ -108,6 +166,6 @@ def _lines(args: argparse.Namespace, proposals: Sequence[Proposal], accepted: in
     if not proposals:
         return ["nothing to propose: no object without a category has a mesh"]
     lines = shown_lines(args, lines, "objects")
-    if args.out is not None:
-        lines.append(f"{args.out}: {accepted} of {len(proposals)} proposals accepted")
+    if out is not None:
+        lines.append(f"{out}: {accepted} of {len(proposals)} proposals accepted")
     return lines

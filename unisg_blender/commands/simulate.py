@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from tqdm import tqdm
 
-from ..errors import DONE, MISUSE, UniSGError
+from ..errors import DONE, MISUSE, UniSGError, did_you_mean
 from ..runtime.atomic_files import filling
 from ..runtime.file_endings import BLENDER, is_of
 from .common import add_limit, add_scene, check_at_least, print_report, read_shown, shown_lines
@@ -129,7 +129,8 @@ def _chosen(graph: SceneGraph, name: str | None) -> LessonNode | None:
     found = [each for each in operations(graph) if name in (each.name, each.uid)]
     if not found:
         names = ", ".join(repr(each.name or each.uid) for each in operations(graph)) or "none"
-        raise UniSGError(f"the scene has no lesson {name!r}; it has: {names}")
+        hint = did_you_mean(name, (each.name for each in operations(graph)))
+        raise UniSGError(f"the scene has no lesson {name!r}{hint}; it has: {names}")
     return found[0]
 
 

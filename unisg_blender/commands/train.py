@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import argparse
-import json
 import os
 import shlex
+import sys
 import time
 from pathlib import Path
 from typing import Any
@@ -16,6 +16,7 @@ from ..learn.hyperparameters import ACCELERATORS, Settings
 from ..learn.job_list import JOBS
 from ..runtime.process_end import end_with_parent
 from . import train_meshes
+from .common import print_report
 
 HELP = "Train a model on a dataset and write it as an ONNX file that runs without torch."
 
@@ -58,6 +59,10 @@ def run(args: argparse.Namespace) -> int:
 
     _check(args)
     datasets = [open_dataset(path) for path in args.data]
+    told = [] if JOBS[args.job].several else job_list.load("provenance").dataset_notes(datasets[0])
+    if not args.quiet:
+        for note in told:  # now, while stopping costs nothing
+            print(f"note: {note}", file=sys.stderr)
     start = time.perf_counter()
     settings = Settings(
         form=args.form, epochs=args.epochs, seed=args.seed, paper=args.paper, accelerator=args.accelerator,
@@ -66,10 +71,7 @@ def run(args: argparse.Namespace) -> int:
     )  # fmt: skip
     report = {"model": str(args.out), **job_list.train(args.job, datasets, args.out, settings)}
     report["seconds"] = round(time.perf_counter() - start, 1)
-    if args.json:
-        print(json.dumps(report, ensure_ascii=False))
-    elif not args.quiet:
-        print("\n".join(_lines(report)))
+    print_report(args, report, _lines(report, told))
     return DONE
 
 
@@ -95,10 +97,10 @@ def _check(args: argparse.Namespace) -> None:
             raise UniSGError(f"--{name} must be at least 1, not {value}")
 
 
-def _lines(report: dict[str, Any]) -> list[str]:
+def _lines(report: dict[str, Any], told: list[str]) -> list[str]:
     losses = ", ".join(f"{name} {value:.4f}" for name, value in report["losses"].items())
     lines = [
         f"{report['model']}: {report['parameters']} parameters, {report['seconds']} s",
         f"trained on {report['scenes_trained']} scenes, {report['scenes_held_out']} held out: {losses}",
     ]
-    return lines + [f"note: {note}" for note in report.get("notes", ())]
+    return lines + [f"note: {note}" for note in report.get("notes", ()) if note not in told]

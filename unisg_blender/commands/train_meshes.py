@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import json
 import shlex
 import sys
 import time
@@ -16,6 +15,7 @@ from ..errors import DONE, UniSGError
 from ..learn.atlasnet.world_shapes import world_models
 from ..learn.job_list import load
 from ..meshes.shape_files import ShapeFile, of_split, read_models
+from .common import print_report
 
 WORLDS_WITH_OBJECTS = ("operating-room", "living-room")
 
@@ -50,10 +50,7 @@ def run(args: argparse.Namespace) -> int:
         report |= _train_networks(args, of_split(models, "train"), provenance)
     report |= _fit_labels(args, of_split(models, "train"), provenance)
     report["seconds"] = round(time.perf_counter() - start, 1)
-    if args.json:
-        print(json.dumps(report))
-    elif not args.quiet:
-        print("\n".join(f"{key}: {value}" for key, value in report.items()))
+    print_report(args, report, (f"{key}: {value}" for key, value in report.items()))
     return DONE
 
 

@@ -10,9 +10,8 @@ from typing import TYPE_CHECKING
 
 from ..errors import DONE, UniSGError
 from ..formats.scene_files import write_scene_file
-from ..runtime.process_pool import processes
 from ..worlds.world_batches import make_many
-from .common import add_form, check_at_least, print_report
+from .common import add_form, check_at_least, jobs_of, make_folder, print_report
 
 if TYPE_CHECKING:
     from ..runtime.progress import Progress
@@ -57,7 +56,7 @@ def run(args: argparse.Namespace) -> int:
 
 def _scenes(args: argparse.Namespace, bar: Progress) -> Iterator[SceneGraph]:
     seeds = range(args.seed, args.seed + args.count)
-    for done, graph in enumerate(make_many(args.name, seeds, processes(args.jobs)), start=1):
+    for done, graph in enumerate(make_many(args.name, seeds, jobs_of(args)), start=1):
         yield graph
         bar.update(done)
 
@@ -76,10 +75,7 @@ def _write_files(args: argparse.Namespace, bar: Progress) -> list[str]:
     taken = next((path for path in paths if path.exists()), None)
     if taken is not None and not args.overwrite:
         raise UniSGError(f"{taken} exists already: choose another folder, or use --overwrite")
-    try:
-        args.out.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise UniSGError(f"cannot make the folder {args.out}: {error.strerror}") from None
+    make_folder(args.out)
     for path, graph in zip(paths, _scenes(args, bar), strict=True):
         write_scene_file(graph, path)
     return [str(path) for path in paths]

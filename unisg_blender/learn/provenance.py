@@ -25,13 +25,8 @@ def provenance(
     """Dataset, counts, software, settings, losses and date of a training on the first of ``scenes``, the second held
     out.
     """
-    notes = []
-    if len(dataset) < FEW_SCENES:
-        notes.append(f"{len(dataset)} scenes are few: expect little variety; {FEW_SCENES} or more make a useful model")
-    if dataset.assets() is None:
-        notes.append("the dataset keeps no shapes: new objects copy those of the scene, or are plain boxes")
     return {
-        "notes": notes,
+        "notes": dataset_notes(dataset),
         "dataset": {"sha256": dataset_checksum(dataset), "scenes": len(dataset), **dataset.manifest["counts"]},
         "scenes_trained": scenes[0],
         "scenes_held_out": scenes[1],
@@ -41,6 +36,16 @@ def provenance(
         "software": f"unisg_blender {__version__}, torch {torch.__version__}, Python {platform.python_version()}",
         "date": datetime.now(UTC).strftime("%Y-%m-%d"),
     }
+
+
+def dataset_notes(dataset: Dataset) -> list[str]:
+    """What to expect of a generator trained on a dataset, where that is little."""
+    notes = []
+    if len(dataset) < FEW_SCENES:
+        notes.append(f"{len(dataset)} scenes are few: expect little variety; {FEW_SCENES} or more make a useful model")
+    if dataset.assets() is None:
+        notes.append("the dataset keeps no shapes: new objects copy those of the scene, or are plain boxes")
+    return notes
 
 
 def several(datasets: Sequence[Dataset]) -> dict[str, Any]:

@@ -14,13 +14,14 @@ from typing import Any
 
 import pytorch_lightning as lightning
 import torch
-from pytorch_lightning.callbacks import Callback, EarlyStopping, ModelCheckpoint, TQDMProgressBar
+from pytorch_lightning.callbacks import Callback, EarlyStopping, ModelCheckpoint
 from pytorch_lightning.loggers import CSVLogger, TensorBoardLogger
 from torch import Tensor, nn
 from torch.utils.data import DataLoader
 from torch.utils.data.distributed import DistributedSampler
 
 from ..errors import UniSGError
+from ..runtime.progress import Progress
 from .hyperparameters import Settings, accelerator_device
 
 Terms = Callable[[nn.Module, Any], Mapping[str, Tensor]]
@@ -123,6 +124,36 @@ def _all(parts: Any) -> list[Any]:
     return parts if isinstance(parts, list) else [parts]
 
 
+class _StepsBar(Callback):
+    """How far the training is, on stderr: Lightning's own bar prints where reports go."""
+
+    def __init__(self) -> None:
+        self.bar: Progress | None = None
+        self.done = 0
+
+    def on_train_start(self, trainer: Any, pl_module: Any) -> None:
+        """Begin the bar, at the step from which an interrupted training goes on."""
+        self.done = trainer.current_epoch * trainer.num_training_batches
+        self.bar = Progress(int(trainer.estimated_stepping_batches), "steps", quiet=not trainer.is_global_zero)
+
+    def on_train_epoch_start(self, trainer: Any, pl_module: Any) -> None:
+        """Name the epoch, and the loss of the one before."""
+        assert self.bar is not None
+        loss = trainer.callback_metrics.get("train_loss")
+        self.bar.say(f"epoch {trainer.current_epoch + 1}" + ("" if loss is None else f", loss {float(loss):.4f}"))
+
+    def on_train_batch_end(self, trainer: Any, pl_module: Any, outputs: Any, batch: Any, batch_idx: int) -> None:
+        """One step more."""
+        assert self.bar is not None
+        self.done += 1
+        self.bar.update(self.done)
+
+    def teardown(self, trainer: Any, pl_module: Any, stage: str) -> None:
+        """End the bar, also of a training that failed."""
+        if self.bar is not None:
+            self.bar.close()
+
+
 class _BestLosses(Callback):
     def __init__(self) -> None:
         self.last: dict[str, float] = {}
@@ -196,7 +227,7 @@ def _fit(
     best = ModelCheckpoint(folder, filename="best", monitor="val_loss", enable_version_counter=False)
     latest = ModelCheckpoint(folder, filename="last", enable_version_counter=False)
     losses = _BestLosses()
-    extra: list[Callback] = [] if quiet else [TQDMProgressBar(refresh_rate=5)]
+    extra: list[Callback] = [] if quiet else [_StepsBar()]
     if settings.patience is not None:
         extra.append(EarlyStopping("val_loss", patience=settings.patience))
     trainer = lightning.Trainer(
@@ -208,7 +239,7 @@ def _fit(
         deterministic=True if on_cpu else "warn",  # of some of torch's kernels a GPU has no other
         callbacks=[best, latest, losses, *extra],
         logger=[CSVLogger(folder, name="", version=""), TensorBoardLogger(folder, name="", version="tensorboard")],
-        enable_progress_bar=not quiet,
+        enable_progress_bar=False,
         enable_model_summary=False,
         num_sanity_val_steps=0,
         log_every_n_steps=1,

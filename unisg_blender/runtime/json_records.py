@@ -15,7 +15,7 @@ from functools import cache
 from types import UnionType
 from typing import Any, TypeVar, get_args, get_origin, get_type_hints
 
-from ..errors import UniSGError
+from ..errors import UniSGError, did_you_mean
 
 DEEPEST = 100
 """Levels of lists and objects inside each other that a text may have."""
@@ -118,7 +118,9 @@ def from_record(kind: type[Item], record: Any, what: str) -> Item:
         raise UniSGError(f"{what} needs {' and '.join(map(repr, missing))}")
     rest = {name: value for name, value in record.items() if name not in known}
     if rest and "extra" not in types:
-        raise UniSGError(f"{what} may have {', '.join(sorted(known))}")
+        strange = next(iter(rest))
+        hint = did_you_mean(str(strange), known)
+        raise UniSGError(f"{what} may have {', '.join(sorted(known))}, not {strange!r}{hint}")
     values = {name: _value(record[name], types[name], name, what) for name in known if name in record}
     return kind(**values, **({"extra": rest} if "extra" in types else {}))
 

@@ -30,6 +30,13 @@ def processes(asked: int | None) -> int:
     return 1 if blender_program() else asked or processors()
 
 
+def limit_threads(most: int) -> None:
+    """Let libraries that compute in this process use at most so many threads; those loaded later see it, and torch."""
+    os.environ.update(dict.fromkeys(THREADS, str(most)))
+    if "torch" in sys.modules:
+        sys.modules["torch"].set_num_threads(most)
+
+
 @contextmanager
 def process_pool(jobs: int) -> Iterator[ProcessPoolExecutor]:
     """New Python processes that compute on one thread each and end with this one, however it ends.

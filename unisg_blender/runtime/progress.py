@@ -33,6 +33,10 @@ class Progress:
             self._bar.set_postfix(failed=failed, refresh=False)
         self._bar.update(done - self._bar.n)
 
+    def say(self, text: str) -> None:
+        """Show words behind the count, from the next update on."""
+        self._bar.set_postfix_str(text, refresh=False)
+
     def write(self, text: str) -> None:
         """Print a line above the bar."""
         if not self._bar.disable:

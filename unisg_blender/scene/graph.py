@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import UniSGError
+from ..errors import UniSGError, did_you_mean
 from .action_data import ActionData
 from .component_table import Table
 from .mesh import Material, Mesh
@@ -170,7 +170,7 @@ class SceneGraph:
         try:
             return self.name.index(name)
         except ValueError:
-            raise KeyError(f"no entity is named {name!r}") from None
+            raise KeyError(f"no entity is named {name!r}{did_you_mean(name, self.name)}") from None
 
     def category_name(self, row: int) -> str:
         """The category of a row, "" for none."""

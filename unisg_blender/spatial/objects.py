@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..errors import UniSGError
+from ..errors import UniSGError, did_you_mean
 from ..geometry.arrays import Floats, Ints
 from ..geometry.boxes import Boxes
 from ..scene import SceneGraph
@@ -88,7 +88,8 @@ def find_object(graph: SceneGraph, uids: Sequence[str], text: str) -> int:
         return list(uids).index(text)
     rows = [row for row, name in enumerate(graph.name) if name == text]
     if not rows:
-        raise UniSGError(f"nothing in the scene is called {text!r}: give the name of an object")
+        hint = did_you_mean(text, graph.name)
+        raise UniSGError(f"nothing in the scene is called {text!r}{hint}: give the name of an object")
     if len(rows) > 1:
         raise UniSGError(f"{len(rows)} objects are called {text!r}: give the uid of one ('unisg inspect' shows it)")
     obj = int(object_rows(graph)[rows[0]])

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...errors import UniSGError
+from ...errors import UniSGError, did_you_mean
 from ...poses import FORMS
 from ...runtime.json_records import check_version, parse_json
 from ...scene.graph import SceneGraph
@@ -111,9 +111,11 @@ def _finite(values: Any, count: int) -> NDArray[np.float64]:
 def _input(graph: SceneGraph, record: Mapping[str, Any]) -> Input:
     time = float(record["time"])
     if "answer" in record:
-        found = [action for action in all_actions(graph) if record["action"] in (action.uid, action.name)]
+        actions = all_actions(graph)
+        found = [action for action in actions if record["action"] in (action.uid, action.name)]
         if not found:
-            raise UniSGError(f"the motion answers {record['action']!r}, which is no action of the scene")
+            hint = did_you_mean(str(record["action"]), (action.name for action in actions))
+            raise UniSGError(f"the motion answers {record['action']!r}, which is no action of the scene{hint}")
         answers = found[0].answers
         chosen = tuple(answers.index(each) if isinstance(each, str) else int(each) for each in record["answer"])
         return Input(time, found[0].uid, answer=chosen)
@@ -126,4 +128,4 @@ def _entity(graph: SceneGraph, key: str) -> str:
         return key
     if key in graph.name:
         return graph.uid[graph.name.index(key)]
-    raise UniSGError(f"the motion names {key!r}, which is not in the scene")
+    raise UniSGError(f"the motion names {key!r}, which is not in the scene{did_you_mean(key, graph.name)}")

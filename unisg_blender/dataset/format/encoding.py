@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ...behaviour.lesson.action_vector import WIDTH as ACTION_WIDTH
 from ...behaviour.lesson.behaviour_links import NODE_CHANNELS
-from ...errors import UniSGError
+from ...errors import UniSGError, did_you_mean
 from ...poses import FORMS
 from ...poses.forms import STRETCH_WIDTH
 from ...scene import Mesh, SceneGraph, local_bounds
@@ -40,7 +40,7 @@ def as_sample(item: SceneGraph | Sample) -> Sample:
 def known_form(name: str) -> str:
     """The name itself; UniSGError if there is no such form."""
     if name not in FORMS:
-        raise UniSGError(f"unknown form {name!r}: choose one of {', '.join(FORMS)}")
+        raise UniSGError(f"unknown form {name!r}{did_you_mean(name, FORMS)}: choose one of {', '.join(FORMS)}")
     return name
 
 

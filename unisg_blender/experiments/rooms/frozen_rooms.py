@@ -92,7 +92,9 @@ def write_rooms(args: argparse.Namespace, folder: Path, progress: Callable[[str]
     parts: dict[str, Any] = {}
     numbering: dict[str, Mapping[str, Sequence[str]]] = {}
     for part in PARTS:
-        parts[part.folder] = write_part(part, folder / part.folder, progress, numbering.get(part.world))
+        parts[part.folder] = write_part(
+            part, folder / part.folder, progress, processes(args.jobs), numbering.get(part.world)
+        )
         numbering.setdefault(part.world, open_dataset(folder / part.folder).vocabulary)
     report = {"name": NAME, "version": VERSION, "software": f"unisg_blender {__version__}", "parts": parts}
     write_file(folder / RECORD, json.dumps(report, indent=1) + "\n")
@@ -103,6 +105,7 @@ def write_part(
     part: FrozenPart,
     folder: Path,
     progress: Callable[[str], None],
+    jobs: int = 1,
     vocabulary: Mapping[str, Sequence[str]] | None = None,
 ) -> dict[str, Any]:
     """Make one part, its names numbered as ``vocabulary`` does, unless it is there; returns its record."""
@@ -114,7 +117,7 @@ def write_part(
             raise UniSGError(f"{folder} holds other rooms, or damaged ones: give another folder")
         return record
     seeds = range(part.seed, part.seed + part.count)
-    scenes = _told(make_many(part.world, seeds, processes(None)), part, progress)
+    scenes = _told(make_many(part.world, seeds, jobs), part, progress)
     write_dataset((Sample(graph, graph.title, part.world) for graph in scenes), folder, FORM, vocabulary=vocabulary)
     found = scenes_digest(folder)
     record = {

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
-from difflib import get_close_matches
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from ...errors import UniSGError
+from ...errors import UniSGError, did_you_mean
 from ...runtime.json_records import from_record
 from ...runtime.onnx_session import damaged, metadata_text
 from .prior_tables import PriorTables
@@ -87,6 +86,5 @@ class Contract:
         """UniSGError naming the known categories if one of ``names`` is unknown."""
         for name in names:
             if name not in self.vocabulary:
-                close = get_close_matches(name, self.vocabulary, 1)
-                hint = f" (did you mean {close[0]!r}?)" if close else ""
+                hint = did_you_mean(name, self.vocabulary)
                 raise UniSGError(f"the model does not know {name!r}{hint}; it knows: {', '.join(self.vocabulary)}")

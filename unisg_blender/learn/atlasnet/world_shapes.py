@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ...errors import UniSGError
+from ...errors import UniSGError, did_you_mean
 from ...meshes.shape_files import ShapeFile
 from ...worlds import WORLDS
 
@@ -25,7 +25,8 @@ def world_models(worlds: Sequence[str], rooms: int, seed: int = 0, per_category:
     """
     unknown = sorted(set(worlds) - set(WORLDS))
     if unknown:
-        raise UniSGError(f"there is no world {unknown[0]!r}: choose among {', '.join(WORLDS)}")
+        hint = did_you_mean(unknown[0], WORLDS)
+        raise UniSGError(f"there is no world {unknown[0]!r}{hint}: choose among {', '.join(WORLDS)}")
     found: dict[str, ShapeFile] = {}
     counts: Counter[str] = Counter()
     for name in worlds:

@@ -1,0 +1,28 @@
+"""An argument parser that says what a word that it does not know was perhaps meant to be."""
+
+from __future__ import annotations
+
+import argparse
+import re
+from typing import NoReturn
+
+from ..errors import did_you_mean
+
+CHOICE = re.compile(r"invalid choice: '([^']*)' \(choose from (.*)\)")
+STRANGE = "unrecognized arguments: "
+OPTION = re.compile(r"--[\w-]+")
+
+
+class HelpfulParser(argparse.ArgumentParser):
+    """As its base; an error about a choice or an option ends with the nearest one that there is."""
+
+    def error(self, message: str) -> NoReturn:
+        """Print usage and message, and exit with status 2."""
+        found = CHOICE.search(message)
+        if found:
+            message += did_you_mean(found[1], found[2].replace("'", "").split(", "))
+        elif message.startswith(STRANGE):
+            options = OPTION.findall(self.format_help())
+            words = [word.split("=")[0] for word in message.removeprefix(STRANGE).split() if word.startswith("-")]
+            message += "".join(dict.fromkeys(did_you_mean(word, options) for word in words))
+        super().error(message)
