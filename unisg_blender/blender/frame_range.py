@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import UniSGError
+from ..runtime.read_report import ReadReport
 from ..scene.frame_range import DEFAULT_RATE, FrameRange, is_rate
 from ..scene.graph import SceneGraph
 from ..scene.motion_frames import frame_range_of
 from .fcurves import curves_of
-from .unsupported.read_report import ReadReport
 
 FRAMES = (0, 1048574)
 """The first and the last frame that a scene of Blender may play; before the first there may be keys."""

@@ -9,13 +9,13 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+from ...runtime.read_report import ReadReport
 from ...scene.component_table import table
 from ...scene.components import ANIMATION
 from ...scene.graph import SceneGraph
 from ..depsgraph import updated_depsgraph
 from ..frame_range import FRAMES, frame_rate, key_frames
 from ..lookup import objects_by_uid
-from ..unsupported.read_report import ReadReport
 from .object_hierarchy import read_hierarchy
 
 MOST_FRAMES = 10_000
