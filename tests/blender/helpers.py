@@ -70,6 +70,7 @@ def assert_same_scene(first: SceneGraph, second: SceneGraph) -> None:
 
     for name in COMPARED:
         _assert_same_component(first, second, name)
+    assert first.frames in (None, second.frames)
     _assert_same_instances(first, second)
 
 

@@ -75,4 +75,4 @@ def test_a_driver_that_blender_evaluates_with_python_does_not_keep_the_process(t
     done = unisg("inspect", tmp_path / "driven.blend", limit=30)
     assert done.returncode == 0
     assert "drivers: only their result is kept" in done.stderr
-    assert done.stdout.splitlines()[-1].startswith("types:")
+    assert done.stdout.splitlines()[-1].startswith("frames:")

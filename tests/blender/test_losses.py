@@ -255,7 +255,7 @@ LOST_OF_SCENES: dict[str, tuple[Callable[[], object], str]] = {
     "view layers": (lambda: bpy.context.scene.view_layers.new("Second"), "only the view layer"),
     "markers": (lambda: bpy.context.scene.timeline_markers.new("Cut", frame=3), "timeline markers"),
     "properties": (lambda: bpy.context.scene.__setitem__("client", "me"), "custom properties of the scene"),
-    "frame range": (scene_with(frame_end=99), "End Frame"),
+    "preview range": (scene_with(use_preview_range=True), "Use Preview Range"),
     "gravity": (scene_with(gravity=(0, 0, -1)), "Gravity"),
     "resolution": (lambda: put(bpy.context.scene.render, resolution_x=99), "render settings"),
     "units": (lambda: put(bpy.context.scene.unit_settings, scale_length=0.01), "unit scale"),

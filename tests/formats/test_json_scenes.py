@@ -36,6 +36,7 @@ def assert_identical(first: SceneGraph, second: SceneGraph) -> None:
         assert (found.dtype, found.tobytes()) == (expected.dtype, expected.tobytes()), column
     assert [mesh.checksum for mesh in second.meshes] == [mesh.checksum for mesh in first.meshes]
     assert second.materials == first.materials
+    assert second.frames == first.frames
     for name, component in first.components.items():
         for key, column in component.columns.items():
             assert second.components[name].columns[key].dtype == column.dtype, (name, key)

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from unisg_blender.scene import Mesh, SceneGraph, Table, world_matrices
+from unisg_blender.scene import Mesh, SceneGraph, Table, frame_range_of, world_matrices
 
 RELATIVE = 1e-5
 
@@ -18,6 +18,7 @@ def assert_same_graph(first: SceneGraph, second: SceneGraph) -> None:
     assert second.uid == first.uid
     assert second.title == first.title
     assert second.vocabulary == first.vocabulary
+    assert frame_range_of(second) == frame_range_of(first)
     for column in ("type", "parent", "category"):
         np.testing.assert_array_equal(getattr(second, column), getattr(first, column), err_msg=column)
     assert_close(second.local, first.local)

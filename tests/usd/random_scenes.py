@@ -8,7 +8,17 @@ import hypothesis.strategies as st
 import numpy as np
 from hypothesis.extra import numpy as arrays
 
-from unisg_blender.scene import ActionData, LessonNode, Material, Mesh, Relation, SceneGraph, Thresholds, table
+from unisg_blender.scene import (
+    ActionData,
+    FrameRange,
+    LessonNode,
+    Material,
+    Mesh,
+    Relation,
+    SceneGraph,
+    Thresholds,
+    table,
+)
 from unisg_blender.scene.assembly import Columns, assemble
 from unisg_blender.scene.properties import ObjectProperties
 
@@ -105,7 +115,16 @@ def scenes(draw: st.DrawFn) -> SceneGraph:
             title=draw(NAMES.filter(bool)),
         )
     )
-    return _with_components(draw, graph)
+    return _with_components(draw, graph.replace(frames=draw(st.none() | frame_ranges())))
+
+
+def frame_ranges() -> st.SearchStrategy[FrameRange]:
+    """Frames with fractions, at rates such as 29.97."""
+    start, length = st.floats(-100, 2000, width=32), st.integers(0, 2000)
+    rate = st.sampled_from([24.0, 25.0, 30.0, 30000 / 1001, 60.0, 0.5])
+    return st.builds(
+        lambda begin, frames, rate: FrameRange(begin + 1, begin, begin + frames, rate), start, length, rate
+    )
 
 
 def _with_components(draw: st.DrawFn, graph: SceneGraph) -> SceneGraph:

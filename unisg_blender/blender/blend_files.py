@@ -16,6 +16,7 @@ from ..runtime.file_endings import BLENDER, USD
 from ..runtime.read_report import ReadReport
 from ..runtime.wording import some_of
 from ..scene.graph import SceneGraph
+from .frame_range import cover_keys, set_frame_range
 from .read.scene_reader import Geometry, read_scene, read_scenes
 from .suppress_output import captured_output, heard
 from .write.scene_writer import write_scene
@@ -147,6 +148,7 @@ def new_scene(graph: SceneGraph, report: ReadReport | None = None) -> None:
     """Open a new file whose only scene is the scenegraph; ``report`` is told what Blender cannot hold."""
     new_file()
     current_scene().name = graph.title
+    set_frame_range(graph, current_scene(), ReadReport() if report is None else report)
     write_scene(graph, current_scene(), report=report)
 
 
@@ -183,6 +185,7 @@ def _open_quietly(path: Path) -> str | None:
             return None
         new_file()
         result = _importer(path.suffix.lower())(filepath=str(path))
+        cover_keys(bpy.context.scene)
     except RuntimeError as error:  # an operator that reports an error
         return _last_line(str(error))
     return None if "FINISHED" in result else "Blender's importer gave up"

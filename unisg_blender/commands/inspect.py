@@ -64,4 +64,7 @@ def _summary_lines(record: dict[str, Any]) -> list[str]:
     for key in ("types", "categories", "components"):
         if record[key]:
             lines.append(f"{key}: " + ", ".join(f"{name} {count}" for name, count in record[key].items()))
+    if "frames" in record:
+        text = "frames: {start:g} to {end:g} at {rate:g} a second, now {frame:g}"
+        lines.append(text.format_map(record["frames"]))
     return lines

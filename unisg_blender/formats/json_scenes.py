@@ -3,9 +3,9 @@
 The file is an object with ``unisg_scene`` (the version), the scene and what it shares with the prototypes of its
 instances: ``meshes`` and ``prototypes``, which have the form of the scene. A scene has ``title``, ``vocabulary``,
 ``mesh_numbers`` (its own meshes among those of the file), ``materials``, ``components`` (for each table ``rows``
-and ``columns``) and ``entities``: each with name, uid, type, category, uid of the parent, number of the mesh,
-and matrices ``local`` and ``world`` (rows; metres). ``world`` and ``actions`` are said once more for other programs and
-are not read back.
+and ``columns``), perhaps ``frames`` (the one that is shown, range, rate), and ``entities``: each with name, uid, type,
+category, uid of the parent, number of the mesh, and matrices ``local`` and ``world`` (rows; metres). ``world`` and
+``actions`` are said once more for other programs and are not read back.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from ..errors import UniSGError
 from ..runtime.atomic_files import write_file
 from ..runtime.json_records import check_version, from_record, parse_json, to_record
-from ..scene import ActionData, LessonNode, Material, Mesh, SceneGraph, Table
+from ..scene import ActionData, FrameRange, LessonNode, Material, Mesh, SceneGraph, Table
 from ..scene.graph import TYPE_INDEX
 from ..scene.lesson_node import lesson_from_json
 from ..scene.scene_text import to_records
@@ -80,7 +80,8 @@ class _SceneWriter:
             record | {"mesh": numbers[mesh] if mesh >= 0 else None}
             for record, mesh in zip(to_records(graph), graph.mesh.tolist(), strict=True)
         ]
-        return {
+        frames = {} if graph.frames is None else {"frames": to_record(graph.frames)}
+        return frames | {
             "title": graph.title,
             "entities": entities,
             "vocabulary": graph.vocabulary,
@@ -158,6 +159,7 @@ class _SceneReader:
             materials={each["name"]: from_record(Material, each, "material") for each in record["materials"]},
             components={name: self._table(found) for name, found in record["components"].items()},
             title=record["title"],
+            frames=from_record(FrameRange, record["frames"], "the record of frames") if "frames" in record else None,
         ).validate()
 
     def _table(self, record: Mapping[str, Any]) -> Table:

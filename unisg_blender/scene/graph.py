@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from ..errors import UniSGError, did_you_mean
 from .action_data import ActionData
 from .component_table import Table
+from .frame_range import FrameRange
 from .mesh import Material, Mesh
 from .parents import compose_world, subtree_rows
 
@@ -65,6 +66,8 @@ class SceneGraph:
         move away from ``local``), and others.
     title
         Name of the scene.
+    frames
+        Its frames; None where nobody said.
 
     Raises
     ------
@@ -84,6 +87,7 @@ class SceneGraph:
     materials: Mapping[str, Material] = field(default_factory=dict)
     components: Mapping[str, Table] = field(default_factory=dict)
     title: str = "Scene"
+    frames: FrameRange | None = None
 
     def __post_init__(self) -> None:
         """Refuse columns that do not belong together; :meth:`validate` looks at what they hold."""

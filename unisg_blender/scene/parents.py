@@ -9,6 +9,9 @@ from numpy.typing import NDArray
 
 from ..errors import UniSGError
 
+LARGEST = 1e30
+"""The largest number in a matrix that can be reckoned with, also in single precision."""
+
 
 def depths(parent: NDArray[np.integer]) -> NDArray[np.int64]:
     """int64 (N,): steps from each row up to its root, in any row order.
@@ -44,6 +47,18 @@ def compose_world(local: NDArray[np.float64], parent: NDArray[np.integer]) -> ND
         rows = by_level[start:stop]
         world[rows] = world[parent[rows]] @ local[rows]
     return world
+
+
+def reachable(local: NDArray[np.float64], parent: NDArray[np.integer]) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """Child-to-parent matrices (N, 4, 4) with which every row stands somewhere, and the rows (K,) where that took one.
+
+    Those had no numbers, or led beyond :data:`LARGEST`; they are the identity now.
+    """
+    lost = ~(np.abs(local) <= LARGEST).all(axis=(1, 2))
+    local = np.where(lost[:, None, None], np.eye(4), local)
+    with np.errstate(over="ignore", invalid="ignore"):
+        lost |= ~(np.abs(compose_world(local, parent)) <= LARGEST).all(axis=(1, 2))
+    return np.where(lost[:, None, None], np.eye(4), local), np.flatnonzero(lost)
 
 
 def with_rows_below(parent: NDArray[np.integer], chosen: NDArray[np.bool_]) -> NDArray[np.bool_]:

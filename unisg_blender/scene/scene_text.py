@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -73,7 +74,7 @@ def summary(graph: SceneGraph) -> dict[str, Any]:
         "types": {TYPES[index]: int(kinds[index]) for index in np.flatnonzero(kinds)},
         "categories": {name: int(count) for name, count in zip(graph.vocabulary, categories, strict=True) if count},
         "components": {name: len(component.rows) for name, component in sorted(graph.components.items())},
-    }
+    } | ({} if graph.frames is None else {"frames": asdict(graph.frames)})
 
 
 def to_records(graph: SceneGraph) -> list[dict[str, Any]]:

@@ -6,6 +6,7 @@ VERSION = 1
 
 # attributes of the scene's prim
 SCENE_VERSION = "unisg:version"
+FRAME = "unisg:frame"
 
 # attributes and relationships of an entity's prim
 UID = "unisg:uid"

@@ -16,6 +16,7 @@ from ...scene.graph import SceneGraph
 from ...scene.hierarchy import world_matrices
 from ...scene.lesson_node import LessonNode, lesson_from_json, lesson_to_json
 from ...scene.properties import ACTIONS, LSA
+from ..frame_range import frame_rate
 from ..lookup import objects_by_uid
 
 TRIGGER = "unisg_trigger"
@@ -124,7 +125,7 @@ def scene_moments(scene: bpy.types.Scene, graph: SceneGraph) -> Iterator[Moment]
     of the tools; a timeline marker such as "How many swabs? = three" answers the
     Question of that name (several answers with commas). The current frame is kept.
     """
-    rate = scene.render.fps / scene.render.fps_base
+    rate = frame_rate(scene)
     before, world = scene.frame_current, world_matrices(graph)
     objects = objects_by_uid(scene)
     try:

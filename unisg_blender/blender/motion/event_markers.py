@@ -11,6 +11,7 @@ from ...scene.components import EVENTS
 from ...scene.graph import SceneGraph
 from ..authoring.stored_behaviour import FORCE, TRIGGER
 from ..fcurves import curves_of
+from ..frame_range import frame_rate
 
 SHOWN = {"performed": "done", "early": "too early", "failed": "wrong"}
 """Words of a recording that become markers, and what these say."""
@@ -24,7 +25,7 @@ def show_events(graph: SceneGraph, objects: Mapping[int, bpy.types.Object], scen
     """
     for marker in [each for each in scene.timeline_markers if each.name.startswith(tuple(_heads()))]:
         scene.timeline_markers.remove(marker)
-    rate = scene.render.fps / scene.render.fps_base
+    rate = frame_rate(scene)
     last = 0.0
     for when, text in _texts(graph):
         frame = max(scene.frame_start, round(when * rate))

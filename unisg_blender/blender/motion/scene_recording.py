@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from functools import lru_cache
 
 import bpy
@@ -16,6 +17,7 @@ from ...scene.graph import SceneGraph
 from ...scene.recording_tables import KEY, Recorded, recorded_from_json, recorded_of, recorded_to_json
 from ..authoring.stored_behaviour import scene_moments, why_fixed
 from ..depsgraph import updated_depsgraph
+from ..frame_range import frame_rate
 from ..lookup import objects_by_uid
 from ..read.object_hierarchy import read_hierarchy
 from ..read.sampled_animation import sample_animation
@@ -49,7 +51,7 @@ def record_playback(scene: bpy.types.Scene | None = None) -> SceneGraph:
     """
     scene = scene or bpy.context.scene
     graph = _without(read_scene(scene), RECORDING, EVENTS)
-    graph = sample_animation(graph, scene)
+    graph = sample_animation(graph, scene, range(scene.frame_start, scene.frame_end + 1))
     found = graph.components.get(ANIMATION)
     graph = graph if found is None else _without(graph, ANIMATION).with_component(RECORDING, found)
     try:
@@ -62,7 +64,7 @@ def record_playback(scene: bpy.types.Scene | None = None) -> SceneGraph:
         state, happened = play(lesson, state, now)
         inputs += new_inputs(lesson, before, now)
         events, before = [*events, *happened], now
-    start = scene.frame_start * scene.render.fps_base / scene.render.fps  # times of recordings count from frame 0
+    start = scene.frame_start / frame_rate(scene)  # times of recordings count from frame 0
     return with_events(graph, later(events, start), later(inputs, start))
 
 
@@ -144,5 +146,5 @@ def replay(graph: SceneGraph, scene: bpy.types.Scene | None = None, report: Read
     write_animation(graph, moving, scene, ReadReport() if report is None else report, RECORDING)
     ends = [float(times[-1]) for times in (() if found is None else found.columns["times"])]
     ends.append(show_events(graph, objects, scene))
-    scene.frame_end = max(scene.frame_end, int(-(-max(ends) * scene.render.fps // scene.render.fps_base)))
+    scene.frame_end = max(scene.frame_end, math.ceil(max(ends) * frame_rate(scene)))
     return len(moving)

@@ -9,12 +9,18 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ...scene.parents import compose_world
+from ...scene.parents import compose_world, reachable
 from ..depsgraph import is_evaluated
 from ..trs import differ
 
 STEP = 2e-6  # rounding that one product of Blender's float32 matrices may leave, relative
 CHAIN = 5e-6  # ... and a whole chain of them
+WITH_VERTICES = frozenset(("MESH", "CURVE", "SURFACE", "LATTICE"))
+HAVE_PART = {4: frozenset(("ARMATURE", "LATTICE")), 5: WITH_VERTICES, 6: WITH_VERTICES, 7: frozenset(("ARMATURE",))}
+"""Types of parents that have the part which a kind of parenting names: deformation, vertex, three vertices, bone.
+
+With others, objects hang on the parent as a whole: Blender keeps the kind when the parent is exchanged.
+"""
 
 
 @dataclass(frozen=True)
@@ -24,8 +30,8 @@ class Hierarchy:
     ``parent`` int32 (N,); ``local`` float64 (N, 4, 4); ``special`` rows that hang
     on a bone, on vertices or the like, with the frame of that part in its object
     (``frames``); ``moved`` rows whose evaluated world matrix, ``world`` float64
-    (K, 4, 4), is not what the locals say; ``broken`` rows whose locals are no numbers
-    and were replaced by the identity.
+    (K, 4, 4), is not what the locals say; ``broken`` rows that stand nowhere and whose locals
+    were replaced by the identity.
     """
 
     parent: NDArray[np.int32]
@@ -64,7 +70,10 @@ def read_hierarchy(
         local[hangs], terms[hangs] = inverse @ local[hangs], np.abs(inverse) @ terms[hangs]
     kind = np.empty(len(items), np.int32)
     objects.foreach_get("parent_type", kind)
-    special = np.flatnonzero((kind != 0) & hangs)
+    special = np.array(
+        [row for row in np.flatnonzero((kind != 0) & hangs) if above[row].type in HAVE_PART.get(int(kind[row]), ())],
+        np.int64,
+    )
     world, evaluated = _worlds(items, rows, depsgraph)
     frames = {int(row): frame_of_parent(items[row], depsgraph) for row in special}
     for row, frame in frames.items():
@@ -72,9 +81,9 @@ def read_hierarchy(
     for row in np.flatnonzero((parent < 0) & hangs):  # the parent is not among the objects: stand where it stands
         frame = chain_matrix(above[row], depsgraph)
         local[row], terms[row] = frame @ local[row], np.abs(frame) @ terms[row]
-    broken = np.flatnonzero(~np.isfinite(local).all(axis=(1, 2)))
-    local[broken] = np.eye(4)
+    local, broken = reachable(local, parent)
     sound = evaluated & np.isfinite(world).all(axis=(1, 2))
+    world[~sound] = 0
     moved = np.flatnonzero(_moved(parent, local, world, terms) & sound)
     return Hierarchy(parent, local, special, frames, moved, world[moved], broken)
 

@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Sequence
 
 import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+from ...runtime.read_report import ReadReport
 from ...scene.component_table import table
 from ...scene.components import ANIMATION
 from ...scene.graph import SceneGraph
 from ..depsgraph import updated_depsgraph
+from ..frame_range import FRAMES, frame_rate, key_frames
 from ..lookup import objects_by_uid
 from .object_hierarchy import read_hierarchy
 
+MOST_FRAMES = 10_000
+WHOLE = 1e-3  # a key this near to a whole frame is on it
 STILL = 1e-7  # matrices that differ less, relative to their size, have not moved
 
 
@@ -27,8 +32,9 @@ def may_move(scene: bpy.types.Scene) -> bool:
 def sample_animation(
     graph: SceneGraph,
     scene: bpy.types.Scene | None = None,
-    frames: Iterable[int] | None = None,
+    frames: Iterable[float] | None = None,
     progress: Callable[[int, int], None] | None = None,
+    report: ReadReport | None = None,
 ) -> SceneGraph:
     """The scenegraph with the component ``animation``: how its entities move in the scene it was read from.
 
@@ -42,13 +48,15 @@ def sample_animation(
     scene
         The current scene when omitted.
     frames
-        Ascending frames; all of the scene's range when omitted. Times are frame / frame rate.
+        Ascending frames; those of :func:`frames_of_motion` when omitted. Times are frame / frame rate.
     progress
         Called with (frames done, frames in all).
+    report
+        Is told what is too long to be read.
     """
     scene = scene or bpy.context.scene
-    frames = list(range(scene.frame_start, scene.frame_end + 1) if frames is None else frames)
-    rate = scene.render.fps / scene.render.fps_base
+    frames = frames_of_motion(scene, ReadReport() if report is None else report) if frames is None else list(frames)
+    rate = frame_rate(scene)
     rows = {item: graph.row_of_uid[uid] for uid, item in objects_by_uid(scene).items() if uid in graph.row_of_uid}
     before = scene.frame_current, scene.frame_subframe
     try:
@@ -65,8 +73,26 @@ def sample_animation(
     return graph.with_component(ANIMATION, found)
 
 
+def frames_of_motion(scene: bpy.types.Scene, report: ReadReport) -> list[float]:
+    """The whole frames of the scene's range and of all keys beyond it, and the keys between whole frames; ascending.
+
+    Frames that are too many, or too far away, are left out, which is told.
+    """
+    keys = key_frames(scene)
+    near = keys[np.abs(keys) <= FRAMES[1]]
+    start, end = np.clip([scene.frame_start, scene.frame_end], *FRAMES)
+    start, end = np.floor(near.min(initial=start)), np.ceil(near.max(initial=end))
+    between = near[np.abs(near - np.round(near)) > WHOLE]
+    frames = np.union1d(np.arange(start, min(end, start + MOST_FRAMES) + 1), between)
+    if end - start > MOST_FRAMES or len(frames) > MOST_FRAMES or len(near) < len(keys):
+        frames = frames[:MOST_FRAMES]
+        report.add("", f"motion after frame {frames[-1]:g}: {MOST_FRAMES:,} frames are read")
+    found: list[float] = frames.tolist()
+    return found
+
+
 def _changes(
-    scene: bpy.types.Scene, frames: Sequence[int], progress: Callable[[int, int], None] | None
+    scene: bpy.types.Scene, frames: Sequence[float], progress: Callable[[int, int], None] | None
 ) -> dict[int, NDArray[np.float64]]:
     """Local matrices float64 (T, 4, 4) of the objects, by place in ``scene.objects``, that move at any frame."""
     items = list(scene.objects)
@@ -74,7 +100,8 @@ def _changes(
     first = last = np.zeros((0, 4, 4))
     steps: list[tuple[int, NDArray[np.int64], NDArray[np.float64]]] = []
     for number, frame in enumerate(frames):
-        scene.frame_set(frame)
+        whole = math.floor(frame)
+        scene.frame_set(whole, subframe=frame - whole)
         local = _evaluated_locals(scene, items)
         if progress is not None:
             progress(number + 1, len(frames))

@@ -19,6 +19,7 @@ from ...scene.mesh import Material
 from ...scene.properties import ObjectProperties, decode_properties
 from ...scene.realize_instances import realize
 from ..depsgraph import updated_depsgraph
+from ..frame_range import read_frame_range
 from ..helper_objects import HELPER, TYPE, fold
 from ..id_properties import custom_properties
 from ..materials import read_material
@@ -104,10 +105,11 @@ def read_scene(
     shelf = MeshShelf(depsgraph, geometry == "evaluated", report)
     reader = SceneReader(depsgraph, view_layer, geometry, details, animation, shelf, report, losses)
     graph = read_objects(scene.objects, scene.name, scene.collection, reader)
+    graph = graph.replace(frames=read_frame_range(scene, report))
     if losses:
         report_scene_losses(scene, view_layer, report)
     if animation and may_move(scene):
-        graph = sample_animation(graph, scene, progress=progress)
+        graph = sample_animation(graph, scene, progress=progress, report=report)
     return realize(graph) if instances == "realized" else graph
 
 

@@ -11,7 +11,8 @@ from ..id_properties import property_names
 from .changed_settings import changed_settings, listed
 
 HELD = frozenset((
-    "camera", "frame_current", "frame_float", "frame_subframe", "threads", "world", "cursor",
+    "camera", "frame_current", "frame_float", "frame_subframe", "frame_start", "frame_end", "fps", "fps_base",
+    "threads", "world", "cursor",
 ))  # fmt: skip
 GROUPS = {"render": "render", "view_settings": "colour management"}
 UNREAD_VIEWS = ("white_balance_whitepoint", "curve_mapping")

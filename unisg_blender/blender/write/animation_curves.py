@@ -11,6 +11,7 @@ from ...runtime.read_report import ReadReport
 from ...scene.components import ANIMATION, PARENTING
 from ...scene.graph import SceneGraph
 from ..fcurves import continuous_signs, new_curves
+from ..frame_range import frame_rate
 from ..trs import split
 from .component_entries import Objects, entries
 
@@ -26,7 +27,7 @@ def write_animation(
 
     ``component`` may also be ``recording``.
     """
-    rate = scene.render.fps / scene.render.fps_base
+    rate = frame_rate(scene)
     parts = graph.components.get(PARENTING)
     for row, item, entry in entries(graph, component, objects):
         above = np.eye(4)

@@ -90,10 +90,11 @@ def _hang(
     for row, item, entry in entries(graph, PARENTING, objects):
         if item.parent is None:
             continue
-        if abs(np.linalg.det(entry["frame"])) < 1e-12 or not _has_part(item.parent, entry):
+        part = abs(np.linalg.det(entry["frame"])) >= 1e-12 and _has_part(item.parent, entry)
+        if not part or not _takes_kind(item, str(entry["kind"])):
             report.add(item.name, "hangs on its parent as a whole, not on a bone or vertex")
             continue
-        item.parent_type, item.parent_bone = str(entry["kind"]), str(entry["bone"])
+        item.parent_bone = str(entry["bone"])
         if item.parent_type.startswith("VERTEX"):
             item.parent_vertices = entry["vertices"].tolist()
         frames[row] = entry["frame"]
@@ -105,6 +106,15 @@ def _has_part(parent: bpy.types.Object, entry: Mapping[str, Any]) -> bool:
         return parent.type == "ARMATURE" and str(entry["bone"]) in parent.data.bones
     if entry["kind"].startswith("VERTEX"):
         return parent.type == "MESH" and int(entry["vertices"].max()) < len(parent.data.vertices)
+    return True
+
+
+def _takes_kind(item: bpy.types.Object, kind: str) -> bool:
+    """Set how an object hangs on its parent; False where Blender knows no such way for that parent."""
+    try:
+        item.parent_type = kind
+    except TypeError:
+        return False
     return True
 
 

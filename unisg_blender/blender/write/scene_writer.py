@@ -12,6 +12,7 @@ from ...runtime.read_report import ReadReport
 from ...scene import components
 from ...scene.components import INSTANCES, MATERIALS
 from ...scene.graph import SceneGraph
+from ..frame_range import set_frame_range
 from ..lookup import objects_by_uid
 from ..materials import write_materials
 from .animation_curves import write_animation
@@ -80,7 +81,9 @@ def write_scene(
         If a mesh of the graph is damaged; nothing is left behind then.
     """
     check_graph(graph, range(len(graph)))
-    scene = bpy.data.scenes.new(graph.title) if scene is None else scene
+    if scene is None:
+        scene = bpy.data.scenes.new(graph.title)
+        set_frame_range(graph, scene, ReadReport() if report is None else report)
     write_rows(graph, range(len(graph)), scene, report=report)
     return scene
 

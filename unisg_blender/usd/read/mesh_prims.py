@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -38,7 +39,7 @@ class MeshPrims:
         bound = UsdShade.MaterialBindingAPI.ComputeBoundMaterials([shapes[row] for row in rows])[0] if rows else []
         for row, material in zip(rows, bound, strict=True):
             prim = shapes[row]
-            key = (*_geometry_key(prim), material.GetPath() if material else None)
+            key = (*_geometry_key(prim), self._material_name(material) if material else None)
             if key not in self._place:
                 self._place[key] = len(self.meshes)
                 self.meshes.append(self._read(prim, material))
@@ -101,24 +102,31 @@ class MeshPrims:
         return tuple(names), index if index.any() else None
 
     def _material_name(self, material: Any) -> str:
-        """The name under which the material is kept; the path's last part made unique where two share one."""
-        path = material.GetPath()
+        """The name under which the material is kept; made unique where two different ones share one.
+
+        Materials inside what is referenced or instanced come once for each copy, and are one.
+        """
+        prim = _shown_once(material.GetPrim())
+        path = prim.GetPath()
         if path not in self._material_names:
-            prim = material.GetPrim()
             base = name = true_name(prim)
-            number = 1
-            while name in self.materials:
+            number, found = 1, read_material(base, material)
+            while name in self.materials and replace(self.materials[name], name=base) != found:
                 name, number = f"{base}.{number:03d}", number + 1
             self._material_names[path] = name
-            self.materials[name] = read_material(name, material)
+            self.materials[name] = replace(found, name=name)
             for text in material_losses(material):
                 warnings.warn(f"{path}: {text}", stacklevel=2)
         return self._material_names[path]
 
 
+def _shown_once(prim: Any) -> Any:
+    """The prim itself, or the one that all native instances share with it."""
+    return prim.GetPrimInPrototype() if prim.IsInstanceProxy() else prim
+
+
 def _geometry_key(prim: Any) -> tuple[Any, ...]:
     """The same for prims whose geometry comes from the same places: references and instances of one mesh."""
-    if prim.IsInstanceProxy():
-        prim = prim.GetPrimInPrototype()
+    prim = _shown_once(prim)
     specs = [(spec.layer.identifier, spec.path) for spec in prim.GetPrimStack() if len(spec.properties)]
     return tuple(specs) or (prim.GetPath(),)

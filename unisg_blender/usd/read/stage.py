@@ -17,6 +17,8 @@ from .unfolded_size import check_size
 
 DEEPEST = 500
 """Nesting that is still read; USD's text reader recurses and would end the whole process far beyond."""
+UNITS = (1e-15, 1e18)
+"""The smallest and the largest scene unit in metres: from less than a nanometre to more than a light year."""
 Y_TO_Z = np.array([[1.0, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]])
 
 
@@ -105,7 +107,8 @@ def _check_nesting(path: Path) -> None:
 def stage_frame(stage: Any) -> NDArray[np.float64]:
     """4x4 matrix from the stage's frame to metres and Z up; the identity where the stage is so already."""
     scale = float(UsdGeom.GetStageMetersPerUnit(stage))
-    if not np.isfinite(scale) or scale <= 0:
+    if not UNITS[0] <= scale <= UNITS[1]:
+        warnings.warn(f"a unit of {scale:g} metres cannot be; read as 1 metre", stacklevel=2)
         scale = 1.0
     turn = Y_TO_Z if UsdGeom.GetStageUpAxis(stage) == UsdGeom.Tokens.y else np.eye(4)
     return turn @ np.diag([scale, scale, scale, 1.0])

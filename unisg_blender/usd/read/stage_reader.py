@@ -26,6 +26,7 @@ from .entity_selection import find_entities
 from .instancers import read_instances
 from .mesh_prims import MeshPrims
 from .stage import quiet, stage_frame
+from .stage_frames import time_codes_per_second, with_frame_range
 from .time_samples import read_motion
 from .unsupported_prims import tell_losses
 from .xforms import read_transforms
@@ -83,17 +84,18 @@ def read_stage(stage: Any, title: str, progress: Progress | None = None) -> Scen
 def _read_scene(stage: Any, title: str, progress: Progress | None) -> SceneGraph:
     frame = stage_frame(stage)
     metres = float(np.abs(frame[:3, :3]).max())
-    reader = StageReader(frame, metres, float(stage.GetTimeCodesPerSecond()), MeshPrims(frame), progress)
+    reader = StageReader(frame, metres, time_codes_per_second(stage), MeshPrims(frame), progress)
     tops = stage.GetPseudoRoot().GetChildren()
     scene = next((prim for prim in tops if prim.HasAttribute(schema.SCENE_VERSION)), None)
     if scene is None:
-        return read_graph(tops, reader, title)
+        return with_frame_range(read_graph(tops, reader, title), stage, reader.rate)
     version = scene.GetAttribute(schema.SCENE_VERSION).Get()
     if not isinstance(version, int) or version > schema.VERSION:
         raise UniSGError(f"{title}: has version {version}; this software reads up to {schema.VERSION}: update it")
     reader.shelf.keep_materials(scene.GetChild(schema.MATERIAL_SCOPE))
     tops = [*scene.GetChildren(), *(prim for prim in tops if prim != scene)]
-    return read_graph(tops, reader, true_name(scene), scene)
+    graph = read_graph(tops, reader, true_name(scene), scene)
+    return with_frame_range(graph, stage, reader.rate, scene.GetAttribute(schema.FRAME).Get())
 
 
 def read_graph(

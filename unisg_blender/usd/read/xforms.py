@@ -12,7 +12,7 @@ from pxr import Gf, Usd, UsdGeom, Vt
 
 from ...scene import components
 from ...scene.component_table import Table, table
-from ...scene.parents import compose_world
+from ...scene.parents import compose_world, reachable
 from .. import schema
 from .entity_selection import Entities
 
@@ -53,18 +53,17 @@ def read_transforms(found: Entities, frame: NDArray[np.float64]) -> Frames:
     count = len(found.prim)
     read = [local_transform(prim) for prim in found.prim]
     local = from_usd([matrix for matrix, _ in read])
-    for row in np.flatnonzero(~np.isfinite(local).all(axis=(1, 2))).tolist():
-        warnings.warn(f"{found.prim[row].GetPath()}: its transform is no finite matrix; left out", stacklevel=2)
-        local[row] = np.eye(4)
     for row in np.flatnonzero((local[:, 3] != AFFINE).any(axis=1)).tolist():
         warnings.warn(f"{found.prim[row].GetPath()}: its transform is projective; read as affine", stacklevel=2)
         local[row, 3] = AFFINE
-    parent = np.array(found.parent, np.int64)
+    parent, reset = np.array(found.parent, np.int64), np.array([resets for _, resets in read], bool)
+    local, lost = reachable(local, np.where(reset, -1, parent))
+    for row in lost.tolist():
+        warnings.warn(f"{found.prim[row].GetPath()}: its transform is no finite matrix; left out", stacklevel=2)
     own = np.broadcast_to(frame, (count, 4, 4)).copy()
     size = np.cbrt(np.linalg.det(frame[:3, :3]))
     own[[kind in SEES_ALONG_MINUS_Z for kind in found.kind]] = np.diag([size, size, size, 1.0])
     above = np.concatenate([own, frame[None]])[parent]
-    reset = np.array([resets for _, resets in read], bool)
     if not (frame == np.eye(4)).all():
         moved = np.where(reset[:, None, None], frame, above)
         local = moved @ local @ np.linalg.inv(own)

@@ -11,9 +11,11 @@ from pxr import Sdf, Vt
 
 from ...scene import components
 from ...scene.component_table import Table
+from ...scene.frame_range import DEFAULT_RATE
 from ...scene.graph import TYPE_INDEX, TYPES, SceneGraph
 from ...scene.hierarchy import world_matrices
 from ...scene.mesh import Mesh
+from ...scene.motion_frames import frame_range_of
 from .. import schema
 from ..names import Identifiers, clean
 from .behaviour_specs import write_behaviour
@@ -22,7 +24,7 @@ from .component_specs import write_components
 from .instance_specs import write_instances
 from .mesh_specs import write_materials, write_mesh
 from .specs import Types, attribute, custom, define, define_class, matrices
-from .time_sample_specs import set_frame_rate, write_motion
+from .time_sample_specs import write_frame_range, write_motion
 
 PLAIN = Vt.TokenArray([schema.TRANSFORM])
 RESETTING = Vt.TokenArray([schema.RESET, schema.TRANSFORM])
@@ -40,6 +42,7 @@ class LayerWriter:
     materials: dict[str, Any]
     shared: dict[int, Any]  # references to prototypes of meshes that several entities share, by id(mesh)
     tick: Tick
+    rate: float  # time codes per second
     prototypes: dict[int, Any] = field(default_factory=dict)  # paths of instanced scenegraphs, by id(graph)
 
     def prototype_path(self, graph: SceneGraph) -> Any:
@@ -59,15 +62,18 @@ def write_layer(graph: SceneGraph, layer: Any, tick: Tick = lambda: None) -> Non
     """Author the scenegraph in an empty layer; ``tick`` is called once per entity."""
     layer.pseudoRoot.SetInfo("upAxis", "Z")
     layer.pseudoRoot.SetInfo("metersPerUnit", 1.0)
-    set_frame_rate(graph, layer)
+    frames = frame_range_of(graph)
     with Sdf.ChangeBlock():
         identifier = Identifiers().take(graph.title)
         layer.defaultPrim = identifier
         scene = define(layer, identifier, "Xform", graph.title)
         scene.SetInfo("kind", "assembly")
         custom(scene, schema.SCENE_VERSION, Types.Int, schema.VERSION)
+        if frames is not None:
+            write_frame_range(frames, scene)
         materials = write_materials(scene, _all_materials(graph))
-        writer = LayerWriter(scene, materials, _write_shared_meshes(scene, graph, materials), tick)
+        shared = _write_shared_meshes(scene, graph, materials)
+        writer = LayerWriter(scene, materials, shared, tick, frames.rate if frames else DEFAULT_RATE)
         write_graph(scene, graph, writer, Identifiers(schema.SCOPES))
 
 
@@ -75,7 +81,7 @@ def write_graph(parent: Any, graph: SceneGraph, writer: LayerWriter, identifiers
     """Author all entities of a scenegraph under ``parent``, and its component tables in a scope beside them."""
     prims = _write_entities(parent, graph, writer, identifiers)
     write_behaviour(prims, graph)
-    write_motion(prims, graph)
+    write_motion(prims, graph, writer.rate)
     write_visibility(prims, graph)
     write_components(parent, graph)
     write_instances(prims, graph, writer.prototype_path)

@@ -10,47 +10,40 @@ from pxr import Vt
 
 from ...scene import components
 from ...scene.component_table import Table
+from ...scene.frame_range import FrameRange, frames_at
 from ...scene.graph import SceneGraph
 from .. import schema
 from ..names import clean
 from .specs import Types, custom, matrices
 
-FRAME_RATE = 24.0
-"""Time codes per second; a frame may fall between two whole ones."""
+
+def write_frame_range(frames: FrameRange, scene: Any) -> None:
+    """Tell the layer of the scene's prim which frames there are and how fast they play."""
+    layer = scene.layer
+    layer.timeCodesPerSecond = layer.framesPerSecond = frames.rate
+    layer.startTimeCode, layer.endTimeCode = frames.start, frames.end
+    custom(scene, schema.FRAME, Types.Double, frames.frame)
 
 
-def set_frame_rate(graph: SceneGraph, layer: Any) -> None:
-    """Tell the layer how long the motion lasts, if there is any."""
-    times = [
-        moment
-        for name in (components.ANIMATION, components.RECORDING)
-        if name in graph.components
-        for clip in graph.components[name].columns["times"]
-        if len(clip)
-        for moment in (clip[0], clip[-1])
-    ]
-    if components.EVENTS in graph.components:
-        times += graph.components[components.EVENTS].columns["time"].tolist()
-    if times:
-        layer.timeCodesPerSecond = layer.framesPerSecond = FRAME_RATE
-        layer.startTimeCode, layer.endTimeCode = min(times) * FRAME_RATE, max(times) * FRAME_RATE
+def write_motion(prims: Sequence[Any], graph: SceneGraph, rate: float) -> None:
+    """Author animation on the transforms, recordings there too where nothing else moves the entity, and events.
 
-
-def write_motion(prims: Sequence[Any], graph: SceneGraph) -> None:
-    """Author animation on the transforms, recordings there too where nothing else moves the entity, and events."""
+    ``rate`` is the number of time codes per second.
+    """
     tables = graph.components
     moved = set(tables[components.WORLD].rows.tolist()) if components.WORLD in tables else set()
     animated = _clips(tables.get(components.ANIMATION))
     for row, (times, poses) in animated.items():
-        _sample(prims[row].attributes[schema.LOCAL if row in moved else schema.TRANSFORM], times, poses)
+        spec = prims[row].attributes[schema.LOCAL if row in moved else schema.TRANSFORM]
+        _sample(spec, frames_at(times, rate), poses)
     for row, (times, poses) in _clips(tables.get(components.RECORDING)).items():
         if row in animated or row in moved:
             spec = custom(prims[row], schema.RECORDING, Types.Matrix4d, None, uniform=False)
         else:
             custom(prims[row], schema.RECORDED, Types.Bool, True)
             spec = prims[row].attributes[schema.TRANSFORM]
-        _sample(spec, times, poses)
-    _write_events(prims, tables.get(components.EVENTS))
+        _sample(spec, frames_at(times, rate), poses)
+    _write_events(prims, tables.get(components.EVENTS), rate)
 
 
 def _clips(found: Table | None) -> dict[int, tuple[Any, Any]]:
@@ -61,16 +54,16 @@ def _clips(found: Table | None) -> dict[int, tuple[Any, Any]]:
     )
 
 
-def _sample(spec: Any, times: Any, poses: Any) -> None:
+def _sample(spec: Any, codes: Sequence[float], poses: Any) -> None:
     layer, path = spec.layer, spec.path
-    for moment, pose in zip((np.asarray(times) * FRAME_RATE).tolist(), matrices(poses), strict=True):
-        layer.SetTimeSample(path, moment, pose)
+    for code, pose in zip(codes, matrices(poses), strict=True):
+        layer.SetTimeSample(path, code, pose)
 
 
-def _write_events(prims: Sequence[Any], events: Table | None) -> None:
+def _write_events(prims: Sequence[Any], events: Table | None, rate: float) -> None:
     for row, found in () if events is None else events.groups():
         spec = custom(prims[row], schema.EVENTS, Types.StringArray, None, uniform=False)
         for moment in dict.fromkeys(found["time"].tolist()):
             now = np.flatnonzero(found["time"] == moment)
             words = [clean(f"{found['event'][item]} {found['action'][item]}") for item in now]
-            spec.layer.SetTimeSample(spec.path, moment * FRAME_RATE, Vt.StringArray(words))
+            spec.layer.SetTimeSample(spec.path, frames_at([moment], rate)[0], Vt.StringArray(words))
