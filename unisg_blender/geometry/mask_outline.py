@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from .arrays import Bools, Floats, Ints
-from .columns import Grid
+from .column_raster import Grid
 from .polygon import area, without_straight_corners
 
 STEPS = ((1, 0), (0, 1), (-1, 0), (0, -1))

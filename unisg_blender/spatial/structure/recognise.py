@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from ...geometry.arrays import Bools, Floats
-from ...geometry.columns import cells_on
+from ...geometry.column_raster import cells_on
 from ...geometry.mask_outline import components, outlines, simplified, snapped
 from ...geometry.polygon import area
 from ...scene.graph import SceneGraph

@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from ...geometry.arrays import Bools, Floats, Ints
-from ...geometry.columns import Crossings, Grid, columns, slice_at
+from ...geometry.column_raster import Crossings, Grid, columns, slice_at
 from ...geometry.surface_contact import STEEPEST, Triangles
 from ...scene.categories import FLOOR, STRUCTURE, has_category
 from ...scene.graph import SceneGraph

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...geometry.arrays import Bools, Floats, Ints
-from ...geometry.columns import Grid, cells_on, enclosure
+from ...geometry.column_raster import Grid, cells_on, enclosure
 from ...geometry.mask_outline import components
 from .scan import HEADROOM, FreeSpans, Scan, free_spans
 from .structure import TALLEST

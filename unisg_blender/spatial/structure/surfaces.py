@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...geometry.arrays import Floats, Ints
-from ...geometry.columns import Grid
+from ...geometry.column_raster import Grid
 from ...geometry.mask_outline import components, outlines, simplified
 from .scan import Scan, free_spans
 from .storeys import Region
