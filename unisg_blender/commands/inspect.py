@@ -8,7 +8,16 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import DONE
-from .common import add_limit, add_mapping, add_scene_options, check_at_least, read_shown, shown_lines, tell_lost
+from .common import (
+    add_limit,
+    add_mapping,
+    add_scene_options,
+    check_at_least,
+    print_report,
+    read_shown,
+    shown_lines,
+    tell_lost,
+)
 
 HELP = "Show the entity tree of a scene file, with components and behaviour, or the contents of a dataset."
 
@@ -19,6 +28,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_scene_options(parser)
     add_mapping(parser)
     add_limit(parser, "lines of each kind: entities, parts of the lesson, relations")
+    parser.add_argument(
+        "--structure", action="store_true", help="show floors, rooms, walls, openings and surfaces, told by geometry"
+    )
+    parser.add_argument(
+        "--plan", type=Path, metavar="PICTURE", help="draw this structure from above, a storey each (.svg, .png, .pdf)"
+    )
     parser.add_argument("--figures", type=Path, metavar="DIR", help="of a dataset: write pictures to this folder")
 
 
@@ -26,6 +41,8 @@ def run(args: argparse.Namespace) -> int:
     """Print the tree, or with ``--json`` everything as one JSON object."""
     if args.path.is_dir():
         return _inspect_dataset(args)
+    if args.structure or args.plan is not None:
+        return _inspect_structure(args)
     from ..scene.lesson_node import lesson_to_json
     from ..scene.scene_text import entity_lines, lesson_lines, relation_lines, summary, to_records
 
@@ -44,6 +61,23 @@ def run(args: argparse.Namespace) -> int:
     if not args.quiet:
         print("\n" + "\n".join(_summary_lines(summary(graph))))
     tell_lost(args, lost)
+    return DONE
+
+
+def _inspect_structure(args: argparse.Namespace) -> int:
+    """What is building in the scene, for ``--structure`` and ``--plan``."""
+    from ..spatial.structure import recognise_structure
+    from ..spatial.structure.plan_picture import check_plan, draw_plan
+    from ..spatial.structure.structure_text import structure_lines, structure_record
+
+    if args.plan is not None:
+        check_plan(args.plan)
+    graph, _ = read_shown(args, args.path, geometry=args.geometry, scene=args.scene)
+    structure = recognise_structure(graph)
+    if args.plan is not None:
+        draw_plan(structure, args.plan)
+    report = {"file": str(args.path), **structure_record(structure, graph)}
+    print_report(args, report, structure_lines(structure, graph))
     return DONE
 
 

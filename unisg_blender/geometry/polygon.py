@@ -70,3 +70,11 @@ def convex_gap(first: Floats, second: Floats) -> float:
         if ((one.min(axis=0) > two.max(axis=0)) | (two.min(axis=0) > one.max(axis=0))).any():
             return float(min(outside_distance(first, second).min(), outside_distance(second, first).min()))
     return 0.0
+
+
+def without_straight_corners(polygon: Floats, straight: float = 1e-6) -> Floats:
+    """A polygon (K, 2) without the corners at which it turns by an angle with a sine up to ``straight``."""
+    before, after = polygon - np.roll(polygon, 1, axis=0), np.roll(polygon, -1, axis=0) - polygon
+    bend = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
+    kept = np.abs(bend) > straight * np.linalg.norm(before, axis=1) * np.linalg.norm(after, axis=1)
+    return polygon[kept] if kept.sum() >= 3 else polygon

@@ -67,15 +67,22 @@ def contact_heights(
         return np.zeros(0)
     places = _places(near_upper, near_lower, low, high)
     above, below = heights(places, near_upper), heights(places, near_lower)
-    met = np.isfinite(above).any(axis=1) & np.isfinite(below).any(axis=1)
-    places, above, below = places[met], above[met], below[met]
-    above = _facing(above, near_upper, places, upper, down=True)
-    below = _facing(below, near_lower, places, lower, down=False)
-    space = above[:, :, None] - below[:, None, :]
-    touching = (space <= gap) & (space >= -overlap)
+    touching = _touches(above, below, gap, overlap)
+    met = touching.any(axis=(1, 2))
+    if not met.any():
+        return np.zeros(0)
+    above = _facing(above[met], near_upper, places[met], upper, down=True)
+    below = _facing(below[met], near_lower, places[met], lower, down=False)
+    touching = _touches(above, below, gap, overlap)
     place, _, bearer = np.nonzero(touching)
     _, first = np.unique(place, return_index=True)
     return below[place[first], bearer[first]]
+
+
+def _touches(above: Floats, below: Floats, gap: float, overlap: float) -> Bools:
+    """Where heights (K, M) of one surface touch those (K, N) of another, bool (K, M, N)."""
+    space = above[:, :, None] - below[:, None, :]
+    return (space <= gap) & (space >= -overlap)
 
 
 def _facing(found: Floats, near: Triangles, places: Floats, whole: Triangles, down: bool) -> Floats:
@@ -84,8 +91,7 @@ def _facing(found: Floats, near: Triangles, places: Floats, whole: Triangles, do
     Where a vertical line meets it first it looks down, and up where last, as one-sided sheets show no other side. Where
     the normals of both ends say the reverse, the mesh is inside out.
     """
-    up = looks_up(whole)
-    (up_low, up_high), (down_low, down_high) = column_ends(places, whole[up]), column_ends(places, whole[~up])
+    (up_low, up_high), (down_low, down_high) = column_ends(places, whole)
     inside_out = (down_high > up_high) & (up_low < down_low)
     end = np.minimum(up_low, down_low) if down else np.maximum(up_high, down_high)
     looks = (looks_up(near) != inside_out[:, None]) != down
@@ -98,24 +104,31 @@ def looks_up(triangles: Triangles) -> Bools:
     return one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0] > 0
 
 
-def column_ends(places: Floats, triangles: Triangles) -> tuple[Floats, Floats]:
-    """Where vertical lines through places (K, 2) meet a surface first and last, metres (K,); inf and -inf for none."""
-    lowest, highest = np.full(len(places), np.inf), np.full(len(places), -np.inf)
+def column_ends(places: Floats, triangles: Triangles) -> Floats:
+    """Where vertical lines through places (K, 2) meet a surface first and last, metres: (2, 2, K).
+
+    Of what looks up, and of what does not: the lowest and the highest; inf and -inf for none.
+    """
+    ends = np.full((2, 2, len(places)), np.inf)
+    ends[:, 1] = -np.inf
     if not len(places):
-        return lowest, highest
+        return ends
     low, high = (np.append(end, limit) for end, limit in ((places.min(axis=0), -np.inf), (places.max(axis=0), np.inf)))
     column = bearing(within(triangles, low, high))
     for begin in range(0, len(column), AT_ONCE):
-        found = heights(places, column[begin : begin + AT_ONCE])
-        lowest = np.fmin(lowest, np.fmin.reduce(found, axis=1))
-        highest = np.fmax(highest, np.fmax.reduce(found, axis=1))
-    return lowest, highest
+        some = column[begin : begin + AT_ONCE]
+        found, up = heights(places, some), looks_up(some)
+        for side, mine in zip(ends, (found[:, up], found[:, ~up]), strict=True):
+            side[0] = np.fmin(side[0], np.fmin.reduce(mine, axis=1, initial=np.inf))
+            side[1] = np.fmax(side[1], np.fmax.reduce(mine, axis=1, initial=-np.inf))
+    return ends
 
 
 def bearing(triangles: Triangles) -> Triangles:
     """The triangles that are level enough to bear something, or to stand on something."""
-    normal = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
-    return triangles[np.abs(normal[:, 2]) > STEEPEST * np.linalg.norm(normal, axis=1)]
+    (a, b, c), (d, e, f) = ((triangles[:, end] - triangles[:, 0]).T for end in (1, 2))
+    upward = a * e - b * d
+    return triangles[(1 - STEEPEST**2) * upward**2 > STEEPEST**2 * ((b * f - c * e) ** 2 + (c * d - a * f) ** 2)]
 
 
 def grid_places(low: Floats, high: Floats) -> Floats:
@@ -148,9 +161,8 @@ def surface_gap(first: Triangles, second: Triangles) -> float:
     where an edge of one goes through the other."""
     if not len(first) or not len(second):
         return float("inf")
-    if _pierces(first, second) or _pierces(second, first):
-        return 0.0
-    return min(_nearest(_probes(first), second), _nearest(_probes(second), first))
+    gap = min(_nearest(_probes(first), second), _nearest(_probes(second), first))
+    return 0.0 if gap > 0 and (_pierces(first, second) or _pierces(second, first)) else gap
 
 
 def _probes(triangles: Triangles) -> Floats:
@@ -161,6 +173,11 @@ def _probes(triangles: Triangles) -> Floats:
 
 def _pierces(first: Triangles, second: Triangles) -> bool:
     """Does an edge of ``first`` go through a triangle of ``second``?"""
+    low, high = second.min(axis=(0, 1)), second.max(axis=(0, 1))
+    first = within(first, low, high)
+    if not len(first):
+        return False
+    second = within(second, first.min(axis=(0, 1)), first.max(axis=(0, 1)))
     edges = np.concatenate([first[:, [0, 1]], first[:, [1, 2]], first[:, [2, 0]]])
     edges = edges[:: max(1, len(edges) // PROBES)]
     corner, one, two = second[:, 0], second[:, 1] - second[:, 0], second[:, 2] - second[:, 0]

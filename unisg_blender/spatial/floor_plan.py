@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from ..errors import UniSGError
 from ..geometry.arrays import Floats
-from ..geometry.polygon import area, convex_hull
+from ..geometry.polygon import area, convex_hull, without_straight_corners
 from ..scene.categories import FLOOR, has_category
 from ..scene.graph import SceneGraph
 from ..scene.hierarchy import world_matrices
@@ -67,7 +67,7 @@ def _outline(mesh: Mesh, matrix: Floats) -> Floats:
         if len(hull) < 3:
             raise UniSGError('the floor has no area: give the category "Floor" to a surface')
         return hull
-    polygons = [_without_straight_corners(places[loop]) for loop in loops]
+    polygons = [without_straight_corners(places[loop]) for loop in loops]
     largest = max(polygons, key=lambda polygon: abs(area(polygon)))
     return largest if area(largest) > 0 else largest[::-1]
 
@@ -84,10 +84,3 @@ def _border_loops(edges: NDArray[np.integer]) -> list[list[int]]:
         if len(loop) > 3 and loop[0] == loop[-1]:
             loops.append(loop[:-1])
     return loops
-
-
-def _without_straight_corners(polygon: Floats) -> Floats:
-    before, after = polygon - np.roll(polygon, 1, axis=0), np.roll(polygon, -1, axis=0) - polygon
-    bend = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
-    kept = np.abs(bend) > 1e-6 * np.linalg.norm(before, axis=1) * np.linalg.norm(after, axis=1)
-    return polygon[kept] if kept.sum() >= 3 else polygon

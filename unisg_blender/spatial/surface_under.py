@@ -23,7 +23,7 @@ def surface_under(objects: Objects, subject: int, target: int, gap: float = 0.0)
     if size.prod() >= other.prod() or (objects.low[target] > high).any() or (objects.high[target] < low).any():
         return None
     places = grid_places(low, high)
-    shown = np.isfinite(column_ends(places, objects.triangles(subject))[0])
+    shown = np.isfinite(column_ends(places, objects.triangles(subject))[:, 0]).any(axis=0)
     found = heights(places[shown], bearing(objects.triangles_within(target, low, high)))
     met = (found >= low[2]) & (found <= high[2])
     if not met.any() or met.any(axis=1).mean() < SHARE:

@@ -1,0 +1,175 @@
+"""Polygons around the cells of a grid: traced, simplified, and moved onto the lines that they follow."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .arrays import Bools, Floats, Ints
+from .column_raster import Grid
+from .polygon import area, without_straight_corners
+
+STEPS = ((1, 0), (0, 1), (-1, 0), (0, -1))
+"""Along the lower side of a cell, then its far side, its upper side and back: inside is on the left."""
+
+PARALLEL = 0.2
+"""Sine of the angle up to which a line runs along an edge: about 12 degrees."""
+
+BEYOND, BEFORE = 2.2, 0.8
+"""Cells within which a line is near an edge, on its outer and its inner side: cells that it goes through are out."""
+
+FAR_CORNER = 8.0
+"""Cells by which a corner may be moved to where two lines meet: in sharp corners the cells end early."""
+
+FOLLOWED, RIVAL = 0.3, 0.6
+"""Share of an edge that lines must accompany, at least, to be what it follows; and share of what the best one does from
+which on another counts: then the inner one is taken, as of the two faces of a thin wall."""
+
+STRAIGHT = 1e-3
+"""Sine of the angle by which an outline turns at a corner, at least."""
+
+SAME_LINE = 0.1
+"""Cells within which lines count as one."""
+
+
+def outlines(mask: Bools, grid: Grid) -> list[Floats]:
+    """The polygons (K, 2) around the true cells, metres, largest first; around is counter-clockwise, holes clockwise.
+
+    Cells that share only a corner are apart.
+    """
+    used = [np.flatnonzero(mask.any(axis=axis)) for axis in (1, 0)]
+    if not len(used[0]):
+        return []
+    first = used[0][0], used[1][0]
+    padded = np.pad(mask[first[0] : used[0][-1] + 1, first[1] : used[1][-1] + 1], 1)
+    inside = padded[1:-1, 1:-1]
+    edges: dict[tuple[int, int], list[int]] = {}
+    neighbours = (padded[1:-1, :-2], padded[2:, 1:-1], padded[1:-1, 2:], padded[:-2, 1:-1])
+    for side, (neighbour, corner) in enumerate(zip(neighbours, ((0, 0), (1, 0), (1, 1), (0, 1)), strict=True)):
+        for i, j in np.argwhere(inside & ~neighbour).tolist():
+            edges.setdefault((i + first[0] + corner[0], j + first[1] + corner[1]), []).append(side)
+    found = []
+    while edges:
+        start = next(iter(edges))
+        place, side = start, edges[start][0]
+        loop: list[tuple[int, int]] = []
+        while place in edges:
+            ways = edges[place]
+            way = next((turn for turn in ((side + 1) % 4, side, (side + 3) % 4) if turn in ways), ways[0])
+            ways.remove(way)
+            if not ways:
+                del edges[place]
+            if not loop or way != side:
+                loop.append(place)
+            place, side = (place[0] + STEPS[way][0], place[1] + STEPS[way][1]), way
+        found.append(np.array(loop, float) * grid.cell + grid.origin)
+    return sorted(found, key=lambda polygon: -abs(area(polygon)))
+
+
+def simplified(polygon: Floats, tolerance: float) -> Floats:
+    """A polygon (K, 2) with fewer corners, none of which was farther than ``tolerance`` metres from the new edges.
+
+    By halves (Ramer, 1972; Douglas and Peucker, 1973), from the two corners that are farthest apart.
+    """
+    first = int(((polygon - polygon.mean(axis=0)) ** 2).sum(axis=1).argmax())
+    ring = np.roll(polygon, -first, axis=0)
+    second = int(((ring - ring[0]) ** 2).sum(axis=1).argmax())
+    closed = np.concatenate([ring, ring[:1]])
+    kept = {0, second}
+    open_parts = [(0, second), (second, len(ring))]
+    while open_parts:
+        start, stop = open_parts.pop()
+        if stop - start < 2:
+            continue
+        between = closed[start + 1 : stop]
+        along = closed[stop] - closed[start]
+        share = ((between - closed[start]) @ along / max(float(along @ along), 1e-18)).clip(0, 1)
+        off = np.linalg.norm(between - closed[start] - share[:, None] * along, axis=1)
+        worst = int(off.argmax())
+        if off[worst] > tolerance:
+            kept.add(start + 1 + worst)
+            open_parts += [(start, start + 1 + worst), (start + 1 + worst, stop)]
+    return ring[sorted(kept)]
+
+
+def snapped(polygon: Floats, segments: Floats, cell: float) -> Floats:
+    """The polygon (K, 2) with its edges moved onto those of some segments (S, 2, 2) that they follow, metres.
+
+    An edge is traced to about ``cell``; of the lines beside it the one is taken that accompanies it longest. Edges
+    that follow none stay where they are. Corners are where neighbouring lines meet; where that is far away, as of
+    parallel ones, the outline steps from one to the other.
+    """
+    lines = [
+        _followed(start, stop, segments, cell) for start, stop in zip(polygon, np.roll(polygon, -1, 0), strict=True)
+    ]
+    corners: list[Floats] = []
+    for number, place in enumerate(polygon):
+        before, after = lines[number - 1], lines[number]
+        meeting = _meeting(before, after)
+        if meeting is not None and np.linalg.norm(meeting - place) <= FAR_CORNER * cell:
+            corners.append(meeting)
+        else:
+            corners += [point + ((place - point) @ along) * along for point, along in (before, after)]
+    found = np.array(corners)
+    found = found[np.linalg.norm(found - np.roll(found, 1, axis=0), axis=1) > 1e-6]
+    return without_straight_corners(found, STRAIGHT) if len(found) >= 3 else polygon
+
+
+def _followed(start: Floats, stop: Floats, segments: Floats, cell: float) -> tuple[Floats, Floats]:
+    """A point and the direction of the line that an edge follows; the edge's own where it follows none."""
+    length = float(np.linalg.norm(stop - start))
+    along = (stop - start) / max(length, 1e-12)
+    normal = np.array([-along[1], along[0]])
+    offset = (segments - start) @ normal
+    place = (segments - start) @ along
+    low, high = place.min(axis=1).clip(0, length), place.max(axis=1).clip(0, length)
+    size = np.linalg.norm(segments[:, 1] - segments[:, 0], axis=1)
+    beside = _offset_beside(offset, place, (low + high) / 2)
+    near = (beside >= -BEYOND * cell) & (beside <= BEFORE * cell) & (high - low > 0)
+    chosen = np.flatnonzero(near & (np.abs(offset[:, 1] - offset[:, 0]) <= PARALLEL * size))
+    if not len(chosen):
+        return start, along
+    chosen = chosen[np.argsort(beside[chosen], kind="stable")]
+    shared = (high - low)[chosen]
+    group = np.cumsum(np.diff(beside[chosen], prepend=-np.inf) > SAME_LINE * cell) - 1
+    total = np.array(
+        [_covered(low[chosen[group == each]], high[chosen[group == each]]) for each in range(group[-1] + 1)]
+    )
+    if total.max() < FOLLOWED * length:
+        return start, along
+    best = int(np.flatnonzero(total >= RIVAL * total.max())[-1])
+    mine = chosen[group == best]
+    longest = segments[mine[shared[group == best].argmax()]]
+    way = longest[1] - longest[0]
+    return longest[0], way / np.linalg.norm(way) * np.sign(way @ along)
+
+
+def _covered(low: Floats, high: Floats) -> float:
+    """Length that intervals (S,) cover together."""
+    order = np.argsort(low)
+    reached = np.concatenate([low[order[:1]], np.maximum.accumulate(high[order])[:-1]])
+    return float((high[order] - np.maximum(low[order], reached)).clip(0).sum())
+
+
+def _offset_beside(offset: Floats, place: Floats, at: Floats) -> Floats:
+    """How far beside an edge segments are, at places (S,) along it."""
+    run = place[:, 1] - place[:, 0]
+    share = np.divide(at - place[:, 0], run, out=np.full(len(run), 0.5), where=np.abs(run) > 1e-12)
+    return offset[:, 0] + share * (offset[:, 1] - offset[:, 0])
+
+
+def _meeting(first: tuple[Floats, Floats], second: tuple[Floats, Floats]) -> Floats | None:
+    """Where two lines meet; None for parallel ones."""
+    (point, along), (other, across) = first, second
+    turn = float(along[0] * across[1] - along[1] * across[0])
+    if abs(turn) < 1e-6:
+        return None
+    step = other - point
+    return point + (step[0] * across[1] - step[1] * across[0]) / turn * along
+
+
+def components(mask: Bools) -> tuple[Ints, int]:
+    """Numbers of the connected regions of a mask, 1 and up, 0 outside; cells are neighbours by their sides."""
+    from scipy.ndimage import label
+
+    found, count = label(mask)
+    return found.astype(np.int64), int(count)

@@ -1,0 +1,141 @@
+"""Structure from geometry: floors, rooms, walls, openings and surfaces, without names."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from ...geometry.arrays import Bools, Floats
+from ...geometry.column_raster import cells_on
+from ...geometry.mask_outline import components, outlines, simplified, snapped
+from ...geometry.polygon import area
+from ...scene.graph import SceneGraph
+from .scan import FINEST, HEADROOM, Scan
+from .storeys import LEAST_OPEN, LEVEL, Region, find_regions
+from .structure import Room, Structure
+from .surfaces import holding_surfaces
+from .walls import openings_in, walls_along
+
+COARSE = 1.5
+"""Times the finest cell from which on the rooms that were found are scanned again."""
+
+AROUND, MOST_PLACES = 3.0, 4
+"""Of a large scene places where walls stand are scanned again, so many metres around them, and so many of them."""
+
+UPRIGHT = 0.2
+"""Upward part of the unit normal of a wall at most."""
+
+BEHIND = 1.0
+"""Metres around a room in which lines are looked for: the far sides of its walls are there."""
+
+SIMPLER = 1.5
+"""Cells by which an outline may leave the traced one before it is moved onto lines."""
+
+
+def recognise_structure(graph: SceneGraph) -> Structure:
+    """What is building in a scene, told by where people can stand and what is around them.
+
+    The scene is scanned by columns through a grid of 5 cm. A floor is a height at which much has 1.8 m free above; a
+    place on it is inside where there is a roof and walls on most sides, or walls all around; rooms are what walls, and
+    the lintels over doors, part from each other. Outlines are then moved onto the very edges of walls and floors. What
+    the user gave a category that is not of a building does not count, and what the user called a floor is the floor.
+
+    A scene too large for the finest cells is scanned coarsely, and again where most walls stand.
+    """
+    scan = Scan.of(graph)
+    if scan is None:
+        return Structure((), (), FINEST, ("the scene has no faces: there is no floor to be found",))
+    regions = find_regions(scan)
+    if scan.grid.cell > COARSE * FINEST:
+        scan, regions = _closer(graph, scan, regions)
+    rooms = [_room(scan, region) for region in regions]
+    heights = sorted({room.floor for room in rooms})
+    storeys = np.cumsum(np.diff(heights, prepend=-np.inf) >= HEADROOM) - 1
+    of_height = dict(zip(heights, storeys.tolist(), strict=True))
+    rooms = [replace(room, storey=of_height[room.floor]) for room in rooms]
+    order = sorted(range(len(rooms)), key=lambda number: (rooms[number].storey, -rooms[number].area))
+    surfaces = holding_surfaces(scan, [regions[number] for number in order])
+    return Structure(tuple(rooms[number] for number in order), tuple(surfaces), scan.grid.cell, _notes(scan, rooms))
+
+
+def _closer(graph: SceneGraph, scan: Scan, regions: list[Region]) -> tuple[Scan, list[Region]]:
+    """A finer scan of where a large scene is built up, with the rooms found there; the same where that finds none."""
+    for low, high in _built_up(scan):
+        finer = Scan.of(graph, (low, high))
+        if finer is not None and finer.grid.cell < scan.grid.cell / COARSE:
+            found = find_regions(finer)
+            if any(region.indoors for region in found):
+                return finer, found
+    return scan, regions
+
+
+def _built_up(scan: Scan) -> list[tuple[Floats, Floats]]:
+    """Rectangles (low, high) around the places where most walls stand, the largest first."""
+    from scipy.ndimage import binary_dilation, find_objects
+
+    low, high = scan.ends
+    walls = scan.triangles[(np.abs(scan.slope) < UPRIGHT) & (high - low > HEADROOM / 2) & scan.building][:, :, :2]
+    cells, _ = cells_on(np.concatenate([walls[:, [0, 1]], walls[:, [1, 2]]]), scan.grid)
+    mask = scan.grid.mask(cells)
+    near = max(round(AROUND / scan.grid.cell), 1)
+    number, count = components(binary_dilation(mask, iterations=near))
+    size = np.bincount(number[mask], minlength=count + 1)
+    windows = find_objects(number.astype(np.int32))
+    found = []
+    for part in np.argsort(-size[1:], kind="stable")[:MOST_PLACES]:
+        first, last = (np.array([getattr(side, end) for side in windows[part]]) for end in ("start", "stop"))
+        found.append((first * scan.grid.cell + scan.grid.origin, last * scan.grid.cell + scan.grid.origin))
+    return found
+
+
+def _room(scan: Scan, region: Region) -> Room:
+    grid = scan.grid
+    traced = outlines(region.mask, grid)
+    low, high = traced[0].min(axis=0) - BEHIND, traced[0].max(axis=0) + BEHIND
+    cuts = {}
+    for height, (segments, rows) in region.cuts.items():
+        near = _reach_into(segments, low, high)
+        cuts[height] = segments[near], rows[near]
+    edges = _floor_edges(scan, region)
+    region = replace(region, cuts=cuts)
+    lines = np.concatenate([edges[_reach_into(edges, low, high)], *(segments for segments, _ in cuts.values())])
+    fitted = [snapped(simplified(loop, SIMPLER * grid.cell), lines, grid.cell) for loop in traced]
+    outline = fitted[0] if area(fitted[0]) > 0 else traced[0]
+    holes = tuple(loop for loop in fitted[1:] if len(loop) > 2 and area(loop) < 0)
+    walls = walls_along(outline, region)
+    openings = tuple(opening for wall in walls for opening in openings_in(wall, region))
+    return Room(
+        outline, holes, region.floor, region.ceiling, 0, region.indoors, region.floor_row, region.ceiling_row, walls,
+        openings,
+    )  # fmt: skip
+
+
+def _reach_into(segments: Floats, low: Floats, high: Floats) -> Bools:
+    """Which segments (S, 2, 2) reach into a rectangle, as far as their boxes tell."""
+    start, stop = segments[:, 0], segments[:, 1]
+    return ((np.minimum(start, stop) <= high) & (np.maximum(start, stop) >= low)).all(axis=1)
+
+
+def _floor_edges(scan: Scan, region: Region) -> Floats:
+    """Edges (S, 2, 2) of the floor's triangles, seen from above."""
+    low, high = scan.ends
+    level = scan.triangles[(np.abs(low - region.floor) <= LEVEL) & (np.abs(high - region.floor) <= LEVEL), :, :2]
+    edges = np.concatenate([level[:, [0, 1]], level[:, [1, 2]], level[:, [2, 0]]])
+    return edges[np.linalg.norm(edges[:, 1] - edges[:, 0], axis=1) > 2 * scan.grid.cell]
+
+
+def _notes(scan: Scan, rooms: list[Room]) -> tuple[str, ...]:
+    size = np.ptp(scan.triangles.reshape(-1, 3), axis=0)
+    notes = []
+    if not rooms and size[:2].prod() < LEAST_OPEN:
+        notes.append(f"the scene is {size[0]:.2f} x {size[1]:.2f} m: no room, but a thing; is its unit right?")
+    elif not rooms:
+        notes.append(f"no floor was found: nowhere are {LEAST_OPEN:.0f} m2 level with {HEADROOM} m free above")
+    elif not any(room.indoors for room in rooms):
+        notes.append("no room was found: the floor has no walls around it")
+    if scan.grid.cell > COARSE * FINEST:
+        notes.append(
+            f"the scene is {size[0]:.0f} x {size[1]:.0f} m: it was looked at every {scan.grid.cell:.2f} m only"
+        )
+    return tuple(notes)

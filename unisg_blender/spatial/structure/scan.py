@@ -1,0 +1,185 @@
+"""A scene as it is scanned for its structure: all triangles, and where the columns of a grid meet them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from ...geometry.arrays import Bools, Floats, Ints
+from ...geometry.column_raster import Crossings, Grid, columns, slice_at
+from ...geometry.surface_contact import STEEPEST, Triangles
+from ...scene.categories import FLOOR, STRUCTURE, has_category
+from ...scene.graph import SceneGraph
+from ...scene.hierarchy import world_matrices
+from ..object_rows import object_rows
+
+FINEST, MOST_CELLS = 0.05, 1_500_000
+"""Metres of a cell, at least; and cells at most: larger scenes are scanned more coarsely."""
+
+HEADROOM = 1.8
+"""Metres that must be free over a floor where people stand."""
+
+SAME = 0.002
+"""Metres within which what a column meets counts as one surface."""
+
+
+@dataclass(frozen=True, eq=False)
+class Scan:
+    """M triangles of a scene over a grid.
+
+    Attributes
+    ----------
+    triangles, row
+        (M, 3, 3) metres, and int64 (M,): the entity of each.
+    building
+        bool (M,): what may be building; what the user gave another category is not.
+    is_floor
+        bool (M,): what the user called a floor; all False where nothing is called so.
+    """
+
+    triangles: Triangles
+    row: Ints
+    building: Bools
+    is_floor: Bools
+    grid: Grid
+
+    @staticmethod
+    def of(graph: SceneGraph, region: tuple[Floats, Floats] | None = None) -> Scan | None:
+        """The scan of a scene, or of what reaches into a region (low, high) (2,); None where there are no triangles."""
+        triangles, row = world_triangles(graph)
+        if region is not None:
+            low, high = region
+            near = (triangles[:, :, :2].min(axis=1) <= high) & (triangles[:, :, :2].max(axis=1) >= low)
+            triangles, row = triangles[near.all(axis=1)], row[near.all(axis=1)]
+        if not len(triangles):
+            return None
+        low, high = region or (triangles[:, :, :2].min(axis=(0, 1)), triangles[:, :, :2].max(axis=(0, 1)))
+        cell = max(FINEST, float(np.sqrt(np.prod(np.maximum(high - low, FINEST)) / MOST_CELLS)))
+        owner = object_rows(graph)
+        named = graph.category[owner] >= 0
+        building = ~named | has_category(graph, STRUCTURE)[owner]
+        is_floor = has_category(graph, [FLOOR])[owner]
+        return Scan(triangles, row, building[row], is_floor[row], Grid.around(low, high, cell))
+
+    @cached_property
+    def normals(self) -> Floats:
+        """Normals (M, 3), as long as the triangles are large."""
+        return np.cross(self.triangles[:, 1] - self.triangles[:, 0], self.triangles[:, 2] - self.triangles[:, 0])
+
+    @cached_property
+    def slope(self) -> Floats:
+        """The upward part of the unit normals, (M,): 1 level and looking up, -1 looking down, 0 upright."""
+        return self.normals[:, 2] / np.maximum(np.linalg.norm(self.normals, axis=1), 1e-300)
+
+    @cached_property
+    def up(self) -> Bools:
+        """Which triangles look up, bool (M,); those of rooms drawn inside out are turned round."""
+        looks_up = self.slope > 0
+        for row in _inside_out(self):
+            mine = self.row == row
+            looks_up[mine] = ~looks_up[mine]
+        return looks_up
+
+    @cached_property
+    def ends(self) -> tuple[Floats, Floats]:
+        """Heights of the lowest and highest corner of each triangle, (M,) each."""
+        first, second, third = self.triangles[:, :, 2].T
+        return np.minimum(np.minimum(first, second), third), np.maximum(np.maximum(first, second), third)
+
+    @cached_property
+    def all_columns(self) -> Crossings:
+        """Where columns meet any triangle, except what is nearly upright."""
+        level = np.flatnonzero(np.abs(self.slope) > STEEPEST)
+        found = columns(self.triangles[level], self.grid)
+        return Crossings(found.cell, found.height, level[found.triangle])
+
+    @cached_property
+    def building_columns(self) -> Crossings:
+        """The same, of what may be building, surfaces in one place once."""
+        found = self.all_columns.take(self.building[self.all_columns.triangle])
+        again = (np.diff(found.cell, prepend=-1) == 0) & (np.diff(found.height, prepend=-np.inf) < SAME)
+        return found.take(~again)
+
+    def cut(self, height: float) -> tuple[Floats, Ints]:
+        """Segments (S, 2, 2) where a level plane cuts what may be walls, no slopes of land, and the rows (S,)."""
+        low, high = self.ends
+        cut = np.flatnonzero(self.building & (low <= height) & (high > height) & (self.slope <= STEEPEST))
+        return slice_at(self.triangles[cut], height), self.row[cut]
+
+
+def world_triangles(graph: SceneGraph) -> tuple[Triangles, Ints]:
+    """The triangles (M, 3, 3) of a scene in the world, metres, and the row (M,) of each; what is no number left out."""
+    world, parts, rows = world_matrices(graph), [np.zeros((0, 3, 3))], [np.zeros(0, np.int64)]
+    for row in np.flatnonzero(graph.mesh >= 0).tolist():
+        mesh, matrix = graph.meshes[graph.mesh[row]], world[row]
+        corners = (mesh.points.astype(np.float64) @ matrix[:3, :3].T + matrix[:3, 3])[mesh.triangles]
+        if np.linalg.det(matrix[:3, :3]) < 0:
+            corners = corners[:, ::-1]
+        parts.append(corners[np.isfinite(corners).all(axis=(1, 2))])
+        rows.append(np.full(len(parts[-1]), row))
+    return np.concatenate(parts), np.concatenate(rows)
+
+
+@dataclass(frozen=True, eq=False)
+class FreeSpans:
+    """Spans of air in columns, from the floor ``low`` to what is above, ``high`` (inf for the sky), (N,) each.
+
+    ``cell`` and ``triangle`` say where and on what each begins, ``over`` the triangle above, -1 for none.
+    """
+
+    cell: Ints
+    low: Floats
+    high: Floats
+    triangle: Ints
+    over: Ints
+
+
+def free_spans(found: Crossings, up: Bools) -> FreeSpans:
+    """The spans of air over all that columns meet: not those that are within something solid."""
+    last = np.diff(found.cell, append=-1) != 0
+    above = np.append(found.height[1:], np.inf)
+    high = np.where(last, np.inf, above)
+    over = np.where(last, -1, np.append(found.triangle[1:], -1))
+    solid = ~last & ~up[found.triangle] & up[over]
+    kept = ~solid
+    return FreeSpans(found.cell[kept], found.height[kept], high[kept], found.triangle[kept], over[kept])
+
+
+def _inside_out(scan: Scan) -> list[int]:
+    """Rows of closed meshes whose faces look out of rooms: more lies inside them than where their faces say is air."""
+    found, (low, high) = [], scan.ends
+    columns_of = scan.all_columns
+    middle = scan.triangles.mean(axis=1)
+    cell = scan.grid.at(middle[:, :2])
+    looks_up = scan.slope > 0
+    rows, first = np.unique(scan.row, return_index=True)
+    for row in rows[scan.building[first]].tolist():
+        mine = columns_of.take(scan.row[columns_of.triangle] == row)
+        solid = _spans_of(mine, looks_up, solid=True)
+        tall = mine.height[solid + 1] - mine.height[solid] >= HEADROOM
+        if tall.sum() * scan.grid.cell**2 < 1.0:
+            continue
+        other = np.flatnonzero((scan.row != row) & (cell >= 0) & (high < mine.height.max()) & (low > mine.height.min()))
+        inside = _held(mine, solid[tall], cell[other], middle[other, 2])
+        air = _held(mine, _spans_of(mine, looks_up, solid=False), cell[other], middle[other, 2])
+        if inside > air:
+            found.append(row)
+    return found
+
+
+def _spans_of(mine: Crossings, looks_up: Bools, solid: bool) -> Ints:
+    """Where in columns something solid begins and ends with the next place, or else air between floor and ceiling."""
+    below, above = mine.triangle[:-1], mine.triangle[1:]
+    same = mine.cell[1:] == mine.cell[:-1]
+    return np.flatnonzero(same & (looks_up[below] != solid) & (looks_up[above] == solid))
+
+
+def _held(mine: Crossings, spans: Ints, cell: Ints, height: Floats) -> int:
+    """How many points, by cell and height, are in some spans of columns."""
+    scale = 2.0 * (np.ptp(mine.height) + 1.0)
+    base = float(mine.height.min()) - 0.5
+    key = mine.cell * scale + (mine.height - base)
+    below = np.searchsorted(key, cell * scale + (height - base)) - 1
+    return int(np.isin(below, spans).sum())
