@@ -17,6 +17,7 @@ import argparse
 import ast
 import os
 import random
+import re
 import shutil
 import sqlite3
 import subprocess
@@ -29,6 +30,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 LEFT_OUT = shutil.ignore_patterns(".git", ".venv*", "build", "demo", "__pycache__", ".*_cache", ".hypothesis")
+NOTHING_TO_RUN = 5  # pytest's exit status when every test was left out
 SWAPS: dict[type[ast.AST], type[ast.AST]] = {
     ast.Add: ast.Sub, ast.Sub: ast.Add, ast.Mult: ast.Div, ast.Div: ast.Mult, ast.FloorDiv: ast.Mult,
     ast.Lt: ast.LtE, ast.LtE: ast.Lt, ast.Gt: ast.GtE, ast.GtE: ast.Gt, ast.Eq: ast.NotEq, ast.NotEq: ast.Eq,
@@ -96,19 +98,23 @@ def _swapped(node: ast.BinOp | ast.Compare | ast.BoolOp | ast.UnaryOp) -> Iterat
         node.op = kept
 
 
-def run_tests(copy: Path, tests: list[str], workers: int, seconds: float) -> int:
-    """The exit status of the tests in the copy; what takes too long counts as failed."""
-    words = ["-x", "-q", "-p", "no:cacheprovider", "-n", str(workers), "--dist", "loadfile", "--timeout", str(seconds)]
+def failing_test(copy: Path, tests: list[str], broken: set[str], args: argparse.Namespace) -> str:
+    """The first test that fails in the copy ("" for none), or in words that nothing could be run in that time."""
+    words = ["-x", "-q", "-rfE", "-p", "no:cacheprovider", "--timeout", str(args.seconds)]
+    words += ["-n", str(args.workers), "--dist", "loadfile"] if args.workers > 1 else []
+    words += [f"--deselect={test}" for test in sorted(broken)]
     environment = os.environ | {"PYTHONPATH": str(copy), "PYTHONDONTWRITEBYTECODE": "1"}
     chosen = copy / "chosen-tests.txt"  # more than fit on a command line
     chosen.write_text("\n".join(tests), encoding="utf-8")
     try:
-        return subprocess.run(
+        done = subprocess.run(
             [sys.executable, "-m", "pytest", *words, f"@{chosen}"],
-            cwd=copy, env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, timeout=3 * seconds,
-        ).returncode  # fmt: skip
+            cwd=copy, env=environment, capture_output=True, text=True, timeout=3 * args.seconds,
+        )  # fmt: skip
     except subprocess.TimeoutExpired:
-        return 1
+        return "not done in time"
+    failed = re.search(r"^(?:FAILED|ERROR) (\S+::.+?)(?: - .*)?$", done.stdout, re.MULTILINE)
+    return "" if done.returncode in (0, NOTHING_TO_RUN) else failed[1] if failed else "no test could be run"
 
 
 def covering_tests(coverage: Path, mutation: Mutation, most: int) -> list[str]:
@@ -142,27 +148,36 @@ def drawn_mutations(room: str, count: int, seed: int) -> tuple[list[Mutation], i
     return random.Random(seed).sample(found, min(count, len(found))), len(found)
 
 
+def noticed(copy: Path, mutation: Mutation, tests: list[str], broken: set[str], args: argparse.Namespace) -> bool:
+    """Whether a test fails with the change and passes without; tests that fail without it are added to ``broken``."""
+    before = (copy / mutation.path).read_bytes()
+    while True:
+        (copy / mutation.path).write_bytes(mutation.apply(before))
+        failing = failing_test(copy, tests, broken, args)
+        (copy / mutation.path).write_bytes(before)
+        if "::" not in failing:
+            return bool(failing)
+        if not failing_test(copy, [failing], set(), args):
+            return True
+        broken.add(failing)
+
+
 def check(args: argparse.Namespace) -> None:
     """Draw the changes, try one after another, print what stayed unseen."""
     drawn, possible = drawn_mutations(args.room, args.count, args.seed)
-    fast = ["-m", "not slow"] if args.fast else []
+    unseen, broken = 0, set[str]()
     with tempfile.TemporaryDirectory() as name:
         copy = Path(name) / "copy"
         shutil.copytree(ROOT, copy, ignore=LEFT_OUT)
-        if not args.coverage and run_tests(copy, [*tests_of(args, args.room), *fast], args.workers, args.seconds):
-            sys.exit("the tests must pass before anything is changed")
-        unseen = 0
         for number, mutation in enumerate(drawn, start=1):
             tests = covering_tests(args.coverage, mutation, args.most) if args.coverage else []
             tests = tests or tests_of(args, mutation.path.parts[1])
-            before = (copy / mutation.path).read_bytes()
-            (copy / mutation.path).write_bytes(mutation.apply(before))
-            if run_tests(copy, [*tests, *fast], args.workers, args.seconds) == 0:
+            if not noticed(copy, mutation, [*tests, *(["-m", "not slow"] if args.fast else [])], broken, args):
                 unseen += 1
                 print(f"unseen  {mutation}", flush=True)
-            (copy / mutation.path).write_bytes(before)
             print(f"{number} of {len(drawn)}, {unseen} unseen", end="\r", file=sys.stderr, flush=True)
     print(f"{len(drawn) - unseen} of {len(drawn)} noticed ({possible} possible changes, seed {args.seed})")
+    print(*(f"fails without a change: {test}" for test in sorted(broken)), sep="\n")
 
 
 def tests_of(args: argparse.Namespace, room: str) -> list[str]:
