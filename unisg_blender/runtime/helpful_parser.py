@@ -18,11 +18,12 @@ class HelpfulParser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         """Print the message and exit with status 2."""
-        found = CHOICE.search(message)
+        hint = f" (see '{self.prog} --help')"
+        found, guess = CHOICE.search(message), ""
         if found:
-            message += did_you_mean(found[1], found[2].replace("'", "").split(", "))
+            guess = did_you_mean(found[1], found[2].replace("'", "").split(", "))
         elif message.startswith(STRANGE):
             options = OPTION.findall(self.format_help())
             words = [word.split("=")[0] for word in message.removeprefix(STRANGE).split() if word.startswith("-")]
-            message += "".join(dict.fromkeys(did_you_mean(word, options) for word in words))
-        self.exit(MISUSE, f"{self.prog}: {one_line(message)} (see '{self.prog} --help')\n")
+            guess = "".join(dict.fromkeys(did_you_mean(word, options) for word in words))
+        self.exit(MISUSE, f"{self.prog}: {one_line(message)}{guess or hint}\n")
