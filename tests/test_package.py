@@ -46,7 +46,7 @@ def test_the_extension_has_the_version_of_the_library() -> None:
 @pytest.mark.parametrize("words", [[], ["bogus"], ["inspect"], ["inspect", "--bogus", "x"], ["--bogus"]])
 def test_misuse_exits_with_2_and_says_so(words: list[str], capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.main(words) == MISUSE
-    assert "usage:" in capsys.readouterr().err
+    assert capsys.readouterr().err.count("\n") == 1
 
 
 @pytest.mark.parametrize("verb", cli.VERBS)

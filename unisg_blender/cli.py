@@ -15,7 +15,7 @@ from collections.abc import Sequence
 from typing import NoReturn
 
 from . import __version__
-from .errors import MISUSE, UNUSABLE_INPUT, UniSGError
+from .errors import MISUSE, UNUSABLE_INPUT, UniSGError, one_line
 from .runtime.helpful_parser import HelpfulParser
 from .runtime.process_end import end_process, stop_when_asked
 
@@ -82,7 +82,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     try:
         return int(module.run(args))  # type: ignore[attr-defined]
     except UniSGError as error:
-        print(f"unisg {words[0]}: {error}", file=sys.stderr)
+        print(f"unisg {words[0]}: {one_line(error)}", file=sys.stderr)
         return UNUSABLE_INPUT
     except BrokenPipeError:  # the reader of our output (head, less) has gone: that is its right
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

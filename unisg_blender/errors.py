@@ -22,6 +22,11 @@ class MissingPackageError(UniSGError):
         super().__init__(f'this needs {package}, which is not installed: pip install "unisg-blender[{extra}]"')
 
 
+def one_line(message: object) -> str:
+    """A message without the line breaks that a name in it may have."""
+    return " ".join(str(message).split())
+
+
 def did_you_mean(word: str, known: Iterable[str]) -> str:
     """The end of a message about a word that nothing has: " (did you mean 'Cup'?)", or "" if no name is near it."""
     names = {name.casefold(): name for name in known}

@@ -185,7 +185,7 @@ def test_verb_prints_and_writes(tmp_path: Path, capsys: pytest.CaptureFixture[st
 
 @pytest.mark.parametrize(
     "words",
-    [["missing.usda"], ["in.usda", "--use", "smell"], ["in.usda", "--out", "x.txt"], ["in.usda", "--best", "0"]],
+    [["missing.usda"], ["in.usda", "--use", "smell"], ["in.usda", "--out", "x.txt"]],
 )
 def test_verb_refuses(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, words: list[str]) -> None:
     from unisg_blender.cli import main

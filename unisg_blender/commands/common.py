@@ -15,6 +15,7 @@ from ..errors import UniSGError
 from ..runtime.process_pool import limit_threads, processes
 from ..runtime.progress import Progress
 from ..runtime.wording import first_lines
+from .argument_types import whole
 
 if TYPE_CHECKING:
     from ..runtime.read_report import ReadReport
@@ -57,30 +58,15 @@ def add_form(parser: argparse.ArgumentParser, default: str = "quaternion") -> No
 def add_limit(parser: argparse.ArgumentParser, things: str) -> None:
     """How much a verb prints."""
     parser.add_argument(
-        "--limit", type=int, default=SHOWN, metavar="N", help=f"show at most N {things} ({SHOWN}; 0: all)"
+        "--limit", type=whole(0, 10**9), default=SHOWN, metavar="N", help=f"show at most N {things} ({SHOWN}; 0: all)"
     )
-
-
-def check_at_least(args: argparse.Namespace, least: int, *names: str) -> None:
-    """UniSGError if one of these options is given and smaller."""
-    for name in names:
-        value = getattr(args, name)
-        if value is not None and value < least:
-            raise UniSGError(f"--{name} must be at least {least}, not {value}")
 
 
 def jobs_of(args: argparse.Namespace) -> int:
     """Processes for ``--jobs``, by default one per processor; who asks for N gets no more than N threads either."""
-    check_at_least(args, 1, "jobs")
     if args.jobs is not None:
         limit_threads(args.jobs)
     return processes(args.jobs)
-
-
-def check_folder_of(path: Path | None) -> None:
-    """UniSGError if there is no folder to write a file to: told before the work, not after it."""
-    if path is not None and not path.parent.is_dir():
-        raise UniSGError(f"there is no folder {path.parent} to write {path.name} to")
 
 
 def make_folder(path: Path) -> None:

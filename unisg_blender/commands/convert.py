@@ -5,9 +5,10 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from ..errors import DONE, UniSGError
+from ..errors import DONE
 from ..runtime.file_endings import BLENDER, READABLE, WRITABLE, is_of
 from .common import add_scene, add_scene_options, print_report, read_shown, shown, tell_lost
+from .outputs import check_file
 
 HELP = f"Turn a scene file ({', '.join(READABLE)}) into {', '.join(WRITABLE)}, through the scenegraph."
 
@@ -27,8 +28,7 @@ def run(args: argparse.Namespace) -> int:
     from ..scene.realize_instances import realize
     from ..scene.scene_text import summary
 
-    if args.target.exists() and args.target.resolve() == args.source.resolve():
-        raise UniSGError(f"{args.target}: is the file to be read; choose another name")
+    check_file("OUT", args.target, WRITABLE, [args.source])
     graph, lost = read_shown(
         args, args.source, args.target, geometry=args.geometry, animation=not args.still, scene=args.scene,
         unit="frames" if is_of(args.source, BLENDER) else "entities read",

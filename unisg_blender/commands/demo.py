@@ -15,7 +15,9 @@ from tqdm import tqdm
 
 from ..errors import DONE, MissingPackageError, UniSGError
 from ..runtime.atomic_files import filling
+from .argument_types import SEED
 from .common import add_form, print_report
+from .outputs import check_folder
 
 if TYPE_CHECKING:
     from ..generate import Generated, Generator
@@ -32,13 +34,14 @@ STEPS = ("build", "save", "read", "export", "load", "complete", "from empty", "p
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """What the verb takes."""
     parser.add_argument("--out", type=Path, default=Path("demo"), help="folder to write (default: demo)")
-    parser.add_argument("--seed", type=int, default=7, help="which room (default: 7)")
+    parser.add_argument("--seed", type=SEED, default=7, help="which room (default: 7)")
     add_form(parser, "dual_quaternion")
     parser.add_argument("--model", type=Path, help="a trained model instead of the shipped one")
 
 
 def run(args: argparse.Namespace) -> int:
     """Write the demo's folder; the files of an earlier one are replaced when the new ones are complete."""
+    check_folder("--out", args.out)
     if args.out.exists() and not _is_demo(args.out) and any(args.out.iterdir()):
         raise UniSGError(f"{args.out} exists and is no earlier demo: give another --out")
     with filling(args.out) as work:

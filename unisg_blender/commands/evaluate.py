@@ -11,7 +11,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..errors import DONE, UniSGError
-from .common import check_at_least, jobs_of, make_folder
+from .argument_types import PROCESSES, SEED, whole
+from .common import jobs_of, make_folder
+from .outputs import check_folder
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -33,11 +35,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--also", metavar="MODEL", type=Path, action="append", default=[], help="another model beside it; repeatable"
     )
-    parser.add_argument("--scenes", metavar="N", type=int, default=300, help="how many rooms at most (default: 300)")
-    parser.add_argument("--seeds", metavar="N", type=int, default=3, help="rounds of drawing (default: 3)")
-    parser.add_argument("--seed", type=int, default=0, help="the first of them; same seed, same result (default: 0)")
+    parser.add_argument(
+        "--scenes", metavar="N", type=whole(1, 10**6), default=300, help="how many rooms at most (default: 300)"
+    )
+    parser.add_argument("--seeds", metavar="N", type=whole(1, 1000), default=3, help="rounds of drawing (default: 3)")
+    parser.add_argument("--seed", type=SEED, default=0, help="the first of them; same seed, same result (default: 0)")
     parser.add_argument("--quick", action="store_true", help="12 rooms, one seed and 50 trees, unless told otherwise")
-    parser.add_argument("--jobs", metavar="N", type=int, help="processes (one per processor)")
+    parser.add_argument("--jobs", metavar="N", type=PROCESSES, help="processes (one per processor)")
     parser.add_argument(
         "--out", metavar="DIR", type=Path,
         help="write table.md, .csv, .json and .png there, and keep results: a second run goes on where one stopped",
@@ -50,6 +54,7 @@ def run(args: argparse.Namespace) -> int:
     from ..experiments.rooms.generation_benchmark import compare
     from ..experiments.rooms.generation_report import table, write_report
 
+    check_folder("--out", args.out, [args.data, args.training])
     plan = _plan(args)
     start = time.perf_counter()
     with _folder(args.out) as folder, _bars(args.quiet) as progress:
@@ -74,7 +79,6 @@ def _plan(args: argparse.Namespace) -> TablePlan:
     from ..experiments.rooms.generation_benchmark import TablePlan
     from ..metrics.two_sample_test import TREES
 
-    check_at_least(args, 1, "scenes", "seeds", "jobs")
     tests = open_dataset(args.data)
     training = "" if args.training is None else str(open_dataset(args.training).path)
     known = set(load_generator(args.model).categories)

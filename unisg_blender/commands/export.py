@@ -11,7 +11,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..errors import DONE, SOME_FAILED, MissingPackageError, UniSGError
-from .common import add_form, add_mapping, check_at_least, print_report
+from .argument_types import PROCESSES, number
+from .common import add_form, add_mapping, print_report
+from .outputs import check_folder
 
 if TYPE_CHECKING:
     from ..runtime.progress import Progress
@@ -30,9 +32,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("inputs", metavar="IN", nargs="+", help="scene files, folders and globs")
     parser.add_argument("--out", metavar="DATASET", type=Path, required=True, help="folder of the dataset")
     add_form(parser)
-    parser.add_argument("--jobs", metavar="N", type=int, help="files read at a time (one per processor)")
-    parser.add_argument("--timeout", metavar="SECONDS", type=float, default=300.0, help="limit for one file (300)")
-    parser.add_argument("--memory", metavar="GIB", type=float, default=0.0, help="limit for one reading process (none)")
+    parser.add_argument("--jobs", metavar="N", type=PROCESSES, help="files read at a time (one per processor)")
+    parser.add_argument(
+        "--timeout", metavar="SECONDS", type=number(0.1, 10**7), default=300.0, help="limit for one file (300)"
+    )
+    parser.add_argument(
+        "--memory", metavar="GIB", type=number(0, 10**6), default=0.0, help="limit for one reading process (none)"
+    )
     add_mapping(parser)
     parser.add_argument(
         "--instances",
@@ -57,7 +63,7 @@ def run(args: argparse.Namespace) -> int:
     from ..runtime.progress import Progress
     from ..runtime.steps import drain
 
-    check_at_least(args, 1, "jobs")
+    check_folder("--out", args.out)
     options = ExportOptions(
         form=args.form,
         timeout=args.timeout,

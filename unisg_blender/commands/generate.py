@@ -5,13 +5,17 @@ from __future__ import annotations
 import argparse
 import time
 from collections import Counter
+from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..errors import DONE, SOME_FAILED, UniSGError
 from ..formats.scene_files import check_kinds, load_blender, write_scene_file
+from ..runtime.atomic_files import replacing
 from ..runtime.file_endings import BLENDER, WRITABLE, is_of
-from .common import add_limit, add_mapping, check_at_least, check_folder_of, print_report, read_shown, shown_lines
+from .argument_types import SEED
+from .common import add_limit, add_mapping, print_report, read_shown, shown_lines
+from .outputs import check_file
 
 if TYPE_CHECKING:
     from ..generate import Generated
@@ -30,7 +34,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--on", metavar="NAME", default="", help="thing of the scene on which all of it is wanted")
     parser.add_argument("--beside", metavar="NAME", default="", help="thing of the scene beside which it is wanted")
     parser.add_argument("--out", metavar="OUT", type=Path, required=True, help=f"file to write: {', '.join(WRITABLE)}")
-    parser.add_argument("--seed", type=int, help="same seed, same result (default: another result every time)")
+    parser.add_argument("--seed", type=SEED, help="same seed, same result (default: another result every time)")
     mode = parser.add_mutually_exclusive_group()
     mode.add_argument("--sequential", action="store_true", help="one by one, each sees the ones before (default)")
     mode.add_argument("--bulk", action="store_true", help="propose places for all at once")
@@ -71,11 +75,8 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _check(args: argparse.Namespace) -> None:
-    if args.render is not None and args.render.suffix.lower() != ".png":
-        raise UniSGError(f"--render writes .png, not {args.render.name!r}")
-    check_at_least(args, 0, "limit")
-    check_folder_of(args.out)
-    check_folder_of(args.render)
+    check_file("--out", args.out, WRITABLE, [args.scene, args.render])
+    check_file("--render", args.render, (".png",))
     if (args.on or args.beside) and (args.scene is None or args.add is None):
         raise UniSGError("--on and --beside need a --scene that has such a thing, and --add for what is wanted there")
     if args.render is not None:
@@ -84,16 +85,26 @@ def _check(args: argparse.Namespace) -> None:
 
 
 def _write(args: argparse.Namespace, result: Generated) -> None:
+    """Write the scene and its picture, both or none of them."""
     in_blender = is_of(args.out, BLENDER)
-    if not in_blender:
-        write_scene_file(result.scene, args.out)
-    if in_blender or args.render is not None:
-        _write_with_blender(args, result, save=in_blender)
+    with nullcontext() if args.render is None else replacing(args.render) as picture:
+        if in_blender or picture is not None:
+            _open_with_blender(args, result)
+        if picture is not None:
+            from ..blender import render_picture
+
+            render_picture(picture, leave_out=("Ceiling",))
+        if in_blender:
+            from ..blender import save_blend
+
+            save_blend(args.out)
+        else:
+            write_scene_file(result.scene, args.out)
 
 
-def _write_with_blender(args: argparse.Namespace, result: Generated, save: bool) -> None:
-    """Write a .blend file (a given one keeps what the scenegraph does not hold) and the picture."""
-    from ..blender import open_file, render_picture, save_blend, write_rows
+def _open_with_blender(args: argparse.Namespace, result: Generated) -> None:
+    """Make the result the open scene; a given Blender file keeps what the scenegraph does not hold."""
+    from ..blender import open_file, write_rows
     from ..blender.authoring.extended_lessons import extend_lessons
     from ..blender.blend_files import current_scene, new_scene
 
@@ -103,10 +114,6 @@ def _write_with_blender(args: argparse.Namespace, result: Generated, save: bool)
         write_rows(result.scene, result.rows, current_scene())
     else:
         new_scene(result.scene)
-    if save:
-        save_blend(args.out)
-    if args.render is not None:
-        render_picture(args.render, leave_out=("Ceiling",))
 
 
 def to_report(result: Generated) -> dict[str, Any]:

@@ -8,16 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import DONE
-from .common import (
-    add_limit,
-    add_mapping,
-    add_scene_options,
-    check_at_least,
-    print_report,
-    read_shown,
-    shown_lines,
-    tell_lost,
-)
+from .common import add_limit, add_mapping, add_scene_options, print_report, read_shown, shown_lines, tell_lost
+from .outputs import check_folder
 
 HELP = "Show the entity tree of a scene file, with components and behaviour, or the contents of a dataset."
 
@@ -46,7 +38,7 @@ def run(args: argparse.Namespace) -> int:
     from ..scene.lesson_node import lesson_to_json
     from ..scene.scene_text import entity_lines, lesson_lines, relation_lines, summary, to_records
 
-    check_at_least(args, 0, "limit")
+    check_folder("--figures", args.figures, [args.path])
     graph, lost = read_shown(args, args.path, geometry=args.geometry, scene=args.scene)
     if args.json:
         lessons = [json.loads(lesson_to_json(operation)) for _, operation in graph.entries("lsa", "data")]

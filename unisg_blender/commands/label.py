@@ -10,17 +10,17 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..errors import DONE, SOME_FAILED, UniSGError
-from ..runtime.file_endings import BLENDER, is_of
+from ..runtime.file_endings import BLENDER, WRITABLE, is_of
+from .argument_types import number, whole
 from .common import (
     add_limit,
     add_mapping,
-    check_at_least,
-    check_folder_of,
     make_folder,
     print_report,
     read_shown,
     shown_lines,
 )
+from .outputs import check_file, check_folder
 
 if TYPE_CHECKING:
     from ..predict.category_model import LabelModel
@@ -35,7 +35,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """What the verb takes."""
     parser.add_argument("files", metavar="FILE", type=Path, nargs="+", help="scene files")
     add_mapping(parser)
-    parser.add_argument("--best", metavar="N", type=int, default=3, help="categories to name for each object (3)")
+    parser.add_argument(
+        "--best", metavar="N", type=whole(1, 1000), default=3, help="categories to name for each object (3)"
+    )
     parser.add_argument("--use", metavar="KINDS", default=",".join(EVIDENCE), help="evidence (shape,name,neighbours)")
     parser.add_argument("--all", action="store_true", help="also for objects that have a category")
     add_limit(parser, "objects of a file")
@@ -44,7 +46,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--out", metavar="OUT", type=Path, help="write the scene with the accepted categories; of several files: folder"
     )
     parser.add_argument(
-        "--threshold", metavar="P", type=float, default=0.5, help="accept from this confidence on (0.5)"
+        "--threshold", metavar="P", type=number(0, 1), default=0.5, help="accept from this confidence on (0.5)"
     )
 
 
@@ -77,7 +79,7 @@ def _targets(args: argparse.Namespace) -> dict[Path, Path | None]:
     if args.out is None:
         return dict.fromkeys(files)
     if len(files) == 1:
-        check_folder_of(args.out)
+        check_file("--out", args.out, WRITABLE, files)
         return {files[0]: args.out}
     names = Counter(file.name for file in files)
     name, count = names.most_common(1)[0]
@@ -85,6 +87,7 @@ def _targets(args: argparse.Namespace) -> dict[Path, Path | None]:
         raise UniSGError(f"{count} of the files are called {name}: label them one by one, or without --out")
     if any(file.parent.resolve() == args.out.resolve() for file in files):
         raise UniSGError(f"--out {args.out} is the folder of the files themselves: choose another")
+    check_folder("--out", args.out)
     make_folder(args.out)
     return {file: args.out / file.name for file in files}
 
@@ -108,9 +111,6 @@ def _checked(args: argparse.Namespace) -> list[str]:
     use = [kind.strip() for kind in args.use.split(",") if kind.strip()]
     if not use or set(use) - set(EVIDENCE):
         raise UniSGError(f"--use takes some of {', '.join(EVIDENCE)}, not {args.use!r}")
-    if args.best < 1 or not 0 <= args.threshold <= 1:
-        raise UniSGError("--best must be at least 1, and --threshold lie between 0 and 1")
-    check_at_least(args, 0, "limit")
     return use
 
 

@@ -9,14 +9,18 @@ from pathlib import Path
 
 from ..errors import DONE, UniSGError
 from ..formats.scene_files import write_scene_file
+from ..runtime.file_endings import WRITABLE
 from ..scene.graph import SceneGraph
 from ..spatial.directions import OPPOSITE
 from ..spatial.relation_tolerances import RelationTolerances
 from ..spatial.relations import KINDS, Found, find_relations, relate
-from .common import add_limit, add_scene, check_at_least, print_report, read_shown, shown_lines
+from .argument_types import number
+from .common import add_limit, add_scene, print_report, read_shown, shown_lines
+from .outputs import check_file
 
 HELP = "Tell which thing stands on, in, above or beside which other, from geometry, or what is on what by a network."
 CONVERSE = OPPOSITE | {kind: other for other, kind in OPPOSITE.items()} | {"connected_to": "connected_to"}
+FARTHEST = 1e6
 LENGTHS = {
     "gap": "largest distance at which surfaces touch, metres",
     "overlap": "largest depth at which surfaces touch, metres",
@@ -40,16 +44,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_limit(parser, "relations, each pair of objects once")
     parser.add_argument("--out", type=Path, metavar="FILE", help="write the scene with its relations to this file")
     for name, text in LENGTHS.items():
-        default = getattr(RelationTolerances(), name)
-        parser.add_argument(f"--{name}", type=float, default=default, metavar="X", help=f"{text} ({default})")
+        default, limits = getattr(RelationTolerances(), name), (-FARTHEST if name == "heading" else 0, FARTHEST)
+        parser.add_argument(f"--{name}", type=number(*limits), default=default, metavar="X", help=f"{text} ({default})")
 
 
 def run(args: argparse.Namespace) -> int:
     """Print counts and one line per relation, or with ``--json`` all of them as one JSON object."""
-    check_at_least(args, 0, "limit")
+    check_file("--out", args.out, WRITABLE, [args.file])
     if args.model is not None:
         return _run_model(args)
-    check_at_least(args, 0, "gap", "overlap", "beside", "above")
     tolerances = RelationTolerances(**{name: getattr(args, name) for name in LENGTHS})
     graph, _ = read_shown(args, args.file, args.out)
     found = [entry for entry in find_relations(graph, tolerances) if not args.kind or entry[1] in args.kind]

@@ -7,6 +7,7 @@ import json
 import shutil
 import sys
 from collections.abc import Iterable
+from contextlib import nullcontext
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -15,8 +16,10 @@ from tqdm import tqdm
 
 from ..errors import DONE, MISUSE, UniSGError, did_you_mean
 from ..runtime.atomic_files import filling
-from ..runtime.file_endings import BLENDER, is_of
-from .common import add_limit, add_scene, check_at_least, print_report, read_shown, shown_lines
+from ..runtime.file_endings import BLENDER, WRITABLE, is_of
+from .argument_types import number
+from .common import add_limit, add_scene, print_report, read_shown, shown_lines
+from .outputs import check_file, check_folder
 
 if TYPE_CHECKING:
     from ..behaviour import Moment
@@ -40,7 +43,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--rehearse", action="store_true", help="do every action in its turn; says whether that is possible"
     )
     parser.add_argument("--lesson", metavar="NAME", help="which lesson, where the scene has several")
-    parser.add_argument("--rate", type=float, help="frames per second (default: 30, the file's own for an animation)")
+    parser.add_argument(
+        "--rate", type=number(0.001, 1000), help="frames per second (default: 30, the file's own for an animation)"
+    )
     parser.add_argument(
         "--types", metavar="PY", type=Path, action="append", default=[],
         help="a Python file with action types of your own (it is run): see docs/behaviour.md",
@@ -61,10 +66,8 @@ def run(args: argparse.Namespace) -> int:
     if args.render and args.out is None:
         print("unisg simulate: --render needs --out DIR", file=sys.stderr)
         return MISUSE
-    if args.rate is not None and not 0 < args.rate <= 1000:
-        print("unisg simulate: --rate must be above 0 and at most 1000 frames per second", file=sys.stderr)
-        return MISUSE
-    check_at_least(args, 0, "limit")
+    check_folder("--out", args.out)
+    check_file("--record", args.record, WRITABLE, [args.file])
     from ..behaviour import prepare, simulate, timeline_record
     from ..behaviour.fulfilment.custom_types import load_types
     from ..formats.scene_files import write_scene_file
@@ -78,10 +81,11 @@ def run(args: argparse.Namespace) -> int:
     bar = tqdm(played, desc="simulate", unit="frame", disable=args.quiet, file=sys.stderr)
     timeline = simulate(lesson, bar, take.watch if args.render or args.record else None)
     record = timeline_record(timeline)
-    if args.out is not None:
-        _write(args, graph, record, take.frames, script)
-    if args.record is not None:
-        write_scene_file(take.recorded(timeline.events), args.record)
+    with nullcontext() if args.out is None else filling(args.out) as work:
+        if work is not None:
+            _write(args, work, graph, record, take.frames, script)
+        if args.record is not None:
+            write_scene_file(take.recorded(timeline.events), args.record)
     print_report(args, record, _lines(args, record))
     return DONE
 
@@ -162,17 +166,17 @@ def _moments(args: argparse.Namespace, graph: SceneGraph, lesson: Any) -> tuple[
 
 
 def _write(
-    args: argparse.Namespace, graph: SceneGraph, record: dict[str, Any], frames: list[Any], script: str | None
-) -> None:
+    args: argparse.Namespace, folder: Path, graph: SceneGraph, record: dict[str, Any], frames: list[Any],
+    script: str | None,
+) -> None:  # fmt: skip
     from ..behaviour.playing.timeline_picture import draw_timeline
 
-    with filling(args.out) as work:
-        (work / "timeline.json").write_text(json.dumps(record, indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
-        draw_timeline(record, work / "timeline.png")
-        if script is not None:
-            (work / "motion.json").write_text(script + "\n", encoding="utf-8")
-        if args.render:
-            _render(args, graph, work / "film.gif", frames)
+    (folder / "timeline.json").write_text(json.dumps(record, indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
+    draw_timeline(record, folder / "timeline.png")
+    if script is not None:
+        (folder / "motion.json").write_text(script + "\n", encoding="utf-8")
+    if args.render:
+        _render(args, graph, folder / "film.gif", frames)
 
 
 def _render(args: argparse.Namespace, graph: SceneGraph, path: Path, frames: list[Any]) -> None:

@@ -16,7 +16,9 @@ from ..learn.hyperparameters import ACCELERATORS, Settings
 from ..learn.job_list import JOBS
 from ..runtime.process_end import end_with_parent
 from . import train_meshes
+from .argument_types import PROCESSES, SEED, whole
 from .common import print_report
+from .outputs import check_file, check_folder
 
 HELP = "Train a model on a dataset and write it as an ONNX file that runs without torch."
 
@@ -30,8 +32,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--data", metavar="DATASET", type=Path, nargs="+", required=True, help="folder of the dataset")
     parser.add_argument("--out", metavar="MODEL.onnx", type=Path, required=True, help="file (meshes: folder) to write")
     parser.add_argument("--form", choices=FORMS, help="form of the poses that the network sees")
-    parser.add_argument("--epochs", metavar="N", type=int, help="passes over the dataset")
-    parser.add_argument("--seed", type=int, default=0, help="same seed, same model (default: 0)")
+    parser.add_argument("--epochs", metavar="N", type=whole(1, 10**6), help="passes over the dataset")
+    parser.add_argument("--seed", type=SEED, default=0, help="same seed, same model (default: 0)")
     parser.add_argument("--paper", action="store_true", help="the paper's architecture and losses")
     parser.add_argument(
         "--accelerator", choices=ACCELERATORS, default="auto", help="what computes: a GPU if there is one (auto)"
@@ -39,12 +41,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--devices",
         metavar="N",
-        type=int,
+        type=PROCESSES,
         default=1,
         help="GPUs, else processes, on this machine (default: 1)",
     )
-    parser.add_argument("--nodes", metavar="N", type=int, default=1, help="machines (default: 1)")
-    parser.add_argument("--patience", metavar="N", type=int, help="stop after N epochs without a better loss")
+    parser.add_argument("--nodes", metavar="N", type=whole(1, 10**4), default=1, help="machines (default: 1)")
+    parser.add_argument(
+        "--patience", metavar="N", type=whole(1, 10**6), help="stop after N epochs without a better loss"
+    )
     parser.add_argument("--logs", metavar="DIR", type=Path, help="keep checkpoints and metrics.csv there, and resume")
     train_meshes.add_arguments(parser)
 
@@ -87,14 +91,8 @@ def _command(args: argparse.Namespace) -> str:
 def _check(args: argparse.Namespace) -> None:
     if len(args.data) > 1 and not JOBS[args.job].several:
         raise UniSGError(f"'train {args.job}' takes one dataset, not {len(args.data)}")
-    if args.out.suffix != ".onnx":
-        raise UniSGError(f"--out must end in .onnx, not {args.out.name!r}")
-    if not args.out.parent.is_dir():
-        raise UniSGError(f"there is no folder {args.out.parent} to write the model to")
-    for name in ("epochs", "devices", "nodes", "patience"):
-        value = getattr(args, name)
-        if value is not None and value < 1:
-            raise UniSGError(f"--{name} must be at least 1, not {value}")
+    check_file("--out", args.out, (".onnx",))
+    check_folder("--logs", args.logs, args.data)
 
 
 def _lines(report: dict[str, Any], told: list[str]) -> list[str]:

@@ -11,11 +11,13 @@ from pathlib import Path
 from typing import Any
 
 from .. import __version__
-from ..errors import DONE, UniSGError
+from ..errors import DONE
 from ..learn.atlasnet.world_shapes import world_models
 from ..learn.job_list import load
 from ..meshes.shape_files import ShapeFile, of_split, read_models
+from .argument_types import PROCESSES, whole
 from .common import print_report
+from .outputs import check_folder
 
 WORLDS_WITH_OBJECTS = ("operating-room", "living-room")
 
@@ -24,20 +26,19 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """What "meshes" takes beyond the arguments of all jobs."""
     own = parser.add_argument_group("meshes")
     own.add_argument(
-        "--steps", metavar="N", type=int, help="training steps; 0 keeps the networks and refits categories"
+        "--steps", metavar="N", type=whole(0, 10**9), help="training steps; 0 keeps the networks and refits categories"
     )
     own.add_argument(
-        "--rooms", metavar="N", type=int, default=12, help="rooms of each world whose meshes are used (12)"
+        "--rooms", metavar="N", type=whole(0, 10**4), default=12, help="rooms of each world whose meshes are used (12)"
     )
-    own.add_argument("--threads", metavar="N", type=int, default=1, help="cores; with 1 the result repeats exactly (1)")
+    own.add_argument(
+        "--threads", metavar="N", type=PROCESSES, default=1, help="cores; with 1 the result repeats exactly (1)"
+    )
 
 
 def run(args: argparse.Namespace) -> int:
     """Train, export, report."""
-    for name in ("steps", "rooms", "threads"):
-        value = getattr(args, name)
-        if value is not None and value < (name == "threads"):
-            raise UniSGError(f"--{name} must not be {value}")
+    check_folder("--out", args.out, args.data)
     start = time.perf_counter()
     models = read_models(args.data)
     unseen = {model.category for model in of_split(models, "unseen")}

@@ -11,7 +11,9 @@ from typing import TYPE_CHECKING
 from ..errors import DONE, UniSGError
 from ..formats.scene_files import write_scene_file
 from ..worlds.world_batches import make_many
-from .common import add_form, check_at_least, jobs_of, make_folder, print_report
+from .argument_types import PROCESSES, SEED, whole
+from .common import add_form, jobs_of, make_folder, print_report
+from .outputs import check_folder
 
 if TYPE_CHECKING:
     from ..runtime.progress import Progress
@@ -26,12 +28,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     from ..worlds import WORLDS
 
     parser.add_argument("name", metavar="NAME", choices=WORLDS, help="which world: " + ", ".join(WORLDS))
-    parser.add_argument("--count", metavar="N", type=int, default=1, help="how many scenes (1)")
+    parser.add_argument("--count", metavar="N", type=whole(1, 10**6), default=1, help="how many scenes (1)")
     parser.add_argument("--out", metavar="DIR", type=Path, required=True, help="folder of the files, or of the dataset")
-    parser.add_argument("--seed", metavar="S", type=int, default=0, help="the scenes have the seeds S, S+1, ... (0)")
+    parser.add_argument("--seed", metavar="S", type=SEED, default=0, help="the scenes have the seeds S, S+1, ... (0)")
     parser.add_argument("--format", choices=FORMATS, default="blend", help="what to write (blend)")
     add_form(parser)
-    parser.add_argument("--jobs", metavar="N", type=int, help="scenes made at a time (one per processor)")
+    parser.add_argument("--jobs", metavar="N", type=PROCESSES, help="scenes made at a time (one per processor)")
     parser.add_argument("--overwrite", action="store_true", help="replace files or a dataset in that folder")
 
 
@@ -39,8 +41,7 @@ def run(args: argparse.Namespace) -> int:
     """Make the scenes and write them."""
     from ..runtime.progress import Progress
 
-    check_at_least(args, 1, "count", "jobs")
-    check_at_least(args, 0, "seed")
+    check_folder("--out", args.out)
     started = time.perf_counter()
     bar = Progress(args.count, "scenes", args.quiet)
     try:

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from ..errors import UniSGError
 
+MOST = 1000
+"""Objects that may be wanted at a time; each is looked at beside all others."""
+
 
 def parse_counts(text: str) -> dict[str, int]:
     """Categories and numbers out of "Scalpel=2,Monitor" (1 where no number stands).
@@ -11,12 +14,15 @@ def parse_counts(text: str) -> dict[str, int]:
     Raises
     ------
     UniSGError
-        If the text is not of that form.
+        If the text is not of that form, or more than :data:`MOST` objects are wanted.
     """
     counts: dict[str, int] = {}
     for part in text.split(","):
         name, equals, number = (word.strip() for word in part.partition("="))
         if not name or (equals and not number.isdecimal()):
-            raise UniSGError(f'what to add must look like "Scalpel=2,Monitor=1", not {text!r}')
-        counts[name] = counts.get(name, 0) + int(number or 1)
+            raise UniSGError(f'what to add must look like "Scalpel=2,Monitor=1", not {text[:100]!r}')
+        many = len(number) > len(str(MOST))
+        counts[name] = counts.get(name, 0) + (MOST + 1 if many else int(number or 1))
+    if sum(counts.values()) > MOST:
+        raise UniSGError(f"at most {MOST} objects can be added at a time: ask for fewer, and for more of them later")
     return counts

@@ -83,12 +83,13 @@ def made_folder(folder: Path) -> Iterator[None]:
     UniSGError
         If it cannot be made.
     """
+    missing: list[Path] = []
     try:
-        missing = [path for path in (folder, *folder.parents) if not path.exists()]
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise _reason(folder, error) from None
-    try:
+        try:
+            missing += [path for path in (folder, *folder.parents) if not path.exists()]
+            folder.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise _reason(folder, error) from None
         yield
     finally:
         for path in missing:

@@ -6,7 +6,7 @@ import argparse
 import re
 from typing import NoReturn
 
-from ..errors import did_you_mean
+from ..errors import MISUSE, did_you_mean, one_line
 
 CHOICE = re.compile(r"invalid choice: '([^']*)' \(choose from (.*)\)")
 STRANGE = "unrecognized arguments: "
@@ -14,15 +14,16 @@ OPTION = re.compile(r"--[\w-]+")
 
 
 class HelpfulParser(argparse.ArgumentParser):
-    """As its base; an error about a choice or an option ends with the nearest one that there is."""
+    """As its base; an error is one line, and about a choice or an option it names the nearest one that there is."""
 
     def error(self, message: str) -> NoReturn:
-        """Print usage and message, and exit with status 2."""
-        found = CHOICE.search(message)
+        """Print the message and exit with status 2."""
+        hint = f" (see '{self.prog} --help')"
+        found, guess = CHOICE.search(message), ""
         if found:
-            message += did_you_mean(found[1], found[2].replace("'", "").split(", "))
+            guess = did_you_mean(found[1], found[2].replace("'", "").split(", "))
         elif message.startswith(STRANGE):
             options = OPTION.findall(self.format_help())
             words = [word.split("=")[0] for word in message.removeprefix(STRANGE).split() if word.startswith("-")]
-            message += "".join(dict.fromkeys(did_you_mean(word, options) for word in words))
-        super().error(message)
+            guess = "".join(dict.fromkeys(did_you_mean(word, options) for word in words))
+        self.exit(MISUSE, f"{self.prog}: {one_line(message)}{guess or hint}\n")

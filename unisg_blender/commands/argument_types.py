@@ -1,0 +1,51 @@
+"""Numbers on the command line: what argparse takes for an option, and between which limits."""
+
+from __future__ import annotations
+
+from argparse import ArgumentTypeError
+from collections.abc import Callable
+
+LARGEST_SEED = 2**32 - 1
+"""What every generator of random numbers takes, torch's and scikit-learn's too."""
+
+MOST_PROCESSES = 1024
+LONGEST_SHOWN = 40
+
+
+def whole(least: int, most: int) -> Callable[[str], int]:
+    """A whole number from ``least`` to ``most``."""
+
+    def convert(text: str) -> int:
+        try:
+            value = int(text)
+        except ValueError:
+            raise _refused("a whole number", least, most, text) from None
+        if not least <= value <= most:
+            raise _refused("a whole number", least, most, text)
+        return value
+
+    return convert
+
+
+def number(least: float, most: float) -> Callable[[str], float]:
+    """A finite number from ``least`` to ``most``."""
+
+    def convert(text: str) -> float:
+        try:
+            value = float(text)
+        except ValueError:
+            raise _refused("a number", least, most, text) from None
+        if not least <= value <= most:  # false for nan, too
+            raise _refused("a number", least, most, text)
+        return value
+
+    return convert
+
+
+def _refused(kind: str, least: float, most: float, text: str) -> ArgumentTypeError:
+    shown = text if len(text) <= LONGEST_SHOWN else text[:LONGEST_SHOWN] + " ..."
+    return ArgumentTypeError(f"must be {kind} from {least:.15g} to {most:.15g}, not {shown!r}")
+
+
+SEED = whole(0, LARGEST_SEED)
+PROCESSES = whole(1, MOST_PROCESSES)
