@@ -31,8 +31,7 @@ class UNISG_OT_classify(Operator):
         from ..unisg_blender.predict.scene_kind import SceneModel
 
         model = SceneModel(bpy.path.abspath(self.model) if self.model else None)
-        chances = model.classify(read_scene(context.scene, details=False))
-        text = ", ".join(f"{name} {value:.0%}" for name, value in chances.items())
+        text = str(model.classify(read_scene(context.scene, details=False)))
         KINDS_OF[context.scene.name] = text
         self.report({"INFO"}, text)
 

@@ -25,8 +25,8 @@ class UNISG_PT_relations(ClosedPanel):
         column.operator("unisg.relations", icon="LINKED").model = ""
         column.operator("unisg.relations", text="Predict What Is on What", icon="EXPERIMENTAL").model = SHIPPED
         column.operator("unisg.classify", icon="SCENE_DATA")
-        for kind in filter(None, KINDS_OF.get(context.scene.name, "").split(", ")):
-            column.label(text=kind)
+        for line in filter(None, KINDS_OF.get(context.scene.name, "").split("; ")):
+            column.label(text=line)
         lines = _lines(context)
         column = self.layout.column(align=True)
         for line in lines[:SHOWN]:

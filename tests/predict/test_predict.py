@@ -13,6 +13,7 @@ from tests.metrics.hand_made import Scene, box_mesh, table_mesh
 from unisg_blender.cli import main
 from unisg_blender.errors import UniSGError
 from unisg_blender.geometry.boxes import Boxes
+from unisg_blender.predict.familiarity import Familiarity
 from unisg_blender.predict.object_pairs import candidate_pairs, pair_features, relative_poses
 from unisg_blender.predict.prediction_session import load_network
 from unisg_blender.predict.scene_kind import SceneModel
@@ -121,14 +122,45 @@ def test_unseen_rooms_are_told_apart_however_they_are_turned(make, kind: str) ->
     model = SceneModel()
     for seed in (700, 701):
         graph = make(seed)
-        chances = model.classify(graph)
-        assert sum(chances.values()) == pytest.approx(1)
-        assert next(iter(chances)) == kind
+        found = model.classify(graph)
+        assert sum(found.chances.values()) == pytest.approx(1)
+        assert found.kind == found.nearest == kind
+        assert found.known == found.objects > 9
         turn = np.eye(4)
         turn[:2, :2] = [[0, -1], [1, 0]]
         local = graph.local.copy()
         local[graph.parent < 0] = turn @ local[graph.parent < 0]
-        assert next(iter(model.classify(graph.replace(local=local)))) == kind
+        assert model.classify(graph.replace(local=local)).kind == kind
+
+
+def test_what_is_like_nothing_learned_from_is_none_of_these(stack: SceneGraph) -> None:
+    found = SceneModel().classify(stack)
+    assert found.foreign
+    assert found.kind == ""
+    assert found.distance > 2
+    assert str(found).startswith("none of these (1 of 4 objects known; ")
+
+
+def test_categories_that_are_not_known_are_foreign_and_none_at_all_say_nothing() -> None:
+    model, room = SceneModel(), living_room(seed=701)
+    strange = room.replace(vocabulary=tuple(f"strange {name}" for name in room.vocabulary))
+    found = model.classify(strange)
+    assert found.foreign
+    assert (found.known, found.nearest) == (0, "living-room")
+    bare = room.replace(category=np.full(len(room), -1), vocabulary=())
+    assert model.classify(bare).kind == "living-room"
+
+
+def test_familiarity_is_measured_in_distances_of_held_out_scenes() -> None:
+    seen, held_out = np.array([[0, 0], [4, 0]], np.float32), np.array([[0, 1], [4, 2]], np.float32)
+    like = Familiarity.learned(seen, held_out, {"Cup"}, [0.8, 1.0])
+    assert like.distance(np.array([0, 3], np.float32)) == pytest.approx(1.5)
+    again = Familiarity.from_record(json.loads(json.dumps(like.to_record())))
+    assert (again.reach, again.categories, again.share) == (2.0, {"Cup"}, 0.8)
+    assert again.is_foreign(2.1, 5, 5, 5)
+    assert not again.is_foreign(1.9, 2, 5, 5)
+    assert again.is_foreign(1.9, 1, 5, 5)
+    assert not again.is_foreign(1.9, 0, 0, 5)
 
 
 def test_the_verbs(stack: SceneGraph, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -146,7 +178,11 @@ def test_the_verbs(stack: SceneGraph, tmp_path: Path, capsys: pytest.CaptureFixt
     assert main(["relations", str(path), "--model", "--kind", "beside"]) == 1
     assert main(["classify", str(path), "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
-    assert found["kind"] in found["chances"]
+    assert found["kind"] is None
+    assert found["nearest"] in found["chances"]
+    assert found["objects"] == 4
+    assert main(["classify", str(path)]) == 0
+    assert capsys.readouterr().out.startswith("none of these (1 of 4 objects known")
 
 
 def test_what_is_no_such_model_is_told(tmp_path: Path) -> None:

@@ -8,7 +8,7 @@ from pathlib import Path
 from ..errors import DONE
 from .common import add_scene, print_report, read_shown
 
-HELP = "Tell what kind of scene a file holds, by a trained network."
+HELP = "Tell what kind of scene a file holds, or that it is none that the network knows."
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -18,13 +18,21 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Print the chance of each kind, or with ``--json`` one JSON object."""
+    """Print the kind, or "none of these", and the chance of each, or with ``--json`` one JSON object."""
     from ..predict.scene_kind import SceneModel
 
     model = SceneModel(args.model)
     graph, _ = read_shown(args, args.file)
-    chances = model.classify(graph)
-    kinds = {name: round(value, 6) for name, value in chances.items()}
-    report = {"file": str(args.file), "kind": next(iter(chances)), "chances": kinds}
-    print_report(args, report, (f"{name}  {value:.1%}" for name, value in chances.items()))
+    found = model.classify(graph)
+    report = {
+        "file": str(args.file),
+        "kind": found.kind or None,
+        "nearest": found.nearest,
+        "chances": {name: round(value, 6) for name, value in found.chances.items()},
+        "objects": found.objects,
+        "objects_known": found.known,
+        "distance": None if found.distance is None else round(found.distance, 3),
+    }
+    chances = ", ".join(f"{name} {value:.1%}" for name, value in found.chances.items())
+    print_report(args, report, [str(found), f"of the kinds that the model knows: {chances}"])
     return DONE

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,9 @@ from ..dataset.format.columns import Vocabulary
 from ..dataset.format.encoding import Sample, encode_scenes
 from ..dataset.graphs.graph_arrays import GraphArrays, graph_arrays
 from ..errors import UniSGError
+from ..runtime.onnx_session import damaged
 from ..scene.graph import SceneGraph
+from .familiarity import Familiarity, object_categories
 from .prediction_session import load_network
 
 COMPONENTS = ("info", "trs", "mesh", "action")
@@ -36,19 +39,67 @@ def graph_inputs(arrays: GraphArrays, mesh: str) -> dict[str, NDArray[Any]]:
     return found | {f"has_{kind}": edges["entity", "has", kind] for kind in COMPONENTS}
 
 
+@dataclass(frozen=True)
+class KindOfScene:
+    """What a network says of a scene.
+
+    Attributes
+    ----------
+    chances
+        The chance of each kind among those that the network knows, most likely first.
+    known, objects
+        How many of the scene's objects have a category that scenes of the likeliest kind have, of how many.
+    distance
+        How many times as far it lies from the nearest scene learned from as held-out ones of that kind at most;
+        None where the network does not say.
+    foreign
+        Whether it is of no kind that the network knows.
+    """
+
+    chances: dict[str, float]
+    known: int
+    objects: int
+    distance: float | None
+    foreign: bool
+
+    @property
+    def nearest(self) -> str:
+        """The likeliest kind, be it ever so foreign."""
+        return next(iter(self.chances))
+
+    @property
+    def kind(self) -> str:
+        """The kind, "" for none of those that the network knows."""
+        return "" if self.foreign else self.nearest
+
+    def __str__(self) -> str:
+        likeliest = f"{self.nearest} {self.chances[self.nearest]:.1%}"
+        if self.distance is None:
+            return likeliest
+        known = f"{self.known} of {self.objects} objects known"
+        if not self.foreign:
+            return f"{likeliest} ({known})"
+        return f"none of these ({known}; {self.distance:.1f} times as far from any {self.nearest} as unseen ones are)"
+
+
 class SceneModel:
     """The classifier, from an ONNX file; the shipped one when ``path`` is omitted."""
 
     def __init__(self, path: str | os.PathLike[str] | None = None) -> None:
         self.network = load_network("classifier", path)
+        records = self.network.metadata.get("familiar", {})  # models of the first days have none
+        try:
+            self.familiar = {kind: Familiarity.from_record(record) for kind, record in records.items()}
+        except (AttributeError, KeyError, TypeError, ValueError):
+            raise damaged(self.network.path) from None
 
     @property
     def kinds(self) -> tuple[str, ...]:
         """The kinds of scenes that it knows."""
         return tuple(self.network.metadata["kinds"])
 
-    def classify(self, graph: SceneGraph) -> dict[str, float]:
-        """The chance of each kind, most likely first.
+    def classify(self, graph: SceneGraph) -> KindOfScene:
+        """The chance of each kind, and whether the scene is of any of them.
 
         Raises
         ------
@@ -58,9 +109,16 @@ class SceneModel:
         if not len(graph):
             raise UniSGError("the scene has no objects: there is nothing to classify")
         inputs = graph_inputs(self._arrays(graph), self.network.metadata["mesh"])
-        chances = softmax(self.network.run(**inputs)[0][0].astype(np.float64))
-        found = zip(self.kinds, chances.tolist(), strict=True)
-        return dict(sorted(found, key=lambda entry: -entry[1]))
+        logits, *embedding = self.network.run(**inputs)
+        found = zip(self.kinds, softmax(logits[0].astype(np.float64)).tolist(), strict=True)
+        chances = dict(sorted(found, key=lambda entry: -entry[1]))
+        categories, like = object_categories(graph), self.familiar.get(next(iter(chances)))
+        if like is None:
+            return KindOfScene(chances, 0, len(categories), None, False)
+        known, categorised = sum(name in like.categories for name in categories), sum(map(bool, categories))
+        distance = like.distance(embedding[0][0])
+        foreign = like.is_foreign(distance, known, categorised, len(categories))
+        return KindOfScene(chances, known, len(categories), distance, foreign)
 
     def _arrays(self, graph: SceneGraph) -> GraphArrays:
         metadata, encoder = self.network.metadata, None

@@ -34,5 +34,15 @@ class SceneClassifier(nn.Module):
         rows: Mapping[str, Tensor] | None = None,
     ) -> Tensor:
         """Logits (scenes, classes); ``scene`` int64 (N,) is the scene of each entity, ascending."""
-        entities = self.encoder(x, edges, rows).relu()
-        return self.head(self.readout(entities, scene, dim_size=scenes))
+        return self.head(self.embedding(x, edges, scene, scenes, rows))
+
+    def embedding(
+        self,
+        x: Mapping[str, Tensor],
+        edges: Mapping[EdgeKind, Tensor],
+        scene: Tensor,
+        scenes: int,
+        rows: Mapping[str, Tensor] | None = None,
+    ) -> Tensor:
+        """What is read out of each scene, (scenes, hidden), before the scores."""
+        return self.readout(self.encoder(x, edges, rows).relu(), scene, dim_size=scenes)

@@ -19,8 +19,10 @@ from tqdm import tqdm
 from ...dataset.format.gather import gather
 from ...dataset.format.reader import Dataset
 from ...dataset.graphs.graph_arrays import GraphArrays, graph_arrays
+from ...dataset.rebuild import to_scenegraph
 from ...errors import UniSGError
 from ...poses import FORMS
+from ...predict.familiarity import Familiarity, object_categories
 from ...predict.prediction_session import VERSION
 from ...predict.scene_kind import COMPONENTS, graph_inputs
 from ...runtime.onnx_session import metadata_text
@@ -34,6 +36,7 @@ from .network import SceneClassifier
 
 EPOCHS, FORM, BATCH = 30, "sixd", 16
 FEWEST_SCENES, HELD_OUT = 4, 0.2
+TURNS = 4
 NODES = ("entity", *COMPONENTS)
 EDGES = {"parents": FAMILY[0], **{f"has_{kind}": ("entity", "has", kind) for kind in COMPONENTS}}
 """Edges by the names of the network's inputs."""
@@ -41,7 +44,7 @@ EDGES = {"parents": FAMILY[0], **{f"has_{kind}": ("entity", "has", kind) for kin
 
 @dataclass(frozen=True, eq=False)
 class Labelled:
-    """A scene with its kind as a graph, its whole affines (N, 4, 4), and which rows are roots.
+    """A scene with its kind as a graph, its whole affines (N, 4, 4), which rows are roots, and its objects' categories.
 
     The features are made by what prediction uses, which needs no torch; so not by ``to_heterodata``.
     """
@@ -49,9 +52,12 @@ class Labelled:
     graph: HeteroData
     local: NDArray[np.float64]
     roots: NDArray[np.int64]
+    categories: tuple[str, ...]
 
     @staticmethod
-    def of(arrays: GraphArrays, local: NDArray[np.float64], kind: int, form: str, mesh: str) -> Labelled:
+    def of(
+        arrays: GraphArrays, local: NDArray[np.float64], kind: int, form: str, mesh: str, categories: Sequence[str]
+    ) -> Labelled:
         """From a scene's arrays, with poses in a ``form``."""
         inputs, graph = graph_inputs(arrays, mesh), HeteroData()
         inputs["trs"] = FORMS[form].encode(local, stretch=True).astype(np.float32)
@@ -60,7 +66,8 @@ class Labelled:
         for name, edge in EDGES.items():
             graph[edge].edge_index = torch.from_numpy(np.ascontiguousarray(inputs[name]))
         graph.y = torch.tensor([kind])
-        return Labelled(graph, local, np.setdiff1d(np.arange(len(local)), inputs["parents"][1]))
+        roots = np.setdiff1d(np.arange(len(local)), inputs["parents"][1])
+        return Labelled(graph, local, roots, tuple(categories))
 
 
 class StandaloneClassifier(nn.Module):
@@ -73,17 +80,26 @@ class StandaloneClassifier(nn.Module):
             self.register_buffer(f"{node}_scale", scale[node])
         self.network = SceneClassifier({node: len(mean[node]) for node in NODES}, kinds, hidden)
 
-    def forward(self, **inputs: Tensor) -> Tensor:
-        """Logits (1, kinds) of one scene: features by :data:`NODES`, edges int64 (2, E) by :data:`EDGES`."""
+    def forward(self, **inputs: Tensor) -> tuple[Tensor, Tensor]:
+        """Logits (1, kinds) and embedding (1, hidden) of one scene: features by :data:`NODES`, edges by :data:`EDGES`.
+
+        Edges are int64 (2, E).
+        """
         edges = {edge: inputs[name] for name, edge in EDGES.items()}
-        return self._logits({node: inputs[node] for node in NODES}, edges, torch.zeros_like(inputs["has_info"][0]), 1)
+        scene = torch.zeros_like(inputs["has_info"][0])
+        embedding = self._embedding({node: inputs[node] for node in NODES}, edges, scene, 1)
+        return self.network.head(embedding), embedding
 
     def of_batch(self, batch: Batch) -> Tensor:
         """Logits (B, kinds) of scenes side by side."""
-        edges = {edge: batch[edge].edge_index for edge in EDGES.values()}
-        return self._logits({node: batch[node].x for node in NODES}, edges, batch["entity"].batch, batch.num_graphs)
+        return self.network.head(self.embedding_of(batch))
 
-    def _logits(
+    def embedding_of(self, batch: Batch) -> Tensor:
+        """Embeddings (B, hidden) of scenes side by side."""
+        edges = {edge: batch[edge].edge_index for edge in EDGES.values()}
+        return self._embedding({node: batch[node].x for node in NODES}, edges, batch["entity"].batch, batch.num_graphs)
+
+    def _embedding(
         self, nodes: Mapping[str, Tensor], edges: Mapping[EdgeKind, Tensor], scene: Tensor, count: int
     ) -> Tensor:
         x = {
@@ -91,7 +107,7 @@ class StandaloneClassifier(nn.Module):
             for kind, value in nodes.items()
         }
         back = {(stop, f"rev_{name}", start): pairs.flip(0) for (start, name, stop), pairs in edges.items()}
-        return self.network(x, {**edges, **back}, scene, count)
+        return self.network.embedding(x, {**edges, **back}, scene, count)
 
 
 class LabelledScenes(Items[HeteroData]):
@@ -136,18 +152,46 @@ def prepare(datasets: Sequence[Dataset], settings: Settings) -> Prepared:
     items = [LabelledScenes(part, form, part is train, settings.seed) for part in (train, val)]
     loaders = [loader(part, BATCH, settings, part.turned, Batch.from_data_list) for part in items]
     contract = {"kinds": list(kinds), "form": form, "mesh": mesh}
-    return Prepared(network, loaders, (len(train), len(val)), contract, facts=several(datasets))
+    return Prepared(network, loaders, (len(train), len(val)), contract, (train, val), facts=several(datasets))
 
 
 def export(prepared: Prepared, source: dict[str, Any], out: Path) -> None:
-    """Write the model."""
-    metadata = metadata_text("classifier", VERSION, **prepared.contract, provenance=source)
+    """Write the model, with what is needed to tell that a scene is of no kind that it knows."""
+    assert isinstance(prepared.network, StandaloneClassifier)
+    kinds, form = prepared.contract["kinds"], prepared.contract["form"]
+    seen = familiar_kinds(prepared.network, prepared.beside, kinds, form)
+    records = {kind: found.to_record() for kind, found in seen.items()}
+    metadata = metadata_text("classifier", VERSION, **prepared.contract, familiar=records, provenance=source)
     write_classifier(prepared.network, metadata, out)
+
+
+def familiar_kinds(
+    network: StandaloneClassifier, scenes: Sequence[Sequence[Labelled]], kinds: Sequence[str], form: str
+) -> dict[str, Familiarity]:
+    """What scenes of each kind are like: those learned from, and how far from them held-out ones lie.
+
+    ``scenes`` are both, in this order; all are turned about the vertical, the held-out ones several times.
+    """
+    found = {}
+    for number, kind in enumerate(kinds):
+        seen, held_out = ([scene for scene in part if int(scene.graph.y) == number] for part in scenes)
+        near = _embedded(network, LabelledScenes(seen, form, True, number))
+        far = _embedded(network, LabelledScenes(held_out * TURNS, form, True, number))
+        shares = [sum(map(bool, scene.categories)) / max(1, len(scene.categories)) for scene in seen]
+        categories = {name for scene in seen for name in scene.categories if name}
+        found[kind] = Familiarity.learned(near, far, categories, shares)
+    return found
+
+
+def _embedded(network: StandaloneClassifier, scenes: LabelledScenes) -> NDArray[np.float32]:
+    with torch.no_grad():
+        parts = [network.embedding_of(Batch.from_data_list([scenes[row]])) for row in range(len(scenes))]
+    return torch.cat(parts).numpy()
 
 
 def load_labelled(datasets: Sequence[Dataset], form: str, mesh: str, quiet: bool) -> tuple[list[str], list[Labelled]]:
     """The kinds of scenes, sorted, and the scenes; without a label the folder names the kind."""
-    found: list[tuple[str, GraphArrays, NDArray[np.float64]]] = []
+    found: list[tuple[str, GraphArrays, NDArray[np.float64], list[str]]] = []
     bar = tqdm(total=sum(map(len, datasets)), desc="reading scenes", disable=quiet, unit="scene")
     for dataset in datasets:
         if mesh == "feature" and not dataset.manifest["mesh_feature_width"]:
@@ -158,7 +202,8 @@ def load_labelled(datasets: Sequence[Dataset], form: str, mesh: str, quiet: bool
             bar.update()
             scene = dataset[number]
             arrays = graph_arrays(gather(dataset, [number]), dataset.vocabulary["relations"])
-            found.append((scene.label or dataset.path.name, arrays, scene.local()))
+            categories = object_categories(to_scenegraph(scene))
+            found.append((scene.label or dataset.path.name, arrays, scene.local(), categories))
     bar.close()
     kinds = sorted({name for name, *_ in found})
     if len(kinds) < 2 or len(found) < FEWEST_SCENES:
@@ -166,7 +211,8 @@ def load_labelled(datasets: Sequence[Dataset], form: str, mesh: str, quiet: bool
             f"{len(found)} scenes of the kinds {', '.join(kinds)}: give two kinds or more, one dataset of each, "
             "or a dataset with labels"
         )
-    return kinds, [Labelled.of(arrays, local, kinds.index(name), form, mesh) for name, arrays, local in found]
+    scenes = [Labelled.of(arrays, local, kinds.index(name), form, mesh, told) for name, arrays, local, told in found]
+    return kinds, scenes
 
 
 def _split(scenes: Sequence[Labelled], seed: int) -> list[list[int]]:
@@ -218,4 +264,4 @@ def write_classifier(network: nn.Module, metadata: str, out: Path) -> None:
     """Write the network as an ONNX file with its contract."""
     inputs = example_inputs(network)
     dynamic = {name: {0 if name in NODES else 1: name} for name in inputs}
-    export_onnx(network, inputs, ["logits"], dynamic, metadata, out)
+    export_onnx(network, inputs, ["logits", "embedding"], dynamic, metadata, out)
