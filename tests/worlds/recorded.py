@@ -25,14 +25,15 @@ SEEDS = {"operating-room": range(8), "living-room": range(8), "cubes": range(3)}
 def summary(graph: SceneGraph) -> dict[str, Any]:
     """A scene in numbers: metres and the entries of world matrices, summed over the objects of each category."""
     places: dict[str, Any] = defaultdict(lambda: np.zeros((3, 4)))
-    sizes: dict[str, Any] = defaultdict(lambda: np.zeros(3))
+    sizes: dict[str, Any] = defaultdict(lambda: np.zeros(6))
     counts: Counter[str] = Counter()
     for row, world in enumerate(world_matrices(graph)):
         category = graph.category_name(row)
         counts[category] += 1
         places[category] += world[:3] * (1 + row % 5)  # so that two objects cannot change places unseen
         if graph.mesh[row] >= 0:
-            sizes[category] += np.abs(graph.meshes[graph.mesh[row]].points).mean(axis=0)
+            points = graph.meshes[graph.mesh[row]].points
+            sizes[category] += [*points.mean(axis=0), *np.abs(points).mean(axis=0)]
     said: Counter[str] = Counter()
     for name, table in sorted(graph.components.items()):
         if name == "relations":
