@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import importlib
+import math
 import os
 import sys
 from collections.abc import Callable
@@ -44,12 +45,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--jobs", metavar="N", type=int, help="trainings or rooms at a time, default: one per processor (paper, rooms)"
     )
+    parser.add_argument(
+        "--rates", type=float, nargs="+", metavar="R", help="learning rates that every form is tried with (paper)"
+    )
     parser.add_argument("--tables-only", action="store_true", help="tables of what has been trained so far (paper)")
 
 
 def run(args: argparse.Namespace) -> int:
     """Run one benchmark."""
     check_at_least(args, 1, "count", "repeats", "jobs")
+    if args.rates and not all(0 < rate < math.inf for rate in args.rates):
+        raise UniSGError("--rates must be numbers above 0")
     jobs_of(args)  # before a library that computes is loaded
     _check_folder(args.out)
     module, function = BENCHMARKS[args.name][1].split(":")
