@@ -43,9 +43,10 @@ bench: $(READY)  ## one benchmark of the command line, BENCH=poses unless anothe
 bench-all: $(READY)  ## the benchmarks that need no data, small, and what changed since the last run -> build/benchmarks/
 	$(BIN)/python benchmarks/run.py --quick --out build/benchmarks
 
-docs: $(READY)  ## the picture of the rooms and their arrows, and the page of public names, from the source -> docs/
+docs: $(READY)  ## the picture of the rooms, the page of public names, and the measured numbers of all pages -> docs/
 	$(BIN)/python packaging/draw_architecture.py
 	$(BIN)/python packaging/write_api_page.py
+	$(BIN)/python packaging/page_numbers.py
 
 hooks: $(READY)  ## let git run what `make lint` runs before each commit
 	$(BIN)/pre-commit install
