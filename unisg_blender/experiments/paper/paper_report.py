@@ -18,7 +18,7 @@ from ..reports import machine, write_csv, write_json
 from .paper_figures import draw_errors, draw_panels
 from .paper_tables import Table, make_tables, to_markdown
 from .plan import QUICK_PLAN, PaperPlan, all_runs
-from .run_tables import run_tables
+from .run_tables import rounded, run_tables
 from .runs import finished, run_all
 
 MARKDOWN: dict[str, tuple[str, dict[str, str]]] = {
@@ -128,7 +128,7 @@ def _write(folder: Path, report: dict[str, Any], tables: dict[str, Table], singl
                 write_csv(draft / f"paper_{key}.csv", rows)
         for key, rows in single.items():
             if rows:
-                write_csv(draft / f"paper_{key}_runs.csv", rows)
+                write_csv(draft / f"paper_{key}_runs.csv", [_short(row) for row in rows])
         pages = [
             f"## {title}\n\n{to_markdown(tables[key], columns)}\n"
             for key, (title, columns) in MARKDOWN.items()
@@ -137,3 +137,8 @@ def _write(folder: Path, report: dict[str, Any], tables: dict[str, Table], singl
         (draft / "paper_tables.md").write_text("\n".join(pages), encoding="utf-8")
         draw_panels(tables, [draft / "paper.png", draft / "paper.svg"])
         draw_errors(tables, [draft / "paper_poses.png", draft / "paper_poses.svg"])
+
+
+def _short(row: dict[str, Any]) -> dict[str, Any]:
+    """A row with five digits of each number."""
+    return {name: rounded(value) if isinstance(value, float) else value for name, value in row.items()}
