@@ -8,7 +8,7 @@ WORKERS ?= 2
 BENCH ?= poses
 PYTEST := $(BIN)/python -m pytest -n $(WORKERS) --dist loadfile
 
-.PHONY: help demo test test-fast coverage lint extension bench bench-all docs hooks clean
+.PHONY: help demo test test-fast test-zip coverage lint extension bench bench-all docs hooks clean
 
 help:  ## say what can be made
 	@grep -E '^[a-z-]+:.*##' $(firstword $(MAKEFILE_LIST)) | sed -E 's/:[^#]*## */\t/' | expand -t 14
@@ -22,6 +22,9 @@ test: $(READY)  ## every test, and which were the slowest
 
 test-fast: $(READY)  ## the tests without those marked slow: under a minute on two cores
 	$(PYTEST) -m "not slow" $(TESTS)
+
+test-zip: extension  ## what touches Blender or infers, on the zips' own code and wheels, for each Python that is there
+	$(BIN)/python packaging/check_zip.py
 
 coverage: $(READY)  ## every test, and the lines that none of them runs -> build/coverage/
 	$(PYTEST) --cov=unisg_blender --cov-report=term --cov-report=html:build/coverage $(TESTS)
@@ -40,9 +43,10 @@ bench: $(READY)  ## one benchmark of the command line, BENCH=poses unless anothe
 bench-all: $(READY)  ## the benchmarks that need no data, small, and what changed since the last run -> build/benchmarks/
 	$(BIN)/python benchmarks/run.py --quick --out build/benchmarks
 
-docs: $(READY)  ## the picture of the rooms and their arrows, and the page of public names, from the source -> docs/
+docs: $(READY)  ## the picture of the rooms, the page of public names, and the measured numbers of all pages -> docs/
 	$(BIN)/python packaging/draw_architecture.py
 	$(BIN)/python packaging/write_api_page.py
+	$(BIN)/python packaging/page_numbers.py
 
 hooks: $(READY)  ## let git run what `make lint` runs before each commit
 	$(BIN)/pre-commit install

@@ -8,7 +8,6 @@ MODEL.behaviour.onnx must lie beside the model. Also furnishes ``--rooms`` rooms
 from __future__ import annotations
 
 import argparse
-import json
 import sys
 import time
 from itertools import islice
@@ -20,6 +19,7 @@ from unisg_blender.behaviour import check_scene, operations
 from unisg_blender.dataset.format.reader import open_dataset
 from unisg_blender.dataset.scenes_with_shapes import scenes_with_shapes
 from unisg_blender.experiments.behaviour.behaviour_benchmark import compare_behaviour, plays_to_the_end
+from unisg_blender.experiments.reports import machine, markdown_table, write_json
 from unisg_blender.generate import Generator
 from unisg_blender.scene import SceneBuilder
 
@@ -44,14 +44,13 @@ def main() -> None:
     graphs = list(islice(scenes_with_shapes(open_dataset(args.data)), args.scenes))
     rows = compare_behaviour(generator, graphs, args.seed, args.play, lambda name: print(name, file=sys.stderr))
     records = [row.to_record() for row in rows]
-    print(f"| | {' | '.join(COLUMNS)} |\n|---|{'---:|' * len(COLUMNS)}")
-    for record in records:
-        print(f"| {record['name']} | {' | '.join(str(record[name]) for name in COLUMNS)} |")
+    cells = ([str(record[name]) for name in ("name", *COLUMNS)] for record in records)
+    print(markdown_table(["", *COLUMNS], cells))
     rooms = [whole_room(generator, args.seed + number) for number in range(args.rooms)]
     for room in rooms:
         print(room)
     if args.out is not None:
-        args.out.write_text(json.dumps({"rows": records, "rooms": rooms}, indent=1) + "\n", encoding="utf-8")
+        write_json(args.out, {"machine": machine(), "rows": records, "rooms": rooms})
 
 
 def whole_room(generator: Generator, seed: int) -> dict[str, object]:

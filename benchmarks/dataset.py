@@ -34,6 +34,7 @@ from unisg_blender.dataset.format import writer
 from unisg_blender.dataset.format.columns import Columns, Vocabulary
 from unisg_blender.dataset.format.encoding import Sample, encode_scenes, widths
 from unisg_blender.dataset.format.schema import COLUMNS, STRINGS, TABLES, table_of
+from unisg_blender.experiments.reports import machine, write_json
 from unisg_blender.poses import FORMS
 from unisg_blender.scene import SceneBuilder, mesh_from_faces
 
@@ -61,10 +62,9 @@ def main() -> None:
     record = measure[args.what]()
     if args.folder is None:
         shutil.rmtree(folder, ignore_errors=True)
-    text = json.dumps(record, indent=1)
-    print(text)
+    print(json.dumps(record, indent=1))
     if args.json is not None:
-        args.json.write_text(text + "\n")
+        write_json(args.json, record | {"machine": machine()})
 
 
 def million(folder: Path, scenes: int, objects: int) -> dict[str, Any]:

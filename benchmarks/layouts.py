@@ -8,7 +8,6 @@ FOLDER has ithor/objects.json, virtualhome/*_graph.json, tdw/floorplan_layouts.j
 from __future__ import annotations
 
 import argparse
-import json
 from pathlib import Path
 
 from unisg_blender.experiments.layouts.designed_rooms import read_layouts
@@ -22,6 +21,7 @@ from unisg_blender.experiments.layouts.designed_supports import (
     support_table,
     times,
 )
+from unisg_blender.experiments.reports import machine, markdown_table, write_json
 from unisg_blender.generate import Generator
 from unisg_blender.predict.support_prediction import TopologyModel
 
@@ -49,12 +49,14 @@ def main() -> None:
         names = sorted({name for room in rooms for name in room.graph.vocabulary})
         known[path.stem] = [name for name in names if OURS.get(name, name) in generator.categories]
     rows = [row.to_record() for row in support_table(rooms, methods)]
-    print("| room | things | pairs | method | average precision | F1 |\n|---|---:|---:|---|---:|---:|")
-    for row in rows:
-        scores = f"{row['average_precision']:.3f} | {row['f1']:.3f}"
-        print(f"| {row['room']} | {row['objects']} | {row['pairs']} | {row['method']} | {scores} |")
+    cells = [
+        [f"{row['room']}: {row['method']}", str(row["objects"]), str(row["pairs"])]
+        + [f"{row[name]:.3f}" for name in ("average_precision", "f1")]
+        for row in rows
+    ]
+    print(markdown_table(["room and method", "things", "pairs", "average precision", "F1"], cells))
     if args.out is not None:
-        args.out.write_text(json.dumps({"rows": rows, "known_categories": known}, indent=1) + "\n", encoding="utf-8")
+        write_json(args.out, {"machine": machine(), "rows": rows, "known_categories": known})
 
 
 if __name__ == "__main__":

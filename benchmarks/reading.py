@@ -6,8 +6,6 @@ python benchmarks/reading.py [--out FOLDER] [--objects N] [--repeat K]
 from __future__ import annotations
 
 import argparse
-import csv
-import json
 import statistics
 import tempfile
 import time
@@ -20,6 +18,7 @@ import numpy as np
 
 from unisg_blender.blender import ReadReport, new_file, read_scene
 from unisg_blender.blender.suppress_output import captured_output
+from unisg_blender.experiments.reports import machine, write_csv, write_json
 
 SHARED_LIMIT, DISTINCT_LIMIT = 1 / 30, 1 / 10
 CHILDREN = 10
@@ -43,11 +42,8 @@ def main() -> None:
     distinct = {f"distinct 500-vertex meshes, {name}": (read, DISTINCT_LIMIT) for name, read in readers.items()}
     rows += measure(make_distinct, distinct, args)
     args.out.mkdir(parents=True, exist_ok=True)
-    (args.out / "reading.json").write_text(json.dumps({"blender": bpy.app.version_string, "rows": rows}, indent=1))
-    with (args.out / "reading.csv").open("w", newline="") as file:
-        writer = csv.DictWriter(file, rows[0])
-        writer.writeheader()
-        writer.writerows(rows)
+    write_json(args.out / "reading.json", {"blender": bpy.app.version_string, "machine": machine(), "rows": rows})
+    write_csv(args.out / "reading.csv", rows)
     for row in rows:
         print(
             f"{row['scene']:55}{row['objects']:>7} objects  read {row['read_s']:8.4f} s  glTF {row['gltf_s']:8.3f} s  "

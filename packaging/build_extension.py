@@ -1,9 +1,9 @@
-"""Build the extension's zips, one per platform, with Blender's own builder, and validate them.
+"""Build the extension's zips, one per platform and Python, with Blender's own builder, and validate them.
 
-    python packaging/build_extension.py [--platform linux-x64] [--out build/extension]
+    python packaging/build_extension.py [--platform linux-x64] [--python 3.11] [--out build/extension]
 
-Needs the ``bpy`` package for Blender's builder (its files only: Blender is not
-started) and pip for the wheels.
+Needs the ``bpy`` package for Blender's builder (its files only: Blender is not started) and pip for the wheels. A zip
+has the wheels of one Python: onnxruntime and scipy are nearly all of its weight, and Blender has one Python.
 """
 
 from __future__ import annotations
@@ -15,15 +15,11 @@ import subprocess
 import sys
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parent.parent
-PARTS = ("__init__.py", "operators", "panels", "unisg_blender", "LICENSE", "README.md")
-PYTHONS = ("3.11", "3.13")
-PLATFORMS = {
-    "linux-x64": ("manylinux_2_28_x86_64", "manylinux_2_27_x86_64", "manylinux_2_17_x86_64", "manylinux2014_x86_64"),
-    "windows-x64": ("win_amd64",),
-    "macos-arm64": ("macosx_13_0_arm64", "macosx_12_0_arm64", "macosx_11_0_arm64", "macosx_10_9_universal2"),
-}
-TIME_LIMIT = 600
+from extension_wheels import LOCK, PLATFORMS, PYTHONS, ROOT, TIME_LIMIT, download
+
+PARTS = ("__init__.py", "operators", "panels", "unisg_blender", "LICENSE", "LICENSE-GPL-3.0.txt", "README.md")
+VERSIONS = {"3.11": ("4.2.0", "5.1.0"), "3.13": ("5.1.0", None)}
+"""For each Python the first Blender that has it, and the first that no longer has."""
 
 
 def blender_builder() -> Path:
@@ -35,57 +31,70 @@ def blender_builder() -> Path:
     sys.exit("Blender's extension builder was not found: pip install bpy==4.5.15")
 
 
-def download_wheels(platform: str, folder: Path) -> None:
-    """Fetch the wheels of one platform for every Python that Blender has."""
-    tags = [word for tag in PLATFORMS[platform] for word in ("--platform", tag)]
-    for python in PYTHONS:
-        command = [sys.executable, "-m", "pip", "download", "--quiet", "--no-deps", "--only-binary=:all:"]
-        command += ["--dest", str(folder), "--implementation", "cp", "--python-version", python, *tags]
-        subprocess.run([*command, "--requirement", str(ROOT / "packaging/wheels.txt")], check=True, timeout=TIME_LIMIT)
-
-
-def stage(platforms: list[str], source: Path) -> None:
-    """Lay out the extension's files, its wheels, and a manifest that lists them."""
+def stage(platforms: list[str], python: str, source: Path) -> None:
+    """Lay out the extension's files and its wheels."""
     shutil.rmtree(source, ignore_errors=True)
     source.mkdir(parents=True)
-    ignore = shutil.ignore_patterns("__pycache__")
     for part in PARTS:
-        copy = shutil.copytree if (ROOT / part).is_dir() else shutil.copy
-        copy(ROOT / part, source / part, **({"ignore": ignore} if copy is shutil.copytree else {}))
-    cache = source.parent / "wheels"
-    wanted: set[Path] = set()
+        if (ROOT / part).is_dir():
+            shutil.copytree(ROOT / part, source / part, ignore=shutil.ignore_patterns("__pycache__"))
+        else:
+            shutil.copy(ROOT / part, source / part)
     for platform in platforms:
-        folder = cache / platform
-        folder.mkdir(parents=True, exist_ok=True)
-        download_wheels(platform, folder)
-        wanted |= set(folder.glob("*.whl"))
-    (source / "wheels").mkdir()
-    for wheel in wanted:
-        shutil.copy(wheel, source / "wheels" / wheel.name)
-    lines = "".join(f'  "./wheels/{name}",\n' for name in sorted({wheel.name for wheel in wanted}))
-    manifest = (ROOT / "blender_manifest.toml").read_text()
-    manifest = manifest.replace("wheels = []", f"wheels = [\n{lines}]")
-    quoted = ", ".join(f'"{platform}"' for platform in platforms)
-    manifest = manifest.replace('platforms = ["linux-x64", "windows-x64", "macos-arm64"]', f"platforms = [{quoted}]")
-    (source / "blender_manifest.toml").write_text(manifest)
+        download(LOCK, platform, python, source / "wheels")
+    wheels = [f"./wheels/{wheel.name}" for wheel in sorted((source / "wheels").glob("*.whl"))]
+    (source / "blender_manifest.toml").write_text(manifest(platforms, python, wheels), "utf-8")
+
+
+def manifest(platforms: list[str], python: str, wheels: list[str]) -> str:
+    """The text of the manifest for some platforms and the Blenders of one Python."""
+    first, end = VERSIONS[python]
+    text = (ROOT / "blender_manifest.toml").read_text("utf-8")
+    limits = f'blender_version_min = "{first}"' + (f'\nblender_version_max = "{end}"' if end else "")
+    for old, new in (
+        ('blender_version_min = "4.2.0"', limits),
+        ('platforms = ["linux-x64", "windows-x64", "macos-arm64"]', f"platforms = {quoted(platforms)}"),
+        ("wheels = []", f"wheels = {quoted(wheels)}"),
+    ):
+        if text.count(old) != 1:
+            sys.exit(f"blender_manifest.toml: expected once: {old}")
+        text = text.replace(old, new)
+    return text
+
+
+def quoted(words: list[str]) -> str:
+    """A list as TOML writes it."""
+    return "[" + ", ".join(f'"{word}"' for word in words) + "]"
+
+
+def build(platforms: list[str], python: str, out: Path) -> list[Path]:
+    """Build and validate the zips for one Python; their names end with the first Blender that takes them."""
+    builder, source, fresh = blender_builder(), out / "source", out / "fresh"
+    stage(platforms, python, source)
+    fresh.mkdir(exist_ok=True)
+    words = ["build", "--split-platforms", "--source-dir", str(source), "--output-dir", str(fresh)]
+    subprocess.run([sys.executable, str(builder), *words], check=True, timeout=TIME_LIMIT)
+    first = VERSIONS[python][0].removesuffix(".0")
+    zips = [zipped.rename(out / f"{zipped.stem}-blender{first}.zip") for zipped in sorted(fresh.glob("*.zip"))]
+    fresh.rmdir()
+    for zipped in zips:
+        subprocess.run([sys.executable, str(builder), "validate", str(zipped)], check=True, timeout=TIME_LIMIT)
+    return zips
 
 
 def main() -> None:
     """Build and validate; prints the zips with their sizes."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
     parser.add_argument("--platform", action="append", choices=PLATFORMS, help="only this one (may be repeated)")
+    parser.add_argument("--python", action="append", choices=PYTHONS, help="only this one (may be repeated)")
     parser.add_argument("--out", type=Path, default=ROOT / "build/extension", help="folder for the zips")
     args = parser.parse_args()
-    builder, source = blender_builder(), args.out / "source"
-    stage(args.platform or list(PLATFORMS), source)
+    args.out.mkdir(parents=True, exist_ok=True)
     for old in args.out.glob("*.zip"):
         old.unlink()
-    build = ["build", "--split-platforms", "--source-dir", str(source), "--output-dir", str(args.out)]
-    subprocess.run([sys.executable, str(builder), *build], check=True, timeout=TIME_LIMIT)
-    zips = sorted(args.out.glob("*.zip"))
-    for zipped in zips:
-        subprocess.run([sys.executable, str(builder), "validate", str(zipped)], check=True, timeout=TIME_LIMIT)
-        print(f"{zipped}  {zipped.stat().st_size / 1e6:.0f} MB")
+    for python in args.python or PYTHONS:
+        for zipped in build(args.platform or list(PLATFORMS), python, args.out):
+            print(f"{zipped}  {zipped.stat().st_size / 1e6:.0f} MB")
 
 
 if __name__ == "__main__":

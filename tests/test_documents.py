@@ -6,6 +6,7 @@ import ast
 import re
 from pathlib import Path
 
+import page_numbers
 import pytest
 from architecture import ARROWS, LAYERS, LIBRARY, ROOT, Module, modules
 
@@ -101,3 +102,49 @@ def test_the_table_of_arrows_is_the_one_that_is_held() -> None:
 def test_contributing_shows_the_layers() -> None:
     text = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
     assert "\n".join(", ".join(rooms) for rooms in LAYERS.values()) in text
+
+
+@pytest.mark.parametrize("page", page_numbers.PAGES, ids=relative)
+def test_measured_numbers_are_those_of_the_files(page: Path) -> None:
+    text, faults = page_numbers.current(page)
+    assert not faults, "\n".join(faults)
+    assert text == page.read_text("utf-8"), "make docs"
+
+
+FROM_A_FILE = "Errors are 9.9 cm and 8 degrees of 90.\n<!-- from 2.345; abs(-7.6); _ -->\n"
+
+
+def test_numbers_of_pages_are_written_from_their_sources() -> None:
+    text, faults = page_numbers.page_text(FROM_A_FILE, report=True)
+    assert not faults
+    assert text == FROM_A_FILE.replace("9.9", "2.3")
+    item = "- An item: 1,000 of `2` on 2026-01-01, −0.50.\n  <!-- from 12345.6; -0.123 -->\n- Another, without.\n"
+    assert page_numbers.page_text(item, report=True) == (item.replace("1,000", "12,346").replace("−0.50", "−0.12"), [])
+
+
+@pytest.mark.parametrize(
+    ("page", "report", "fault"),
+    [
+        ("It took 12 ms.\n", False, "no source"),
+        ("Twelve rooms, 12.\n", True, "no source"),
+        ("It took 12 ms.\n<!-- from 12; 13 -->\n", False, "1 numbers"),
+        ("It took 12 ms.\n<!-- from nothing -->\n", False, "nothing"),
+        ('It took 12 ms.\n<!-- from paper_poses("cm_median") -->\n', False, "cells"),
+        ("| a |\n|---|\n| 123456.7 |\n<!-- in layouts -->\n", True, "not in layouts: 123456.7"),
+        ("It took 12 ms.\n<!-- hand no-such-entry -->\n", False, "no-such-entry"),
+    ],
+)
+def test_numbers_without_a_source_are_told(page: str, report: bool, fault: str) -> None:
+    text, (told,) = page_numbers.page_text(page, report)
+    assert fault in told
+    assert text == page
+
+
+def test_what_was_measured_by_hand_has_date_and_command_and_is_used() -> None:
+    pages = "".join(page.read_text("utf-8") for page in page_numbers.PAGES)
+    marks = re.findall(r'<!-- hand ([\w-]+) -->|hand\("([\w-]+)"', pages)
+    entries = page_numbers.results()["by_hand"]
+    assert {first or second for first, second in marks} == set(entries)
+    for entry in entries.values():
+        assert re.fullmatch(r"\d{4}-\d\d-\d\d", entry["date"])
+        assert entry["command"]

@@ -40,6 +40,7 @@ def test_the_extension_has_the_version_of_the_library() -> None:
         tomllib.loads((ROOT / name).read_text()) for name in ("blender_manifest.toml", "pyproject.toml")
     )
     assert manifest["version"] == unisg_blender.__version__
+    assert f"\nversion: {unisg_blender.__version__}\n" in (ROOT / "CITATION.cff").read_text("utf-8")
     assert project["tool"]["setuptools"]["dynamic"]["version"] == {"attr": "unisg_blender.__version__"}
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import json
 from dataclasses import replace
 from pathlib import Path
@@ -40,7 +41,7 @@ def tiny(monkeypatch: pytest.MonkeyPatch) -> None:
     factors = {name: (settings, FORMS_KEPT) for name, (settings, _) in kept.items()}
     monkeypatch.setattr(plan, "POSE_FACTORS", factors)
     monkeypatch.setattr(plan, "PAPER_FORMS", {"PGA": "pga"})
-    monkeypatch.setattr("unisg_blender.experiments.paper.paper_tables.PAPER_FORMS", {"PGA": "pga"})
+    monkeypatch.setattr("unisg_blender.experiments.paper.run_tables.PAPER_FORMS", {"PGA": "pga"})
     monkeypatch.setattr(plan, "NARROW_FORMS", FORMS_KEPT)
     monkeypatch.setattr(plan, "FEW_FORMS", ("sixd",))
     monkeypatch.setattr(report, "QUICK_PLAN", replace(TINY))
@@ -56,12 +57,25 @@ def test_everything_is_written_and_a_second_call_goes_on(
     assert first["trainings"]["done"] == first["trainings"]["planned"]
     names = {path.name for path in (tmp_path / "out").iterdir()}
     assert {"paper.json", "paper.png", "paper.svg", "paper_poses.png", "paper_tables.md"} <= names
-    for table in ("classification_curves", "generation", "topology_unseen", "poses", "classification_few"):
+    for table in (
+        "classification_curves",
+        "generation",
+        "topology_unseen",
+        "poses",
+        "classification_few",
+        "poses_runs",
+    ):
         assert f"paper_{table}.csv" in names
     assert "±" in (tmp_path / "out" / "paper_tables.md").read_text()
     row = first["tables"]["poses"][0]
     assert row["seeds"] == 2
     assert row["mean_mse"] > 0
+    assert row["r_squared_low"] <= row["r_squared"] <= row["r_squared_high"] <= 1
+    with (tmp_path / "out" / "paper_poses_runs.csv").open() as file:
+        single = [float(run["cm_median"]) for run in csv.DictReader(file) if run["setting"] == row["setting"]]
+    assert np.mean(single[:2]) == pytest.approx(row["cm_median"], rel=1e-4)
+    tested = [run for run in first["tables"]["tests"] if run["table"] == "poses"]
+    assert {(run["form"], run["against"], run["pairs"]) for run in tested} == {("pga", "sixd", 2)}
     assert first["tables"]["topology_unseen"][2]["f1"] > 0.95  # the geometric rule
 
     def never(*task: object) -> None:
@@ -88,6 +102,14 @@ def test_the_plan_counts_what_the_paper_counts() -> None:
     assert set(plan.PAPER_FORMS.values()) == {"trs_matrix", "cga_similarity", "pga", "axis_angle", "dual_quaternion"}
     everything = plan.all_runs(full)
     assert len({run.key for run in everything}) == len(everything)
+
+
+def test_every_learning_rate_that_is_named_is_tried(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert {tuple(run.settings["rates"]) for run in plan.pose_runs(plan.PaperPlan(rates=(0.1, 1.0))).values()} == {
+        (0.1, 1.0)
+    }
+    assert main(["benchmark", "paper", "--out", str(tmp_path / "out"), "--rates", "0.1", "-1"]) != 0
+    assert not (tmp_path / "out").exists()
 
 
 def test_landmarks_say_a_pose() -> None:

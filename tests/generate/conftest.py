@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.generate.models import shared_dataset, shared_model
+from tests.generate.models import KINDS, shared_dataset, shared_model
 
 
 @pytest.fixture(scope="session")
@@ -15,7 +15,7 @@ def dataset_folder() -> Path:
     return shared_dataset()
 
 
-@pytest.fixture(scope="session", params=["cgvae", "anchors"])
+@pytest.fixture(scope="session", params=KINDS)
 def model_file(request: pytest.FixtureRequest) -> Path:
     """A model of each kind."""
     return shared_model(request.param)

@@ -1,15 +1,23 @@
-"""Datasets and models for the tests, made in seconds, once in a process."""
+"""Datasets and models for the tests, made in seconds, once in a process.
+
+Where there is no torch, UNISG_TEST_MODELS names a folder that ``keep`` has filled elsewhere.
+"""
 
 from __future__ import annotations
 
+import os
 import tempfile
 from functools import cache
 from pathlib import Path
 
+import pytest
+
 from tests.generate.rooms import room
 from unisg_blender.dataset import open_dataset, write_dataset
 
-_FOLDER = tempfile.TemporaryDirectory(prefix="unisg-models-")
+_TEMPORARY = tempfile.TemporaryDirectory(prefix="unisg-models-")
+FOLDER = Path(os.environ.get("UNISG_TEST_MODELS", _TEMPORARY.name))
+KINDS = ("cgvae", "anchors")
 
 
 def write_rooms(folder: Path, count: int) -> Path:
@@ -21,20 +29,28 @@ def write_rooms(folder: Path, count: int) -> Path:
 @cache
 def shared_dataset() -> Path:
     """A dataset of twelve small rooms."""
-    return write_rooms(Path(_FOLDER.name) / "dataset", 12)
+    folder = FOLDER / "dataset"
+    return folder if folder.exists() else write_rooms(folder, 12)
 
 
 @cache
 def shared_model(kind: str) -> Path:
-    """A model of a kind, trained for a moment."""
-    import torch
-
+    """A model of a kind, trained for a moment; skips where there is nothing to train with."""
+    out = FOLDER / f"{kind}.onnx"
+    if out.exists():
+        return out
+    torch = pytest.importorskip("torch")
     from unisg_blender.learn import job_list
     from unisg_blender.learn.hyperparameters import Settings
 
     torch.set_num_threads(1)  # two test runs at a time share the cores
-    out = Path(_FOLDER.name) / f"{kind}.onnx"
     job_list.train(
         "cgvae", [open_dataset(shared_dataset())], out, Settings(paper=kind == "cgvae", epochs=2, quiet=True)
     )
     return out
+
+
+def keep() -> None:
+    """Make all of them."""
+    for kind in KINDS:
+        shared_model(kind)

@@ -218,7 +218,7 @@ def test_bad_requests_are_told_in_one_line(generator: Generator, counts: dict[st
 
 
 def test_bad_model_files_are_told_in_one_line(tmp_path: Path) -> None:
-    import onnx
+    onnx = pytest.importorskip("onnx")
     from onnx import TensorProto, helper
 
     nonsense = tmp_path / "nonsense.onnx"
@@ -255,7 +255,7 @@ def test_bad_model_files_are_told_in_one_line(tmp_path: Path) -> None:
 
 
 def test_a_model_of_weights_that_are_no_numbers_is_told(model_file: Path, tmp_path: Path) -> None:
-    import onnx
+    onnx = pytest.importorskip("onnx")
     from onnx import numpy_helper
 
     model = onnx.load(model_file)
@@ -280,7 +280,7 @@ def test_places_that_are_no_numbers_are_refused_whoever_proposes_them(model_file
 
 
 def test_models_open_no_other_files_and_run_no_foreign_operators(tmp_path: Path) -> None:
-    import onnx
+    onnx = pytest.importorskip("onnx")
     from onnx import TensorProto, helper, numpy_helper
 
     shape = [helper.make_tensor_value_info("x", TensorProto.FLOAT, [4])]

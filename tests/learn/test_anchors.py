@@ -13,6 +13,7 @@ torch = pytest.importorskip("torch")
 from tests.generate.rooms import room  # noqa: E402
 from unisg_blender.generate.observe.contract import Contract  # noqa: E402
 from unisg_blender.generate.observe.observed_scene import ObservedScene  # noqa: E402
+from unisg_blender.generate.observe.prior_tables import PriorTables  # noqa: E402
 from unisg_blender.generate.observe.scene_tokens import FLAGS  # noqa: E402
 from unisg_blender.generate.observe.support_priors import CategoryPriors, learn_priors  # noqa: E402
 from unisg_blender.generate.propose.mixture import TAIL  # noqa: E402
@@ -24,7 +25,6 @@ from unisg_blender.learn.anchors.examples import (  # noqa: E402
     LESS,
     RANDOM_SUBSETS,
     TURN_JITTER,
-    Order,
     RoomLayout,
     example,
     padded,
@@ -58,20 +58,20 @@ def batch_of(seeds: list[int]) -> dict[str, torch.Tensor]:
     for seed in seeds:
         graph = room(seed, cups=1 + seed % 3)
         objects = scene_objects(graph, VOCABULARY)
-        order = Order.of(VOCABULARY, learn_priors([objects], VOCABULARY))
+        tables = PriorTables.of(learn_priors([objects], VOCABULARY), VOCABULARY)
         world = world_matrices(graph)[objects.row]
-        layout = RoomLayout(TrainingScene(objects, world, world), order)
+        layout = RoomLayout(TrainingScene(objects, world, world), tables)
         target = int(np.flatnonzero(objects.category == 0)[0])
-        examples.append(example(layout, target, order, np.random.default_rng(seed)))
+        examples.append(example(layout, target, tables, np.random.default_rng(seed)))
     return padded(examples)
 
 
 def test_the_building_is_there_before_all_else() -> None:
     graph = room(3, cups=2)
     objects = scene_objects(graph, VOCABULARY)
-    order = Order.of(VOCABULARY, learn_priors([objects], VOCABULARY))
+    tables = PriorTables.of(learn_priors([objects], VOCABULARY), VOCABULARY)
     world = world_matrices(graph)[objects.row]
-    layout = RoomLayout(TrainingScene(objects, world, world), order)
+    layout = RoomLayout(TrainingScene(objects, world, world), tables)
     table, walls = int(np.flatnonzero(objects.category == 3)[0]), objects.category == 4
     seen = [visible_with(layout, table, np.random.default_rng(seed)) for seed in range(200)]
     whole = np.mean([chosen[walls].all() and placed[walls].all() for chosen, placed, _ in seen])
@@ -82,8 +82,8 @@ def test_the_building_is_there_before_all_else() -> None:
 
 def test_in_order_rows_are_filled_from_one_end_and_otherwise_anyhow() -> None:
     objects = scene_objects(graph := room(3, cups=4), VOCABULARY)
-    order, world = Order.of(VOCABULARY, learn_priors([objects], VOCABULARY)), world_matrices(graph)[objects.row]
-    layout = RoomLayout(TrainingScene(objects, world, world), order)
+    tables, world = PriorTables.of(learn_priors([objects], VOCABULARY), VOCABULARY), world_matrices(graph)[objects.row]
+    layout = RoomLayout(TrainingScene(objects, world, world), tables)
     cups = np.flatnonzero(objects.category == 0)
     ordered, from_one_end = [], []
     for seed in range(400):
@@ -98,11 +98,11 @@ def test_in_order_rows_are_filled_from_one_end_and_otherwise_anyhow() -> None:
 
 def test_the_whole_is_all_that_lies_there_and_else_less_may_come() -> None:
     objects = scene_objects(graph := room(3, cups=4), VOCABULARY)
-    order, world = Order.of(VOCABULARY, learn_priors([objects], VOCABULARY)), world_matrices(graph)[objects.row]
-    layout = RoomLayout(TrainingScene(objects, world, world), order)
+    tables, world = PriorTables.of(learn_priors([objects], VOCABULARY), VOCABULARY), world_matrices(graph)[objects.row]
+    layout = RoomLayout(TrainingScene(objects, world, world), tables)
     cups, beside = np.flatnonzero(objects.category == 0), {True: [], False: []}
     for seed in range(400):
-        seen = example(layout, int(cups[seed % 4]), order, np.random.default_rng(seed))
+        seen = example(layout, int(cups[seed % 4]), tables, np.random.default_rng(seed))
         there, coming = seen["flags"][:, 1].sum(), np.expm1(seen["row"]).sum()
         assert seen["whole"] == seen["plan"][-1]
         beside[bool(seen["whole"])].append(round(float(there + coming)))

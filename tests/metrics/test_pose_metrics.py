@@ -11,7 +11,6 @@ from tests.metrics.hand_made import box_mesh
 from unisg_blender.metrics.pose_errors import (
     decoded,
     folds_of,
-    interval,
     invalidity,
     pose_report,
     r_squared,
@@ -19,6 +18,7 @@ from unisg_blender.metrics.pose_errors import (
     summary,
     translation_errors,
 )
+from unisg_blender.metrics.seed_statistics import interval
 from unisg_blender.poses import FORMS
 from unisg_blender.scene import mesh_from_faces
 

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import DONE
-from .argument_types import PROCESSES, SEED, whole
+from .argument_types import PROCESSES, SEED, number, whole
 from .common import jobs_of, print_report
 from .outputs import check_folder
 
@@ -47,6 +47,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="N",
         type=PROCESSES,
         help="trainings or rooms at a time, default: one per processor (paper, rooms)",
+    )
+    parser.add_argument(
+        "--rates",
+        type=number(1e-9, 1e3),
+        nargs="+",
+        metavar="R",
+        help="learning rates that every form is tried with (paper)",
     )
     parser.add_argument("--tables-only", action="store_true", help="tables of what has been trained so far (paper)")
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -35,7 +36,7 @@ def read_mesh_file(path: str | Path) -> Mesh:
         raise UniSGError(f"{path}: no such file")
     try:
         loaded = trimesh.load(path, process=False, skip_materials=True)
-        parts = loaded.dump() if isinstance(loaded, trimesh.Scene) else [loaded]
+        parts = _parts(loaded) if isinstance(loaded, trimesh.Scene) else [loaded]
     except Exception as error:  # readers of foreign formats fail in a hundred ways
         raise UniSGError(f"{path}: cannot be read as a mesh: {error}") from error
     return _joined(path, [part for part in parts if hasattr(part, "vertices") and len(part.vertices)])
@@ -50,6 +51,16 @@ def mesh_paths(folder: str | Path) -> list[Path]:
     if not paths:
         raise UniSGError(f"{folder}: no mesh files here; looked for {' '.join(MESH_SUFFIXES)}")
     return paths
+
+
+def _parts(scene: Any) -> list:
+    """A scene's geometry where it stands, without the pictures: copying those wants Pillow, which Blender lacks."""
+    from trimesh.visual import ColorVisuals
+
+    for part in scene.geometry.values():
+        if hasattr(part, "visual"):
+            part.visual = ColorVisuals()
+    return scene.dump()
 
 
 def _joined(path: Path, parts: list) -> Mesh:

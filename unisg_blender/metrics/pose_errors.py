@@ -119,16 +119,6 @@ def decoded(features: NDArray[np.floating], form: str) -> Matrices:
     return FORMS["matrix"].encode(FORMS[form].decode(projected(features, form))).reshape(-1, 4, 4)
 
 
-def interval(values: Any) -> dict[str, float]:
-    """Mean over seeds, and half the width of its 95 % confidence interval by Student's t; NaN for one seed."""
-    from scipy.stats import t
-
-    array = np.asarray(values, np.float64)
-    count = len(array)
-    half = float(t.ppf(0.975, count - 1) * array.std(ddof=1) / np.sqrt(count)) if count > 1 else float("nan")
-    return {"mean": float(array.mean()), "half_width": half, "seeds": count}
-
-
 def pose_report(raw: NDArray[np.floating], truth: Matrices, form: str, folds: Any = None) -> Mapping[str, float]:
     """Errors of raw output (K, width) for rigid poses (K, 4, 4), after decoding: cm, degrees, validity."""
     poses = decoded(raw, form)

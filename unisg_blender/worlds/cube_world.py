@@ -73,10 +73,10 @@ def cubes(seed: int, count: int = 40, rotation: str = "yaw", nested: bool = Fals
 
 
 def cube_pairs(seed: int, pairs: int = PAPER_PAIRS, rotation: str = "yaw") -> SceneGraph:
-    """The layout of the paper's topology experiment: ``pairs`` times two cubes, one on top of the other.
+    """A field of ``pairs`` times two cubes, one on top of the other: as many cubes as the paper's topology task has.
 
-    Source: UniSG^GA (arXiv 2306.10621), section on topology: 5,000 pairs of cubes.
-    ``rotation`` as for :func:`cubes`.
+    The paper (UniSG^GA, arXiv 2306.10621) has a random scene of 10,000 cubes, a new one in each run, and does not say
+    how they lie; piles of two are this project's. ``rotation`` as for :func:`cubes`.
     """
     rng = np.random.default_rng((seed, 4))
     return _scene(f"Cube Pairs {seed}", rng, [_pile(rng, 2) for _ in range(pairs)], rotation, False, 2 * pairs)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 from collections.abc import Callable
+from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
@@ -17,6 +18,7 @@ from ..reports import machine, write_csv, write_json
 from .paper_figures import draw_errors, draw_panels
 from .paper_tables import Table, make_tables, to_markdown
 from .plan import QUICK_PLAN, PaperPlan, all_runs
+from .run_tables import rounded, run_tables
 from .runs import finished, run_all
 
 MARKDOWN: dict[str, tuple[str, dict[str, str]]] = {
@@ -36,6 +38,7 @@ MARKDOWN: dict[str, tuple[str, dict[str, str]]] = {
         "form": "form", "seeds": "runs", "mse": "MSE", "mse_of_mean": "MSE of the mean", "mse_of_zeros": "of zeros",
         "r_squared": "R²", "cm_median": "cm, median", "cm_p95": "cm, 95 %", "degrees_median": "degrees, median",
         "degrees_p95": "degrees, 95 %", "invalidity": "invalidity", "mean_cm_median": "cm of the mean",
+        "mean_degrees_median": "degrees of the mean",
     }),
     "poses": ("Poses, one factor at a time (95 % intervals)", {
         "setting": "setting", "form": "form", "channels": "channels", "parameters": "parameters", "rate": "rate",
@@ -57,6 +60,10 @@ MARKDOWN: dict[str, tuple[str, dict[str, str]]] = {
         "same noise": "same noise", "unseen noise": "unseen noise", "turned": "turned", "tumbled": "tumbled",
         "other rooms": "other rooms",
     }),
+    "tests": ("Paired tests over seeds (Wilcoxon), p corrected within each setting and number (Holm)", {
+        "table": "table", "setting": "setting", "number": "number", "form": "form", "against": "against",
+        "difference": "difference", "p": "p", "p_holm": "p, corrected",
+    }),
 }  # fmt: skip
 """By table: title, and columns with their headings."""
 
@@ -67,13 +74,15 @@ def write_paper_report(args: argparse.Namespace, folder: Path, progress: Callabl
     Parameters
     ----------
     args
-        With ``quick``, ``jobs``, ``quiet`` and ``tables_only``.
+        With ``quick``, ``jobs``, ``quiet``, ``tables_only`` and ``rates`` (None for the plan's).
     folder
         Gets ``data`` and ``runs`` (kept, so that a call after a kill goes on), tables and figures.
     progress
         Called with the name of each step.
     """
     plan = QUICK_PLAN if args.quick else PaperPlan()
+    if args.rates:
+        plan = replace(plan, rates=tuple(args.rates))
     jobs = args.jobs or processors()
     folder.mkdir(parents=True, exist_ok=True)
     _claim(folder, bool(args.quick))
@@ -87,16 +96,18 @@ def write_paper_report(args: argparse.Namespace, folder: Path, progress: Callabl
         progress(f"{len(runs)} trainings")
         results = run_all(runs, folder, jobs, args.quiet)
     progress("tables and figures")
-    tables = make_tables(results, plan)
+    single = run_tables(results, plan)
+    tables = make_tables(single, results, plan)
     report = {
         "command": "unisg benchmark paper" + (" --quick" if args.quick else ""),
         "date": datetime.now(UTC).strftime("%Y-%m-%d"),
         "machine": machine(),
         "trainings": {"planned": len(runs), "done": len(results)},
+        "rates": list(plan.rates),
         "processor_seconds": round(sum(record["seconds"] for record in results.values()), 1),
         "tables": tables,
     }
-    _write(folder, report, tables)
+    _write(folder, report, tables, single)
     return report
 
 
@@ -108,13 +119,16 @@ def _claim(folder: Path, quick: bool) -> None:
     write_file(path, json.dumps({"quick": quick}))
 
 
-def _write(folder: Path, report: dict[str, Any], tables: dict[str, Table]) -> None:
+def _write(folder: Path, report: dict[str, Any], tables: dict[str, Table], single: dict[str, Table]) -> None:
     with filling(folder) as draft:
         kept = {key: table for key, table in tables.items() if not key.endswith("_curves")}
         write_json(draft / "paper.json", report | {"tables": kept})
         for key, rows in tables.items():
             if rows:
                 write_csv(draft / f"paper_{key}.csv", rows)
+        for key, rows in single.items():
+            if rows:
+                write_csv(draft / f"paper_{key}_runs.csv", [_short(row) for row in rows])
         pages = [
             f"## {title}\n\n{to_markdown(tables[key], columns)}\n"
             for key, (title, columns) in MARKDOWN.items()
@@ -123,3 +137,8 @@ def _write(folder: Path, report: dict[str, Any], tables: dict[str, Table]) -> No
         (draft / "paper_tables.md").write_text("\n".join(pages), encoding="utf-8")
         draw_panels(tables, [draft / "paper.png", draft / "paper.svg"])
         draw_errors(tables, [draft / "paper_poses.png", draft / "paper_poses.svg"])
+
+
+def _short(row: dict[str, Any]) -> dict[str, Any]:
+    """A row with five digits of each number."""
+    return {name: rounded(value) if isinstance(value, float) else value for name, value in row.items()}

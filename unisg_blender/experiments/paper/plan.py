@@ -47,6 +47,8 @@ POSE_FACTORS: dict[str, tuple[dict[str, str], tuple[str, ...]]] = {
 }
 """One factor at a time from the base cases: settings and forms."""
 
+RATES = (3e-3, 1e-2, 3e-2, 1e-1, 3e-1)
+"""Learning rates that every form of "poses" and "pairs" is tried with."""
 
 FIRST = sum(len(forms) for _, forms in list(POSE_FACTORS.values())[:6])
 """How many trainings the first six settings are."""
@@ -65,6 +67,7 @@ class PaperPlan:
     links: int = 100
     steps: int = 300
     most_cubes: int = 1_000_000
+    rates: tuple[float, ...] = RATES
 
 
 QUICK_PLAN = PaperPlan(
@@ -84,7 +87,7 @@ def paper_runs(plan: PaperPlan) -> list[Run]:
 
 def pose_runs(plan: PaperPlan) -> dict[tuple[str, str], Run]:
     """By factor and form."""
-    size = {"seeds": plan.seeds, "steps": plan.steps}
+    size = {"seeds": plan.seeds, "steps": plan.steps, "rates": list(plan.rates)}
     return {
         (name, form): Run("poses", {**settings, **size, "form": form})
         for name, (settings, forms) in POSE_FACTORS.items()
@@ -94,7 +97,7 @@ def pose_runs(plan: PaperPlan) -> dict[tuple[str, str], Run]:
 
 def pair_runs(plan: PaperPlan) -> dict[tuple[str, str, str], Run]:
     """By rotation, what is shown of the poses, and form."""
-    size = {"seeds": plan.seeds, "steps": plan.steps}
+    size = {"seeds": plan.seeds, "steps": plan.steps, "rates": list(plan.rates)}
     forms = {"full": NARROW_FORMS, "yaw": FEW_FORMS}
     return {
         (rotation, poses, form): Run("pairs", {"rotation": rotation, "poses": poses, "form": form, **size})

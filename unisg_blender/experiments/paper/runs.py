@@ -15,10 +15,10 @@ from ...runtime.result_cache import run_all as run_tasks
 
 EXPERIMENTS = {
     "classification": (1, "...learn.paper.classification:run"),
-    "topology": (2, "...learn.paper.topology:run"),
+    "topology": (3, "...learn.paper.topology:run"),
     "generation": (1, "...learn.paper.generation:run"),
-    "poses": (1, "...learn.paper.poses:run"),
-    "pairs": (1, "...learn.paper.pairs:run"),
+    "poses": (2, "...learn.paper.poses:run"),
+    "pairs": (2, "...learn.paper.pairs:run"),
     "rules": (1, "...learn.paper.pairs:run_rules"),
     "scale": (1, ".scale:run"),
     "link_prediction": (2, "...learn.paper.links:run"),

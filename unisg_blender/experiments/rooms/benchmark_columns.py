@@ -10,8 +10,9 @@ import numpy as np
 
 from ...geometry.arrays import Floats
 from ...metrics.layout_distances import novelty_limit
+from ...metrics.seed_statistics import paired_test
 from ...metrics.two_sample_test import LEVELS, NOISES
-from .completion import Completed, paired_test
+from .completion import Completed
 from .room_measures import COUNTS, Arrays
 
 RESAMPLED = 500
@@ -74,9 +75,9 @@ def row_of(name: str, seeds: Sequence[Measured], real: Measured, ours: Sequence[
     spread = {key: float(np.std([one[key] for one in single], ddof=1)) for key in single[0]} if len(single) > 1 else {}
     errors, our_errors = (_errors(group) for group in (seeds, ours))
     if len(errors) == len(our_errors) and seeds is not ours:
-        values["p_model_better"] = paired_test(our_errors, errors)
+        values["p_model_better"] = paired_test(our_errors, errors, "less")
     elif seeds is not ours and len(errors):  # a row without seeds meets the model's first one
-        values["p_model_better"] = paired_test(our_errors[: len(errors)], errors)
+        values["p_model_better"] = paired_test(our_errors[: len(errors)], errors, "less")
     counts = np.concatenate([one.found["counts"] for one in seeds])
     objects = int(counts[:, COUNTS.index("objects")].sum())
     return TableRow(name, len(seeds), len(seeds[0].found["counts"]), objects, values, spread, _intervals(seeds))

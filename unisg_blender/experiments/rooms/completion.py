@@ -161,16 +161,3 @@ def log_density(generator: Generator, hole: Hole, scene: ObservedScene, uids: Se
     allowed = np.arange(len(uids)) == support
     query = Query(scene, generator.categories.index(hole.category), Placeable(hole.asset), allowed, {})
     return float(of(query, support, hole.places[0]))
-
-
-def paired_test(model: Floats, other: Floats) -> float:
-    """p of Wilcoxon's signed-rank test that the model's errors (N,) are smaller than another row's; NaN under 10 pairs.
-
-    Source: Wilcoxon, "Individual comparisons by ranking methods" (1945); one-sided.
-    """
-    from scipy.stats import wilcoxon
-
-    both = np.isfinite(model) & np.isfinite(other)
-    if both.sum() < 10 or not (model[both] != other[both]).any():
-        return float("nan")
-    return float(wilcoxon(model[both], other[both], alternative="less").pvalue)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -24,8 +25,9 @@ class PriorTables:
     overlaps, held_overlaps
         (C + 1, C + 1): metres that two categories may reach into each other, apart and where the second holds the
         first.
-    spanning, structural
-        bool (C + 1,): what reaches from holder to holder, and what is part of the building.
+    spanning, structural, leading
+        bool (C + 1,): what reaches from holder to holder, what is part of the building, and the reference objects
+        (:mod:`~.reference_objects`).
     level, rank
         int64 (C + 1,), see :func:`~.placement_order.groups` and :func:`~.placement_order.ranks`.
     carriers
@@ -43,6 +45,7 @@ class PriorTables:
     held_overlaps: Floats
     spanning: Bools
     structural: Bools
+    leading: Bools
     level: Ints
     rank: Ints
     carriers: Bools
@@ -69,12 +72,18 @@ class PriorTables:
                 held[first, second] = depth
             else:
                 overlaps[first, second] = overlaps[second, first] = depth
-        known = priors.spanning, STRUCTURE, holders(priors) - {""}
-        spanning, structural, carriers = (np.array([name in names for name in number]) for names in known)
+        known = priors.spanning, STRUCTURE, priors.references, holders(priors) - {""}
+        spanning, structural, leading, carriers = (np.array([name in names for name in number]) for names in known)
         orders = {
             tuple(number.get(name, -2) for name in key.split(">", 1)): seen for key, seen in priors.orders.items()
         }
         level, rank = groups(vocabulary, priors), ranks(vocabulary, priors)
+        floor = number.get(FLOOR, -2)
         return PriorTables(
-            usual, overlaps, held, spanning, structural, level, rank, carriers, number.get(FLOOR, -2), supports, orders
+            usual, overlaps, held, spanning, structural, leading, level, rank, carriers, floor, supports, orders
         )
+
+    @cached_property
+    def holding(self) -> Bools:
+        """(C + 1, C + 1): objects of which categories (columns) hold a category (row), the ground left out."""
+        return np.pad(self.usual[:, :-1], (0, 1))

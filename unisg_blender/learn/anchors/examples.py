@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -13,11 +13,10 @@ from torch import Tensor
 from torch.utils.data import Dataset
 
 from ...generate.observe.observed_scene import ObservedScene
-from ...generate.observe.placement_order import along, groups, holders, middles, ranks
+from ...generate.observe.placement_order import along, middles
+from ...generate.observe.prior_tables import PriorTables
 from ...generate.observe.scene_tokens import chain, coming_vector, context_arrays, plan_vector, tokens_for
 from ...generate.observe.support_candidates import Proximity, SupportCandidates, SupportOccupancy, support_arrays
-from ...generate.observe.support_priors import CategoryPriors
-from ...scene.categories import STRUCTURE
 from ..padding import padded_stack
 from ..training_scenes import TrainingScene
 
@@ -46,46 +45,16 @@ The building is not turned: the far end of a wall would move by centimetres, and
 """
 
 
-@dataclass(frozen=True, eq=False)
-class Order:
-    """The order of placing, by category number (C + 1,); ``holds`` who goes first."""
-
-    group: NDArray[np.int64]
-    rank: NDArray[np.int64]
-    holds: NDArray[np.bool_]
-    leads: NDArray[np.bool_]
-    """The reference objects, see :mod:`...generate.observe.reference_objects` (C + 1,)."""
-
-    building: NDArray[np.bool_]
-    """Walls and the like, which are there before anything else (C + 1,)."""
-
-    kinds: NDArray[np.bool_]
-    """(C + 1, C + 1): objects of which categories (columns) hold a category (row)."""
-
-    @staticmethod
-    def of(vocabulary: Sequence[str], priors: CategoryPriors) -> Order:
-        """The order that goes with the priors of training scenes."""
-        first, count = holders(priors), len(vocabulary) + 1
-        holds = np.array([name in first for name in vocabulary] + [False])
-        leads, building = (
-            np.array([name in names for name in vocabulary] + [False]) for names in (priors.references, STRUCTURE)
-        )
-        kinds = np.zeros((count, count), bool)
-        for row, name in enumerate(vocabulary):
-            kinds[row, [vocabulary.index(h.support) for h in priors.supports.get(name, ()) if h.support]] = True
-        return Order(groups(vocabulary, priors), ranks(vocabulary, priors), holds, leads, building, kinds)
-
-
 class RoomLayout:
     """A training scene with all that does not change from example to example."""
 
-    def __init__(self, scene: TrainingScene, order: Order) -> None:
+    def __init__(self, scene: TrainingScene, tables: PriorTables) -> None:
         self.scene = ObservedScene.of(scene.objects, scene.world)
         support, category = self.scene.support, self.scene.category
         count = len(support)
         self.targets = np.flatnonzero((category >= 0) & (self.scene.half.max(axis=1) > 0) & (support >= 0))
         _, kind, times = np.unique(category[self.targets], return_inverse=True, return_counts=True)
-        self.building = order.building[category]
+        self.building = tables.structural[category]
         self.floor = (support >= 0) & (support[support] < 0)
         chance = times[kind] ** -BALANCE * np.where(self.floor[self.targets], FLOOR, 1.0)
         chance *= np.where(self.building[self.targets], BUILDING, 1.0)
@@ -93,7 +62,7 @@ class RoomLayout:
         self.above = np.zeros((count, count), bool)
         for obj in range(count):
             self.above[obj, chain(support, obj)] = True
-        carriers = np.union1d(np.flatnonzero(order.kinds.any(axis=0)[category]), support[support >= 0])
+        carriers = np.union1d(np.flatnonzero(tables.holding.any(axis=0)[category]), support[support >= 0])
         self.candidates = SupportCandidates.of(self.scene, carriers)
         self.nearness = Proximity.of(self.scene)
         self.truth = self.candidates.at(support, self.scene.surface)
@@ -101,10 +70,10 @@ class RoomLayout:
         middle = middles(self.scene, share)
         block = np.array([middle.get((s, c), 0.0) for s, c in zip(support, category, strict=True)])
         self.row = np.empty(count, np.int64)
-        self.row[np.lexsort((share, category, block, ~order.holds[category]))] = np.arange(count)
-        self.away = _away(self.scene, order.leads[category])
+        self.row[np.lexsort((share, category, block, ~tables.carriers[category]))] = np.arange(count)
+        self.away = _away(self.scene, tables.leading[category])
         _ = self.scene.room  # found once, before the scene is copied with objects moved
-        self.group, self.rank = order.group[category], order.rank[category]
+        self.group, self.rank = tables.level[category], tables.rank[category]
 
 
 def _away(scene: ObservedScene, reference: NDArray[np.bool_]) -> NDArray[np.float64]:
@@ -125,17 +94,17 @@ class AnchorExamples(Dataset[dict[str, Any]]):
     ----------
     layouts
         Scenes to learn from.
-    order
-        The order in which objects are placed.
+    tables
+        What the training scenes teach of the categories.
     count
         Examples in an epoch.
     fresh
         Other examples in every epoch; False for a fixed set to validate on.
     """
 
-    def __init__(self, layouts: Sequence[RoomLayout], order: Order, count: int, seed: int, fresh: bool) -> None:
+    def __init__(self, layouts: Sequence[RoomLayout], tables: PriorTables, count: int, seed: int, fresh: bool) -> None:
         self.layouts = [layout for layout in layouts if len(layout.targets)]
-        self.order, self.count, self.seed, self.asked = order, count, seed, 0
+        self.tables, self.count, self.seed, self.asked = tables, count, seed, 0
         self.fixed = None if fresh else [self._draw(number) for number in range(count)]
 
     def __len__(self) -> int:
@@ -151,7 +120,7 @@ class AnchorExamples(Dataset[dict[str, Any]]):
         """The same for the same numbers; processes that share an epoch ask for different ones."""
         rng = np.random.default_rng((self.seed, *number))
         layout = self.layouts[int(rng.integers(len(self.layouts)))]
-        return example(layout, int(rng.choice(layout.targets, p=layout.chance)), self.order, rng)
+        return example(layout, int(rng.choice(layout.targets, p=layout.chance)), self.tables, rng)
 
 
 def visible_with(
@@ -182,9 +151,9 @@ def _standing(layout: RoomLayout, seen: NDArray[np.bool_], target: int) -> NDArr
     return seen & ~layout.above[:, missing].any(axis=1)
 
 
-def example(layout: RoomLayout, target: int, order: Order, rng: np.random.Generator) -> dict[str, Any]:
+def example(layout: RoomLayout, target: int, tables: PriorTables, rng: np.random.Generator) -> dict[str, Any]:
     """One example: inputs of the model and the true candidate, height, position and heading."""
-    scene, unknown = layout.scene, len(order.rank) - 1
+    scene, unknown = layout.scene, len(tables.rank) - 1
     category, parent, surface = int(scene.category[target]), int(scene.support[target]), int(scene.surface[target])
     chosen, placed, in_order = visible_with(layout, target, rng)
     fewer = rng.random() ** 2 if rng.random() < LESS else 1.0
@@ -208,20 +177,20 @@ def example(layout: RoomLayout, target: int, order: Order, rng: np.random.Genera
         "row": coming_vector(coming, unknown),
         "whole": np.float32(whole),
         **context_arrays(moved, tokens, category, parent, surface, unknown),
-        **_choice(layout, target, chosen, kept, order, rng),
+        **_choice(layout, target, chosen, kept, tables, rng),
         "position": position.astype(np.float32),
         "heading": np.float32(scene.yaw[target] + rng.uniform(-TURN_DEQUANTISE, TURN_DEQUANTISE)),
     }
 
 
 def _choice(
-    layout: RoomLayout, target: int, seen: NDArray[np.bool_], kept: NDArray[np.bool_], order: Order,
+    layout: RoomLayout, target: int, seen: NDArray[np.bool_], kept: NDArray[np.bool_], tables: PriorTables,
     rng: np.random.Generator,
 ) -> dict[str, Any]:  # fmt: skip
     """The choice of the candidate among those of the objects that are there and of the usual kinds."""
-    scene, unknown = layout.scene, len(order.rank) - 1
+    scene, unknown = layout.scene, len(tables.rank) - 1
     category, parent = int(scene.category[target]), int(scene.support[target])
-    usual = seen & order.kinds[category][scene.category]
+    usual = seen & tables.holding[category][scene.category]
     usual[parent] = True
     among = np.flatnonzero(usual[layout.candidates.obj])
     near = layout.nearness.by_kind(scene, seen, unknown)

@@ -13,6 +13,7 @@ from torch import Tensor, nn
 from ...dataset.format.reader import Dataset
 from ...generate.observe.contract import Contract
 from ...generate.observe.placement_order import learn_orders
+from ...generate.observe.prior_tables import PriorTables
 from ...generate.propose.anchor_inputs import ANCHOR_INPUTS, INTEGERS
 from ..hyperparameters import Settings
 from ..losses.mixtures import height_nll, mixture_nll
@@ -24,7 +25,7 @@ from ..trainer import Schedule, loader
 from ..training_job import Prepared
 from ..training_scenes import scenes_and_priors, split
 from .critic import drawn
-from .examples import AnchorExamples, Order, RoomLayout, collate
+from .examples import AnchorExamples, RoomLayout, collate
 from .network import AnchorModel, AnchorSizes
 
 EPOCHS, FORM = 23, None
@@ -52,14 +53,14 @@ OUTPUTS = (
 def prepare(datasets: Sequence[Dataset], settings: Settings) -> Prepared:
     """Scenes as layouts, with what all of them teach; UniSGError if there are too few scenes or categories."""
     vocabulary, scenes, priors = scenes_and_priors(datasets[0], settings.quiet)
-    order = Order.of(vocabulary, priors)
-    train, val = ([RoomLayout(scene, order) for scene in part] for part in split(scenes, settings.seed))
+    tables = PriorTables.of(priors, vocabulary)
+    train, val = ([RoomLayout(scene, tables) for scene in part] for part in split(scenes, settings.seed))
     priors = replace(priors, orders=learn_orders((layout.scene for layout in train), vocabulary))
     torch.manual_seed(settings.seed)
     network = AnchorModel(AnchorSizes(len(vocabulary)))
     count = min(PER_EPOCH, PER_TARGET * sum(len(layout.targets) for layout in train))
-    seen = AnchorExamples(train, order, count, settings.seed, fresh=True)
-    watched = AnchorExamples(val, order, min(WATCHED, 40 * len(val)), settings.seed + 1, fresh=False)
+    seen = AnchorExamples(train, tables, count, settings.seed, fresh=True)
+    watched = AnchorExamples(val, tables, min(WATCHED, 40 * len(val)), settings.seed + 1, fresh=False)
     return Prepared(
         network,
         [

@@ -16,6 +16,7 @@ from ...meshes.shape_feature import AtlasNetEncoder
 from ...scene import SceneGraph
 from ...scene.augmentation import pose_noise, scale_noise
 from ...worlds import WORLDS
+from ...worlds.cube_world import cube_pairs, cubes
 from ...worlds.world_batches import make_many
 
 FORM = "trs_matrix"
@@ -32,17 +33,21 @@ rooms of the two worlds."""
 
 @dataclass(frozen=True)
 class Sizes:
-    """How many scenes: of each kind in training and in each test, rooms to generate, pairs and sites of cubes."""
+    """How many scenes: of each kind in training and in each test, rooms to generate, pairs and sites of cubes.
+
+    ``fields`` are the scenes of ``pairs`` pairs of cubes, one for each run.
+    """
 
     augmented: int = 50
     tests: int = 25
     rooms: int = 1000
     pairs: int = 5000
     cubes: int = 60
+    fields: int = 10
 
 
 FULL = Sizes()
-QUICK = Sizes(augmented=20, tests=8, rooms=60, pairs=300, cubes=16)
+QUICK = Sizes(augmented=20, tests=8, rooms=60, pairs=300, cubes=16, fields=2)
 
 
 def augmented(graph: SceneGraph, seed: int, strength: float = 1.0) -> SceneGraph:
@@ -69,7 +74,7 @@ def make_data(folder: Path, sizes: Sizes, jobs: int, progress: Callable[[str], N
     makers: dict[str, Callable[[], Iterable[Sample]]] = {
         "classification": lambda: _augmentations(sizes.augmented),
         "classification_tests": lambda: _tests(sizes.tests),
-        "pairs": lambda: [Sample(WORLDS["cube-pairs"](0) if sizes.pairs == 5000 else _pairs(sizes.pairs))],
+        "pairs_by_seed": lambda: (Sample(cube_pairs(seed, sizes.pairs)) for seed in range(sizes.fields)),
         **{f"cubes_{rotation}": partial(_cubes, sizes.cubes, rotation) for rotation in _ROTATIONS},
         "rooms": lambda: map(Sample, make_many("operating-room", range(sizes.rooms), jobs)),
     }
@@ -87,15 +92,7 @@ def make_data(folder: Path, sizes: Sizes, jobs: int, progress: Callable[[str], N
 _ROTATIONS = ("yaw", "full")
 
 
-def _pairs(count: int) -> SceneGraph:
-    from ...worlds.cube_world import cube_pairs
-
-    return cube_pairs(0, count)
-
-
 def _cubes(count: int, rotation: str) -> Iterator[Sample]:
-    from ...worlds.cube_world import cubes
-
     return (Sample(cubes(seed, 40, rotation)) for seed in range(count))
 
 

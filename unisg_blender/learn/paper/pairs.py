@@ -25,7 +25,6 @@ from ...scene.graph import SceneGraph
 from ...spatial import find_objects
 from ...spatial.relations import find_relations
 
-RATES = (3e-3, 1e-2, 3e-2)
 NEAREST = 8
 SHARES = {"train": (0.0, 0.6), "validation": (0.6, 0.75), "test": (0.75, 1.0)}
 GAP, OVERLAP = 0.01, 0.02
@@ -99,7 +98,7 @@ def features_of(part: Pairs, form: str, poses: str) -> NDArray[np.float64]:
 def run(settings: Mapping[str, Any], data: Path) -> dict[str, Any]:
     """A network over pairs, all seeds side by side; the learning rate by the validation scenes' average precision.
 
-    ``settings``: form, poses ("absolute", "relative", "shipped"), rotation, seeds, steps.
+    ``settings``: form, poses ("absolute", "relative", "shipped"), rotation, seeds, steps, rates.
     """
     import torch
     from torch import Tensor, nn
@@ -121,16 +120,17 @@ def run(settings: Mapping[str, Any], data: Path) -> dict[str, Any]:
         """Binary cross entropy (B,) of logits (B, N, N), as the paper has for edges."""
         return nn.functional.binary_cross_entropy_with_logits(found, wanted, reduction="none").mean(dim=(1, 2))
 
-    each, rates = [seed for seed in seeds for _ in RATES], [rate for _ in seeds for rate in RATES]
+    rates = settings["rates"]
+    each = [seed for seed in seeds for _ in rates]
     network = StackedMlp(len(kept), 1, each)
     together = (x["train"].expand(len(seeds), -1, -1), truth.expand(len(seeds), -1, -1))
-    train_stacked(network, *together, rates, loss, seeds, settings["steps"], batch=128)
+    train_stacked(network, *together, rates * len(seeds), loss, seeds, settings["steps"], batch=128)
     with torch.no_grad():
         score = {name: network(x[name].expand(len(each), -1, -1))[..., 0].numpy() for name in ("validation", "test")}
     judged = [average_precision(value, parts["validation"].truth) for value in score["validation"]]
-    best = int(np.argmax(np.reshape(judged, (len(seeds), len(RATES))).mean(axis=0)))
-    rows = [judge(score["validation"][k], score["test"][k], parts) for k in range(best, len(each), len(RATES))]
-    return {"parameters": network.parameters_each, "channels_learned": len(kept), "rate": RATES[best], "rows": rows}
+    best = int(np.argmax(np.reshape(judged, (len(seeds), len(rates))).mean(axis=0)))
+    rows = [judge(score["validation"][k], score["test"][k], parts) for k in range(best, len(each), len(rates))]
+    return {"parameters": network.parameters_each, "channels_learned": len(kept), "rate": rates[best], "rows": rows}
 
 
 def judge(validation: NDArray[np.floating], test: NDArray[np.floating], parts: Mapping[str, Pairs]) -> dict[str, float]:

@@ -1,6 +1,6 @@
 """Experiment "poses": forms as targets, as inputs and as both, one factor at a time; errors in cm and degrees.
 
-Ten seeds times three learning rates are trained side by side; for each form the rate with the best validation error
+All seeds times all learning rates are trained side by side; for each form the rate with the best validation error
 counts: every form has the same tuning budget.
 """
 
@@ -33,7 +33,6 @@ from ...scene.graph import SceneGraph
 from ...worlds import WORLDS
 from ..ensemble import StackedMlp, train_stacked
 
-RATES = (3e-3, 1e-2, 3e-2)
 COUNTS = {"train": 2048, "validation": 128, "test": 512}
 LANDMARKS = np.array([[0.3, 0.0, 0.0], [0.0, 0.2, 0.0], [0.0, 0.0, 0.25], [-0.1, -0.15, -0.2]])
 """Four points of an object without symmetry, metres: a pose as twelve coordinates that belong to no form."""
@@ -62,30 +61,31 @@ def run(settings: Mapping[str, Any], data: Path) -> dict[str, Any]:
 
     ``settings``: form; ``task``, which is "target" (landmarks in, form out), "input" (form in, landmarks out) or
     "both"; ``poses``, "full" or "yaw" rotations, or one of :data:`SCENES`; ``translation``; ``sign``, "canonical" or
-    "random"; ``scaling``, "standard" or "raw" targets; ``seeds``, ``steps``.
+    "random"; ``scaling``, "standard" or "raw" targets; ``seeds``, ``steps``, ``rates``.
     """
     seeds, form = list(range(settings["seeds"])), settings["form"]
     parts = {name: _samples(settings, name, len(seeds), data) for name in COUNTS}
     x = {name: _inputs(part, settings, 0) for name, part in parts.items()}
     y = {name: _outputs(part, settings, 1) for name, part in parts.items()}
     scale_x, scale_y = _Scale.of(x["train"], "standard"), _Scale.of(y["train"], settings.get("scaling", "standard"))
-    each = [seed for seed in seeds for _ in RATES]
+    rates = settings["rates"]
+    each = [seed for seed in seeds for _ in rates]
     network = StackedMlp(len(scale_x.kept), len(scale_y.kept), each, HIDDEN[settings["task"] == "both"])
-    rates = [rate for _ in seeds for rate in RATES]
-    train_stacked(network, scale_x.apply(x["train"]), scale_y.apply(y["train"]), rates, _mse, seeds, settings["steps"])
-    raw = {name: _predict(network, scale_x.apply(x[name]), scale_y) for name in ("validation", "test")}
+    together = (scale_x.apply(x["train"]), scale_y.apply(y["train"]))
+    train_stacked(network, *together, rates * len(seeds), _mse, seeds, settings["steps"])
+    raw = {name: _predict(network, scale_x.apply(x[name]), scale_y, len(rates)) for name in ("validation", "test")}
     errors = np.array(
-        [_point_errors(raw["validation"][k], parts["validation"], k // len(RATES), settings) for k in range(len(each))]
+        [_point_errors(raw["validation"][k], parts["validation"], k // len(rates), settings) for k in range(len(each))]
     )
-    best = int(np.argmin(errors.reshape(len(seeds), len(RATES)).mean(axis=0)))
-    chosen = raw["test"][best :: len(RATES)]
+    best = int(np.argmin(errors.reshape(len(seeds), len(rates)).mean(axis=0)))
+    chosen = raw["test"][best :: len(rates)]
     rows = [_report(chosen[seed], parts["test"], y, seed, settings) for seed in seeds]
     constant = [np.broadcast_to(y["train"][seed].mean(axis=0), chosen[seed].shape) for seed in seeds]
     return {
         "parameters": network.parameters_each,
         "width": FORMS[form].width,
         "channels_learned": len(scale_y.kept) if settings["task"] != "input" else len(scale_x.kept),
-        "rate": RATES[best],
+        "rate": rates[best],
         "rows": rows,
         "predict_mean": [_report(constant[seed], parts["test"], y, seed, settings) for seed in seeds],
         "mse_of_zeros": float((y["test"] ** 2).mean()),
@@ -239,9 +239,9 @@ def _mse(found: Tensor, wanted: Tensor) -> Tensor:
 
 
 @torch.no_grad()
-def _predict(network: StackedMlp, x: Tensor, scale: _Scale) -> list[NDArray[np.float64]]:
-    found = network(x.repeat_interleave(len(RATES), dim=0)).double().numpy()
-    return [scale.undo(values, number // len(RATES)) for number, values in enumerate(found)]
+def _predict(network: StackedMlp, x: Tensor, scale: _Scale, each: int) -> list[NDArray[np.float64]]:
+    found = network(x.repeat_interleave(each, dim=0)).double().numpy()
+    return [scale.undo(values, number // each) for number, values in enumerate(found)]
 
 
 def _poses(raw: NDArray[np.float64], settings: Mapping[str, Any]) -> NDArray[np.float64]:
@@ -250,6 +250,8 @@ def _poses(raw: NDArray[np.float64], settings: Mapping[str, Any]) -> NDArray[np.
 
 def _point_errors(raw: NDArray[np.float64], part: Samples, seed: int, settings: Mapping[str, Any]) -> float:
     """Median over poses of the mean distance of the landmarks, centimetres: what the learning rate is chosen by."""
+    if not np.isfinite(raw).all():
+        return np.inf
     apart = (landmarks(_poses(raw, settings)) - landmarks(part.truth[seed])).reshape(len(raw), -1, 3)
     return float(100 * np.median(np.linalg.norm(apart, axis=-1).mean(axis=-1)))
 
