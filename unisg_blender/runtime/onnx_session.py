@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import json
+import math
 import os
-import re
+import threading
 from collections.abc import Collection, Sequence
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -14,24 +16,27 @@ from numpy.typing import NDArray
 
 from ..errors import UniSGError
 from .json_records import parse_json
+from .onnx_graph import unsafe_part
 
 KEY = "unisg"
 """Name of the entry in a file's metadata that says what the network is."""
 
-EXTERNAL_DATA = re.compile(rb"(\x08|\x88\x80*\x00)location")
-"""How ONNX files name files that keep their weights: a key of eight characters, in either way to write that length."""
+MOST_MEMORY = 2**32
+"""Bytes that all networks of this process may compute in."""
+
+MOST_SECONDS = 60.0
+"""How long a network may compute at a time."""
+
+LARGEST_INPUT = 2**24
 
 
 class OnnxModel:
     """An opened network: its ``path``, its ``metadata``, and the version of the ``contract`` that they follow."""
 
     def __init__(self, path: Path, metadata: dict[str, Any], contract: int, session: Any) -> None:
-        import onnxruntime
-
         self.path, self.metadata, self.contract, self._session = path, metadata, contract, session
-        self._blank = {item.name: _blank(item) for item in session.get_inputs()}
-        self._options = onnxruntime.RunOptions()
-        self._options.only_execute_path_to_fetches = True
+        self._blank = {item.name: _blank(item, path) for item in session.get_inputs()}
+        self._outputs = [item.name for item in session.get_outputs()]
 
     def run(self, outputs: Sequence[str] | None = None, /, **inputs: NDArray[Any]) -> list[NDArray[np.float32]]:
         """The named outputs, all if omitted, for the given inputs.
@@ -41,18 +46,41 @@ class OnnxModel:
         Raises
         ------
         UniSGError
-            If an output is not a number.
+            If the network has no such outputs, takes too much time or memory, or an output is not a number.
         """
+        import onnxruntime
+
+        missing = set(outputs or ()) - set(self._outputs)
+        if missing:
+            raise UniSGError(f"{self.path} has no output {min(missing)!r}: the model is damaged; train it again")
         known = {name: value for name, value in inputs.items() if name in self._blank}
-        found: list[NDArray[np.float32]] = self._session.run(outputs, self._blank | known, self._options)
+        options = onnxruntime.RunOptions()
+        options.only_execute_path_to_fetches = True
+        timer = threading.Timer(MOST_SECONDS, setattr, (options, "terminate", True))
+        timer.daemon = True
+        timer.start()
+        try:
+            found: list[NDArray[np.float32]] = self._session.run(outputs, self._blank | known, options)
+        except Exception as error:  # onnxruntime has no common base class for its errors
+            why = f"not done after {MOST_SECONDS:g} s" if options.terminate else _reason(error)
+            raise UniSGError(f"{self.path} cannot be run ({why}): the model is damaged; train it again") from None
+        finally:
+            timer.cancel()
         if any(np.isnan(values).any() for values in found):
             raise UniSGError(f"{self.path} gives no finite numbers: the model is damaged; train it again")
         return found
 
 
-def _blank(item: Any) -> NDArray[Any]:
+def _reason(error: Exception) -> str:
+    return " ".join(str(error).split())[:160]
+
+
+def _blank(item: Any, path: Path) -> NDArray[Any]:
     """The smallest input of an ONNX input's kind."""
     shape = [size if isinstance(size, int) else 1 for size in item.shape]
+    known = item.type in ("tensor(float)", "tensor(int64)")
+    if not known or min(shape, default=1) < 0 or math.prod(shape) > LARGEST_INPUT:
+        raise UniSGError(f"{path} wants inputs that nothing here has ({item.name[:40]!r}): give another model")
     return np.zeros(shape, np.int64 if "int64" in item.type else np.float32)
 
 
@@ -73,8 +101,8 @@ def open_model(
     Raises
     ------
     UniSGError
-        If the file is missing, no ONNX model, keeps weights in other files, or has no metadata of a known version for
-        that task. Operators that onnxruntime does not bring along are refused by onnxruntime.
+        If the file is missing, no ONNX model, has what :func:`~.onnx_graph.unsafe_part` finds, or has no metadata of a
+        known version for that task. Operators that onnxruntime does not bring along are refused by onnxruntime.
     """
     import onnxruntime
 
@@ -82,20 +110,38 @@ def open_model(
     if not file.is_file():
         raise UniSGError(f"there is no model {file}: train one with 'unisg train {job}', or give another path")
     data = file.read_bytes()
-    if EXTERNAL_DATA.search(data):
-        raise UniSGError(f"{file} keeps its weights in other files, which are not opened: save it as one file")
+    try:
+        unsafe = unsafe_part(data)
+    except ValueError:
+        raise UniSGError(f"{file} is no ONNX model: give another file") from None
+    if unsafe:
+        raise UniSGError(f"{file} has {unsafe}, which are not run: give a model from 'unisg train {job}'")
+    _limit_memory()
     options = onnxruntime.SessionOptions()
     options.intra_op_num_threads = threads
-    options.log_severity_level = 3
+    options.log_severity_level = 4
+    options.add_session_config_entry("session.use_env_allocators", "1")
     try:
-        session = onnxruntime.InferenceSession(data, options, providers=["CPUExecutionProvider"])
+        session = onnxruntime.InferenceSession(  # folding would compute without a limit
+            data, options, providers=["CPUExecutionProvider"], disabled_optimizers=["ConstantFolding"]
+        )
     except Exception as error:  # onnxruntime has no common base class for its errors
-        reason = str(error).strip().splitlines()[0][:120]
-        raise UniSGError(f"{file} is no ONNX model that can be run ({reason}): give another file") from None
+        raise UniSGError(f"{file} is no ONNX model that can be run ({_reason(error)}): give another file") from None
     text = session.get_modelmeta().custom_metadata_map.get(KEY)
     if text is None:
         raise UniSGError(f"{file} is another ONNX model, it has no UniSG metadata: give one from 'unisg train {job}'")
     return OnnxModel(file, *read_metadata(text, file, task, contracts, job), session)
+
+
+@cache
+def _limit_memory() -> None:
+    """Give all networks one store of memory, which refuses to grow beyond a limit."""
+    import onnxruntime
+
+    where = onnxruntime.OrtMemoryInfo(
+        "Cpu", onnxruntime.OrtAllocatorType.ORT_ARENA_ALLOCATOR, 0, onnxruntime.OrtMemType.DEFAULT
+    )
+    onnxruntime.create_and_register_allocator(where, onnxruntime.OrtArenaCfg({"max_mem": MOST_MEMORY}))
 
 
 def metadata_text(task: str, contract: int, **entries: Any) -> str:
