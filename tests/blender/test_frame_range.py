@@ -102,7 +102,7 @@ def test_a_motion_without_end_is_read_here_and_there(monkeypatch: pytest.MonkeyP
     graph = read_scene(animation=True, report=report)
     assert 100 <= len(motion(graph)[0]) <= 103
     assert_moves_like(graph, [(1 / 24, 0), (7 / 24, 5), (1_000_000 / 24, 1)])
-    assert "all frames of its motion: of 1,000,000 every 10,000th is read, beside the keys" in list(report)
+    assert "all frames of its motion: of 1,000,000 one in 10,000 is read, beside the keys" in list(report)
 
 
 @pytest.mark.parametrize(

@@ -86,7 +86,7 @@ def frames_of_motion(scene: bpy.types.Scene, report: ReadReport) -> list[float]:
     step = max(1, math.ceil((end - start) / MOST_FRAMES))
     taken = near if step > 1 else near[np.abs(near - np.round(near)) > WHOLE]
     if step > 1:
-        report.add("", f"all frames of its motion: of {end - start + 1:,.0f} every {step:,}th is read, beside the keys")
+        report.add("", f"all frames of its motion: of {end - start + 1:,.0f} one in {step:,} is read, beside the keys")
     if len(near) < len(keys) or len(taken) > MOST_FRAMES:
         report.add("", f"keys beyond frame {FRAMES[1]}, or more than {MOST_FRAMES:,} of them")
     found: list[float] = np.union1d(np.append(np.arange(start, end, step), end), taken[:MOST_FRAMES]).tolist()
