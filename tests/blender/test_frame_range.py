@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import struct
 from pathlib import Path
 
 import bpy
@@ -92,14 +94,42 @@ def test_keys_beyond_the_range_and_between_frames_are_read() -> None:
     assert 3.5 / 24 in motion(graph)[0]
 
 
-def test_a_motion_without_end_is_cut_and_told(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_motion_without_end_is_read_here_and_there(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("unisg_blender.blender.read.sampled_animation.MOST_FRAMES", 100)
-    cart((1, 0), (1_000_000, 1))
+    cart((1, 0), (7, 5), (1_000_000, 1))
     play(1, 3, 1)
     report = ReadReport()
     graph = read_scene(animation=True, report=report)
-    assert len(motion(graph)[0]) == 100
-    assert "motion after frame 100: 100 frames are read" in list(report)
+    assert 100 <= len(motion(graph)[0]) <= 103
+    assert_moves_like(graph, [(1 / 24, 0), (7 / 24, 5), (1_000_000 / 24, 1)])
+    assert "all frames of its motion: of 1,000,000 one in 10,000 is read, beside the keys" in list(report)
+
+
+@pytest.mark.parametrize(
+    ("name", "kept", "damaged", "told"),
+    [
+        ("fps_base", struct.pack("<f", 1.2345678), struct.pack("<f", 0.0), "its frame rate cannot be played"),
+        ("fps_base", struct.pack("<f", 1.2345678), struct.pack("<f", math.nan), "its frame rate cannot be played"),
+        ("frame_end", struct.pack("<i", 987654), struct.pack("<i", 2**31 - 1), "the frames 7 to 2147483647 cannot be"),
+        ("frame_end", struct.pack("<i", 987654), struct.pack("<i", -(2**31)), "the frames 7 to -2147483648 cannot be"),
+        ("scale_length", struct.pack("<f", 0.7654321), struct.pack("<f", 0.0), "the unit scale is not applied"),
+    ],
+)
+def test_frames_and_units_of_a_damaged_file(tmp_path: Path, name: str, kept: bytes, damaged: bytes, told: str) -> None:
+    cart((7, 0), (9, 1))
+    scene = bpy.context.scene
+    scene.frame_end, scene.frame_start = 987654 if name == "frame_end" else 9, 7
+    scene.render.fps_base = 1.2345678 if name == "fps_base" else 1.0
+    scene.unit_settings.scale_length = 0.7654321
+    path = tmp_path / "damaged.blend"
+    bpy.ops.wm.save_as_mainfile(filepath=str(path), copy=True, compress=False)
+    assert kept in path.read_bytes()
+    path.write_bytes(path.read_bytes().replace(kept, damaged))
+    graph, lost = read_scene_file(path)
+    assert [line for line in lost if line.startswith(told)]
+    assert graph.frames.start == 7
+    assert graph.frames.end in (7, 9, 1048574)
+    assert graph.frames.rate == 24
 
 
 def one_box(frames: FrameRange | None) -> SceneGraph:

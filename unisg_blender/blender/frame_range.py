@@ -8,7 +8,6 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import UniSGError
 from ..runtime.read_report import ReadReport
 from ..scene.frame_range import DEFAULT_RATE, FrameRange, is_rate
 from ..scene.graph import SceneGraph
@@ -32,13 +31,13 @@ def read_frame_range(scene: bpy.types.Scene, report: ReadReport) -> FrameRange:
     rate = frame_rate(scene)
     if not np.isclose(rate * scene.render.fps_base, scene.render.fps):
         report.add("", f"its frame rate cannot be played; read as {rate:g} frames per second")
-    try:
-        now = scene.frame_current + scene.frame_subframe
-        return FrameRange(now, float(scene.frame_start), float(scene.frame_end), rate)
-    except UniSGError as error:
-        report.add("", f"{error}; read as one frame")
-        start = float(np.clip(scene.frame_start, *FRAMES))
-        return FrameRange(start, start, start, rate)
+    said = scene.frame_start, scene.frame_end
+    start = float(np.clip(said[0], *FRAMES))
+    end = float(np.clip(said[1], start, FRAMES[1]))
+    if (start, end) != said:
+        report.add("", f"the frames {said[0]} to {said[1]} cannot be played; read as {start:g} to {end:g}")
+    now = float(np.clip(scene.frame_current + scene.frame_subframe, -FRAMES[1], FRAMES[1]))
+    return FrameRange(now, start, end, rate)
 
 
 def set_frame_range(graph: SceneGraph, scene: bpy.types.Scene, report: ReadReport) -> None:

@@ -13,8 +13,10 @@ from ..errors import UniSGError
 DEFAULT_RATE = 24.0
 RATES = (1e-3, 1e5)
 """Lowest and highest number of frames per second."""
-FURTHEST = 1e9
-"""Frames before or after the first one that can be named."""
+LONGEST = 1e7
+"""The latest moment in seconds, and minus the earliest one."""
+FURTHEST = LONGEST * RATES[1]
+"""The last frame that can be named, and minus the first one."""
 WHOLE = 1e-9
 """A frame this near to a whole one, relative, is that one."""
 
@@ -62,5 +64,6 @@ def frames_at(seconds: ArrayLike, rate: float) -> list[float]:
     """Frames at ``rate`` per second of moments in seconds (K,), without the rounding that whole ones would show."""
     frames = np.asarray(seconds, np.float64) * rate
     whole = np.round(frames)
-    found: list[float] = np.where(np.abs(frames - whole) <= WHOLE * np.abs(whole), whole, frames).tolist()
+    with np.errstate(invalid="ignore"):  # infinite ones, which nothing can be said of
+        found: list[float] = np.where(np.abs(frames - whole) <= WHOLE * np.abs(whole), whole, frames).tolist()
     return found

@@ -76,18 +76,20 @@ def sample_animation(
 def frames_of_motion(scene: bpy.types.Scene, report: ReadReport) -> list[float]:
     """The whole frames of the scene's range and of all keys beyond it, and the keys between whole frames; ascending.
 
-    Frames that are too many, or too far away, are left out, which is told.
+    Of more than :data:`MOST_FRAMES` only every second, third ... is taken, and keys that are too many or too far away
+    are left out; both are told.
     """
     keys = key_frames(scene)
     near = keys[np.abs(keys) <= FRAMES[1]]
     start, end = np.clip([scene.frame_start, scene.frame_end], *FRAMES)
     start, end = np.floor(near.min(initial=start)), np.ceil(near.max(initial=end))
-    between = near[np.abs(near - np.round(near)) > WHOLE]
-    frames = np.union1d(np.arange(start, min(end, start + MOST_FRAMES) + 1), between)
-    if end - start > MOST_FRAMES or len(frames) > MOST_FRAMES or len(near) < len(keys):
-        frames = frames[:MOST_FRAMES]
-        report.add("", f"motion after frame {frames[-1]:g}: {MOST_FRAMES:,} frames are read")
-    found: list[float] = frames.tolist()
+    step = max(1, math.ceil((end - start) / MOST_FRAMES))
+    taken = near if step > 1 else near[np.abs(near - np.round(near)) > WHOLE]
+    if step > 1:
+        report.add("", f"all frames of its motion: of {end - start + 1:,.0f} one in {step:,} is read, beside the keys")
+    if len(near) < len(keys) or len(taken) > MOST_FRAMES:
+        report.add("", f"keys beyond frame {FRAMES[1]}, or more than {MOST_FRAMES:,} of them")
+    found: list[float] = np.union1d(np.append(np.arange(start, end, step), end), taken[:MOST_FRAMES]).tolist()
     return found
 
 

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from pxr import Sdf, Tf, Usd, UsdGeom, UsdUtils
 
 from ...errors import UniSGError
+from .stage_frames import mend_rates
 from .unfolded_size import check_size
 
 DEEPEST = 500
@@ -46,6 +47,7 @@ def open_stage(path: Path) -> Any:
         raise UniSGError(f"{path}: not a readable USD file")
     for text in dict.fromkeys(messages):
         warnings.warn(f"{path.name}: {text}", stacklevel=4)
+    mend_rates(stage)
     return stage
 
 

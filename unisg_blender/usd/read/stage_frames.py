@@ -11,13 +11,17 @@ from ...scene.graph import SceneGraph
 from ...scene.motion_frames import frame_range_of
 
 
-def time_codes_per_second(stage: Any) -> float:
-    """How many time codes are a second; a number that cannot be is told in a warning and read as the usual rate."""
-    rate = float(stage.GetTimeCodesPerSecond())
-    if is_rate(rate):
-        return rate
-    warnings.warn(f"{rate:g} time codes per second are no rate; read as {DEFAULT_RATE:g}", stacklevel=2)
-    return DEFAULT_RATE
+def mend_rates(stage: Any) -> None:
+    """Give the layers of a stage a rate where theirs cannot be, which is told; USD would look for samples without end.
+
+    The layers change in memory only.
+    """
+    for layer in stage.GetUsedLayers():
+        rate = layer.timeCodesPerSecond if layer.HasTimeCodesPerSecond() else layer.framesPerSecond
+        if not is_rate(rate):
+            text = f"{rate:g} time codes per second are no rate; read as {DEFAULT_RATE:g}"
+            warnings.warn(f"{layer.GetDisplayName()}: {text}", stacklevel=2)
+            layer.timeCodesPerSecond = DEFAULT_RATE
 
 
 def with_frame_range(graph: SceneGraph, stage: Any, codes: float, frame: Any = None) -> SceneGraph:

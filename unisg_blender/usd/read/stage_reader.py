@@ -26,7 +26,7 @@ from .entity_selection import find_entities
 from .instancers import read_instances
 from .mesh_prims import MeshPrims
 from .stage import quiet, stage_frame
-from .stage_frames import time_codes_per_second, with_frame_range
+from .stage_frames import with_frame_range
 from .time_samples import read_motion
 from .unsupported_prims import tell_losses
 from .xforms import read_transforms
@@ -84,7 +84,7 @@ def read_stage(stage: Any, title: str, progress: Progress | None = None) -> Scen
 def _read_scene(stage: Any, title: str, progress: Progress | None) -> SceneGraph:
     frame = stage_frame(stage)
     metres = float(np.abs(frame[:3, :3]).max())
-    reader = StageReader(frame, metres, time_codes_per_second(stage), MeshPrims(frame), progress)
+    reader = StageReader(frame, metres, float(stage.GetTimeCodesPerSecond()), MeshPrims(frame), progress)
     tops = stage.GetPseudoRoot().GetChildren()
     scene = next((prim for prim in tops if prim.HasAttribute(schema.SCENE_VERSION)), None)
     if scene is None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from typing import Any
 
 import numpy as np
@@ -10,6 +11,8 @@ from pxr import Usd, UsdGeom
 
 from ...scene import components
 from ...scene.component_table import Table, table
+from ...scene.frame_range import LONGEST
+from ...scene.parents import LARGEST
 from .. import schema
 from .entity_selection import Entities
 from .xforms import Frames, from_usd
@@ -36,6 +39,8 @@ def read_motion(found: Entities, frames: Frames, rate: float) -> dict[str, Table
             recorded[row] = clip[0], frames.turned(row, clip[1])
         attribute = prim.GetAttribute(schema.EVENTS)
         for moment in attribute.GetTimeSamples() if attribute else ():
+            if not abs(moment / rate) <= LONGEST:
+                continue
             for text in attribute.Get(moment):
                 word, _, uid = text.partition(" ")
                 events.append((row, moment / rate, uid, word))
@@ -52,15 +57,24 @@ def _transform_clip(form: Any, rate: float) -> Clip | None:
     times = form.GetTimeSamples()
     if not times:
         return None
-    poses = [form.GetLocalTransformation(Usd.TimeCode(moment)) for moment in times]
-    return np.array(times) / rate, from_usd(poses)
+    return _clip(form.GetPrim(), times, rate, [form.GetLocalTransformation(Usd.TimeCode(moment)) for moment in times])
 
 
 def _local_clip(attribute: Any, rate: float) -> Clip | None:
     times = attribute.GetTimeSamples()
     if not times:
         return None
-    return np.array(times) / rate, from_usd([attribute.Get(moment) for moment in times])
+    return _clip(attribute.GetPrim(), times, rate, [attribute.Get(moment) for moment in times])
+
+
+def _clip(prim: Any, codes: list[float], rate: float, matrices: list[Any]) -> Clip | None:
+    """Seconds, ascending, and matrices of samples; those that are no moments, or have no numbers, are left out."""
+    times, first = np.unique(np.array(codes, np.float64) / rate, return_index=True)
+    poses = from_usd(matrices)[first]
+    sound = (np.abs(times) <= LONGEST) & (np.abs(poses) <= LARGEST).all(axis=(1, 2))
+    if not sound.all():
+        warnings.warn(f"{prim.GetPath()}: samples that are no moments or matrices; left out", stacklevel=2)
+    return (times[sound], poses[sound]) if sound.any() else None
 
 
 def _clip_table(clips: dict[int, Clip]) -> Table:
