@@ -142,10 +142,7 @@ class Generator:
         wanted = in_order(counts, self.contract.priors)
         placements: list[Placement] = []
         if FLOOR in counts and FLOOR not in scene.vocabulary:
-            if recognise_structure(scene).rooms:
-                placements = [Placement(name, note="there is a room already") for name in wanted if name in STRUCTURE]
-            else:
-                scene, placements = add_shell(scene, counts, self.library, rng, names, make_uid)
+            scene, placements = add_shell(scene, counts, self.library, rng, names, make_uid)
             wanted = [name for name in wanted if name not in STRUCTURE]
             yield from placements
         shapes = {self.categories.index(name): given for name, given in (assets or {}).items() if name in counts}
