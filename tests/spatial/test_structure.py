@@ -150,6 +150,20 @@ def test_eaves_and_the_ground_around_are_outside() -> None:
     only(recognise_structure(scene(objects)), SQUARE, least=0.98)
 
 
+def test_a_terrace_beside_a_roofed_room_is_outside() -> None:
+    """One floor, one wall around both; half of it has a roof, and a skylight in that."""
+    whole = np.array([[0, 0], [10, 0], [10, 4], [0, 4]], float)
+    roof = [slab(np.array(part, float), 2.5, 2.6) for part in (
+        [[0, 0], [2, 0], [2, 4], [0, 4]], [[2, 0], [3, 0], [3, 1], [2, 1]], [[2, 2], [3, 2], [3, 4], [2, 4]],
+        [[3, 0], [5, 0], [5, 4], [3, 4]],
+    )]  # fmt: skip
+    structure = recognise_structure(scene(room(whole, 0.2) | {"roof": joined(roof)}))
+    inner, outer = sorted(structure.rooms, key=lambda found: not found.indoors)
+    assert (inner.indoors, outer.indoors) == (True, False)
+    assert overlap((inner.outline,), (SQUARE,)) >= 0.98
+    assert overlap((outer.outline,), (SQUARE + np.array([5, 0]),)) >= 0.98
+
+
 def test_tables_are_surfaces_and_no_floors() -> None:
     objects = room(SQUARE, 0.1, roof=True)
     objects["desk"] = table(1.5, 1.5, 0.0, 0.4)

@@ -61,7 +61,7 @@ def run(args: argparse.Namespace) -> int:
     if asked is not None:
         generator.contract.check_categories(list(asked))
     scene = SceneBuilder("Room").build() if args.scene is None else read_shown(args, args.scene)[0]
-    counts = asked or generator.sample_counts(np.random.default_rng(args.seed))
+    counts = asked or generator.sample_counts(np.random.default_rng(args.seed), scene)
     start = time.perf_counter()
     result = generator.add(
         scene, counts, args.seed, bulk=args.bulk, settle=not args.raw, behaviour=not args.no_behaviour, on=args.on,

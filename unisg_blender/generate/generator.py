@@ -17,6 +17,7 @@ from ..geometry.arrays import Ints
 from ..runtime.steps import at_once
 from ..scene import SceneGraph
 from ..scene.categories import FLOOR, STRUCTURE
+from ..spatial.structure import recognise_structure
 from .behaviour import ActionPolicy, Behaviour, add_behaviour, behaviour_path, load_behaviour
 from .observe.contract import Contract
 from .observe.placement_order import in_order
@@ -86,11 +87,17 @@ class Generator:
         """What it can add."""
         return self.contract.vocabulary
 
-    def sample_counts(self, rng: np.random.Generator) -> dict[str, int]:
-        """How many objects of each category a room has: those of a training scene drawn at random."""
+    def sample_counts(self, rng: np.random.Generator, scene: SceneGraph | None = None) -> dict[str, int]:
+        """How many objects of each category a room has: those of a training scene drawn at random.
+
+        For a ``scene`` that has a floor already, nothing that is building.
+        """
         rooms = self.contract.priors.rooms
         counts = rooms[rng.integers(len(rooms))]
-        return {name: int(count) for name, count in zip(self.categories, counts, strict=True) if count}
+        there = scene is not None and (FLOOR in scene.vocabulary or bool(recognise_structure(scene).rooms))
+        left_out = STRUCTURE if there else ()
+        known = zip(self.categories, counts, strict=True)
+        return {name: int(count) for name, count in known if count and name not in left_out}
 
     def steps(
         self, scene: SceneGraph, counts: Mapping[str, int], seed: int | None = None, *, bulk: bool = False,
@@ -104,8 +111,8 @@ class Generator:
         scene
             Any scenegraph; it may be empty.
         counts
-            How many objects of each category. Asked for a "Floor" in a scene
-            without one, the generator starts with a room shell.
+            How many objects of each category. Asked for a "Floor" in a scene in which no room can be
+            recognised, the generator starts with a room shell.
         seed
             Same seed, same result; None for another result every time.
         bulk
@@ -140,7 +147,7 @@ class Generator:
             yield from placements
         shapes = {self.categories.index(name): given for name, given in (assets or {}).items() if name in counts}
         numbers = [self.categories.index(name) for name in wanted]
-        work = ObjectPlacer(self.proposer, self.library, scene, rng, settle, numbers, shapes)
+        work = ObjectPlacer(self.proposer, self.library, scene, rng, settle, numbers, shapes, on or beside)
         work.request(on, beside)
         for planned in work.order(bulk):
             placements.append(work.place(planned, names, make_uid))

@@ -78,3 +78,21 @@ def without_straight_corners(polygon: Floats, straight: float = 1e-6) -> Floats:
     bend = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
     kept = np.abs(bend) > straight * np.linalg.norm(before, axis=1) * np.linalg.norm(after, axis=1)
     return polygon[kept] if kept.sum() >= 3 else polygon
+
+
+def least_rectangle(points: Floats) -> tuple[Floats, Floats, float]:
+    """The rectangle of least area around points (N, 2): middle (2,), half extents (2,), turn in radians.
+
+    One of its sides runs along a side of the convex hull (Freeman and Shapira, 1975).
+    """
+    hull = convex_hull(points)
+    edge = next_corners(hull) - hull
+    angles = np.append(np.arctan2(edge[:, 1], edge[:, 0]) % (np.pi / 2), 0.0)
+    cos, sin = np.cos(angles), np.sin(angles)
+    seen = np.stack([np.outer(cos, hull[:, 0]) + np.outer(sin, hull[:, 1]),
+                     np.outer(cos, hull[:, 1]) - np.outer(sin, hull[:, 0])], axis=2)  # fmt: skip
+    low, high = seen.min(axis=1), seen.max(axis=1)
+    best = int((high - low).prod(axis=1).argmin())
+    x, y = (low[best] + high[best]) / 2
+    middle = np.array([cos[best] * x - sin[best] * y, sin[best] * x + cos[best] * y])
+    return middle, (high[best] - low[best]) / 2, float(angles[best])

@@ -9,9 +9,10 @@ import numpy as np
 
 from ..errors import UniSGError, did_you_mean
 from ..geometry.arrays import Floats, Ints
-from ..geometry.boxes import Boxes
-from ..scene import SceneGraph
+from ..geometry.boxes import Boxes, world_bounds
+from ..scene import SceneGraph, subtree
 from ..scene.categories import category_numbers
+from .entity_boxes import oriented_boxes
 from .object_rows import object_rows
 from .supports import find_supports
 
@@ -98,3 +99,16 @@ def find_object(graph: SceneGraph, uids: Sequence[str], text: str) -> int:
     if obj != rows[0]:
         raise UniSGError(f"{text!r} is a part of {graph.name[obj]!r}: take that")
     return list(uids).index(graph.uid[obj])
+
+
+def middle_of(graph: SceneGraph, text: str) -> Floats | None:
+    """Middle (3,) of the box around the entity with a uid or name and what hangs under it; None if there is none."""
+    rows = [row for row, (uid, name) in enumerate(zip(graph.uid, graph.name, strict=True)) if text in (uid, name)]
+    if not rows:
+        return None
+    below = subtree(graph, rows[0])
+    boxes = oriented_boxes(graph).take(below[graph.mesh[below] >= 0])
+    if not len(boxes.center):
+        return np.asarray(graph.world[rows[0], :3, 3])
+    low, high = world_bounds(boxes)
+    return np.asarray((low.min(axis=0) + high.max(axis=0)) / 2)

@@ -9,14 +9,15 @@ from ...geometry.box_overlap import penetration
 from ...geometry.boxes import Boxes, world_bounds
 from ...geometry.planar import footprints
 from ...geometry.polygon import outside_distance
-from ...scene import SceneGraph
-from ...scene.categories import FLOOR
-from ...spatial.floor_plan import room_outline
 from ..observe.placeable import Placeable
 from ..observe.prior_tables import PriorTables
 
 TOUCH = 0.001
 """Metres that boxes may reach into each other anyway."""
+
+
+NOBODY = -1
+"""Whose the faces of a building are: of no object."""
 
 
 class FreeSpace:
@@ -79,7 +80,7 @@ class FreeSpace:
         if len(mine):
             other = near[other]
             owner = self.owner[other]
-            pair = category, self.category[owner]
+            pair = category, np.append(self.category, -1)[owner]
             limit = np.where(owner == support, self.tables.held_overlaps[pair], self.tables.overlaps[pair])
             excess = penetration(boxes.take(mine), self.boxes.take(other)) - limit - TOUCH
             np.maximum.at(found, mine // count, np.maximum(excess, 0))
@@ -98,9 +99,3 @@ def _meeting(low: Floats, high: Floats, other_low: Floats, other_high: Floats) -
     for axis in range(3):
         hit &= (low[:, None, axis] < other_high[:, axis]) & (high[:, None, axis] > other_low[:, axis])
     return hit
-
-
-def find_outline(graph: SceneGraph) -> Floats | None:
-    """Outline (M, 2) of the room of a scene, world metres; None without a floor that has a mesh."""
-    floors = [row for row in np.flatnonzero(graph.mesh >= 0) if graph.category_name(int(row)) == FLOOR]
-    return room_outline(graph) if floors else None

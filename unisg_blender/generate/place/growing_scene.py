@@ -6,15 +6,15 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from ...geometry.arrays import Bools, Floats
-from ...scene import SceneGraph, world_matrices
-from ...scene.categories import FLOOR
-from ...spatial.objects import find_object, scene_objects
+from ...scene import SceneGraph
+from ...spatial.objects import find_object
+from ...spatial.structure.room_objects import room_objects
 from ..observe.contract import Contract
 from ..observe.observed_scene import ObservedScene
 from ..observe.placeable import Placeable
 from ..observe.support_priors import RESTS, SupportPrior
 from ..propose.proposer import Query
-from .free_space import FreeSpace, find_outline
+from .free_space import NOBODY, FreeSpace
 from .scene_extension import Addition, Names, UidMaker
 from .settle_geometry import Support
 from .spanning_objects import fit_for
@@ -46,12 +46,17 @@ class Target:
 class GrowingScene:
     """The objects of a scene by number, those that are added last; categories are numbers of the model's vocabulary."""
 
-    def __init__(self, graph: SceneGraph, contract: Contract) -> None:
-        objects = scene_objects(graph, contract.vocabulary)
+    def __init__(self, graph: SceneGraph, contract: Contract, near: Floats | None = None) -> None:
+        room = room_objects(graph, contract.vocabulary, near)
+        objects = room.objects
         self.vocabulary, self.tables = contract.vocabulary, contract.tables
-        self.observed = ObservedScene.of(objects, world_matrices(graph)[objects.row])
-        self.space = FreeSpace(objects.parts, objects.owner, objects.category, find_outline(graph), self.tables)
-        self.labels = [Label(graph.uid[row], graph.name[row], graph.category_name(row) == FLOOR) for row in objects.row]
+        self.observed = ObservedScene.of(objects, room.world)
+        self.space = FreeSpace(objects.parts, objects.owner, objects.category, room.outline, self.tables)
+        self.space.take_up(room.obstacles, NOBODY)
+        self.labels = [
+            Label(graph.uid[row], graph.name[row], bool(floor))
+            for row, floor in zip(objects.row, room.floor, strict=True)
+        ]
         self.additions: list[Addition] = []
         self._supports: dict[tuple[int, int], Support] = {}
 

@@ -13,6 +13,7 @@ from ...dataset.assets.asset import Asset
 from ...errors import UniSGError
 from ...geometry.arrays import Bools
 from ...scene import SceneGraph
+from ...spatial.objects import middle_of
 from ..observe.placeable import Placeable
 from ..observe.support_priors import RESTS
 from ..propose.proposer import Proposals, Proposer, Query
@@ -33,14 +34,17 @@ OTHER_SHAPES = 2
 
 
 class ObjectPlacer:
-    """One call of :meth:`Generator.add`: the scene while it grows, and what is to be placed there."""
+    """One call of :meth:`Generator.add`: the scene while it grows, and what is to be placed there.
+
+    Of a house with several rooms it is the room that the object called ``near`` is in, else the largest.
+    """
 
     def __init__(
         self, proposer: Proposer, library: Library, graph: SceneGraph, rng: np.random.Generator, settle: bool,
-        wanted: Sequence[int], assets: Mapping[int, Sequence[Asset]],
+        wanted: Sequence[int], assets: Mapping[int, Sequence[Asset]], near: str = "",
     ) -> None:  # fmt: skip
         self.proposer, self.library, self.graph, self.rng, self.settle = proposer, library, graph, rng, settle
-        self.scene = GrowingScene(graph, library.model.contract)
+        self.scene = GrowingScene(graph, library.model.contract, middle_of(graph, near) if near else None)
         self.coming = Counter(wanted)
         left = {category: [Placeable(asset) for asset in shapes] for category, shapes in assets.items()}
         self.targets = [

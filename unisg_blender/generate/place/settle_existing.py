@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -13,12 +13,13 @@ from ...geometry.boxes import covers, part_tops
 from ...geometry.planar import rotate
 from ...scene import SceneGraph, placed
 from ...scene.categories import FLOOR, STRUCTURE
-from ...spatial.objects import SceneObjects, scene_objects
+from ...spatial.objects import SceneObjects
+from ...spatial.structure.room_objects import RoomObjects, room_objects
 from ...spatial.supports import levels_of
 from ..observe.placeable import Placeable
 from ..observe.prior_tables import PriorTables
 from ..observe.support_priors import AT_SIDE, HANGS, RESTS, CategoryPriors, SupportPrior, contact
-from .free_space import FreeSpace, find_outline
+from .free_space import NOBODY, FreeSpace
 from .settle_geometry import Support, fitting, rest, search
 
 NEAREST, FARTHEST, STEPS, DIRECTIONS = 0.02, 0.6, 16, 16
@@ -44,17 +45,20 @@ def settle_rows(graph: SceneGraph, rows: Iterable[int]) -> list[Settled]:
     parented to if it hangs there or is fixed to its side. Objects that stand on others come after
     them. What finds no free place stays where it is, with a note. Structure is left alone.
     """
-    objects = scene_objects(graph, graph.vocabulary)
-    names = [graph.category_name(int(row)) for row in objects.row]
+    room = room_objects(graph, graph.vocabulary)
+    objects = room.objects
+    names = [
+        FLOOR if floor else graph.category_name(int(row)) for row, floor in zip(objects.row, room.floor, strict=True)
+    ]
     wanted, filled = set(rows), np.unique(objects.owner)
-    mine = [int(t) for t in filled if int(objects.row[t]) in wanted and names[t] not in STRUCTURE]
+    mine = [int(t) for t in filled if int(objects.row[t]) in wanted and not _is_building(room, names, int(t))]
     fixed = np.isin(objects.owner, [t for own in mine for t in (own, *_held_by(objects, own))], invert=True)
-    outline = find_outline(graph)
     unknown = np.full(len(objects), -1, np.int64)
     space = FreeSpace(
-        objects.parts.take(np.flatnonzero(fixed)), objects.owner[fixed], unknown, outline,
+        objects.parts.take(np.flatnonzero(fixed)), objects.owner[fixed], unknown, room.outline,
         PriorTables.of(CategoryPriors({}, {}, {}, []), ())
     )  # fmt: skip
+    space.take_up(room.obstacles, NOBODY)
     found, level = [], levels_of(objects.support)
     for obj in sorted(mine, key=lambda t: (level[t], t)):
         row = int(objects.row[obj])
@@ -71,6 +75,12 @@ def settle_rows(graph: SceneGraph, rows: Iterable[int]) -> list[Settled]:
         here = now if place is None else place
         found.append(Settled(row, placeable.world(here), "" if place is not None else "no free place was found"))
     return found
+
+
+def _is_building(room: RoomObjects, names: Sequence[str], obj: int) -> bool:
+    return names[obj] in STRUCTURE or (
+        room.structure is not None and int(room.objects.row[obj]) in room.structure.parts
+    )
 
 
 def settle(graph: SceneGraph, rows: Iterable[int]) -> SceneGraph:
@@ -115,7 +125,7 @@ def _support_of(objects: SceneObjects, obj: int, names: list[str], space: FreeSp
         kind, gap = contact(objects, obj, parent)
         if kind in (HANGS, AT_SIDE) and names[parent] != FLOOR:
             return Support(parent, SupportPrior(names[parent], 1, kind, gap), space.parts_of(parent), False)
-    tops = part_tops(space.boxes)
+    tops = np.where(space.owner == NOBODY, np.inf, part_tops(space.boxes))
     limit = objects.bottom[obj] + SUNK * 2 * objects.half[obj, 2]
     under = covers(space.boxes, objects.center[obj, :2]) & (tops <= limit + 1e-6)
     if not under.any():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -33,6 +34,9 @@ SIMPLER = 1.5
 """Cells by which an outline may leave the traced one before it is moved onto lines."""
 
 
+_known: WeakKeyDictionary[SceneGraph, Structure] = WeakKeyDictionary()
+
+
 def recognise_structure(graph: SceneGraph) -> Structure:
     """What is building in a scene, told by where people can stand and what is around them.
 
@@ -41,8 +45,15 @@ def recognise_structure(graph: SceneGraph) -> Structure:
     the lintels over doors, part from each other. Outlines are then moved onto the very edges of walls and floors. What
     the user gave a category that is not of a building does not count, and what the user called a floor is the floor.
 
-    A scene too large for the finest cells is scanned coarsely, and again where most walls stand.
+    A scene too large for the finest cells is scanned coarsely, and again where most walls stand. What was recognised of
+    a scenegraph is kept as long as that is.
     """
+    if graph not in _known:
+        _known[graph] = _recognised(graph)
+    return _known[graph]
+
+
+def _recognised(graph: SceneGraph) -> Structure:
     scan = Scan.of(graph)
     if scan is None:
         return Structure((), (), FINEST, ("the scene has no faces: there is no floor to be found",))

@@ -104,6 +104,7 @@ class Look:
     standing: Bools
     within: Bools
     barrier: Bools
+    roofed: Bools
     seen: Ints
     here: Bools
     lintel: float
@@ -126,7 +127,18 @@ def _look(scan: Scan, spans: FreeSpans, stands: Bools, level: float) -> Look:
     within = (seen >= ROUND) | (roofed & (seen >= MOSTLY))
     within = floor & (_smooth(within) | bool(scan.is_floor.any()))
     barrier = grid.mask(cells_on(cuts[lintel][0], grid)[0])
-    return Look(level, grid.mask(spans.cell[here]), within, barrier, seen, here, lintel, cuts)
+    standing = grid.mask(spans.cell[here])
+    return Look(level, standing, within, barrier, roofed, seen, here, lintel, cuts)
+
+
+def _terrace(mask: Bools, roofed: Bools, grid: Grid) -> Bools:
+    """The large parts of a place that have no roof, if others have one: terraces and courts, not what is under a
+    skylight; nothing where there is no roof at all, as a room without its ceiling."""
+    if (mask & roofed).sum() * grid.cell**2 < LEAST_OPEN:
+        return np.zeros(mask.shape, bool)
+    number, count = components(_smooth(mask & ~roofed))
+    size = np.bincount(number.reshape(-1), minlength=count + 1) * grid.cell**2
+    return np.isin(number, np.flatnonzero(size[1:] >= LEAST_OPEN) + 1)
 
 
 def _rooms_at(scan: Scan, spans: FreeSpans, look: Look, taken: Floats) -> list[Region]:
@@ -134,8 +146,11 @@ def _rooms_at(scan: Scan, spans: FreeSpans, look: Look, taken: Floats) -> list[R
     free = np.abs(taken - look.level) >= HEADROOM
     found = []
     for mask in _rooms(look.within & free & ~look.barrier, scan.grid):
-        indoors = bool((look.seen[mask] >= MOSTLY).mean() > 0.5)
-        found.append(_region(scan, spans, look, mask, indoors))
+        terrace = _terrace(mask & look.standing, look.roofed, scan.grid)
+        for part in _rooms(mask & ~terrace, scan.grid) if terrace.any() else [mask]:
+            indoors = bool((look.seen[part] >= MOSTLY).mean() > 0.5)
+            found.append(_region(scan, spans, look, part, indoors))
+        found += [_region(scan, spans, look, part, False) for part in _rooms(mask & terrace, scan.grid)]
     return found
 
 
