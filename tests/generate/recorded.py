@@ -5,7 +5,9 @@ from __future__ import annotations
 import hashlib
 import json
 from pathlib import Path
+from typing import Any
 
+from unisg_blender.experiments.behaviour.behaviour_benchmark import compare_behaviour
 from unisg_blender.experiments.rooms.cases import case_of
 from unisg_blender.experiments.rooms.furnishing import ByModel
 from unisg_blender.generate import Generator
@@ -14,7 +16,7 @@ from unisg_blender.worlds import WORLDS
 
 PRETRAINED = Path(__file__).parents[2] / "unisg_blender" / "pretrained"
 FILE = Path(__file__).with_name("recorded.json")
-ROOMS, FIRST = 6, 100_000
+ROOMS, FIRST, BEHAVIOUR_ROOMS = 6, 100_000, 5
 COUNTS = ("objects", "colliding", "overlapping", "off_support", "outside", "refused")
 
 
@@ -43,6 +45,14 @@ def measured(name: str, settle: bool) -> dict[str, int]:
     return total
 
 
+def behaviour_rows(name: str) -> list[dict[str, Any]]:
+    """The table of behaviour for some rooms, without its times."""
+    generator = Generator.load(PRETRAINED / f"{name}.onnx")
+    graphs = [WORLDS[models()[name]](FIRST + number) for number in range(BEHAVIOUR_ROOMS)]
+    rows = [row.to_record() for row in compare_behaviour(generator, graphs, play=2)]
+    return [{key: value for key, value in row.items() if key != "milliseconds"} for row in rows]
+
+
 def main() -> None:
     record = {
         name: {
@@ -50,6 +60,7 @@ def main() -> None:
             "rooms": ROOMS,
             "raw": measured(name, settle=False),
             "settled": measured(name, settle=True),
+            "behaviour": behaviour_rows(name),
         }
         for name in models()
     }
