@@ -13,6 +13,7 @@ from tests.spatial.built_rooms import (
     box,
     grown,
     joined,
+    mesh,
     room,
     scene,
     slab,
@@ -25,6 +26,10 @@ from unisg_blender.geometry.boxes import Boxes
 from unisg_blender.geometry.planar import turn
 from unisg_blender.geometry.polygon import outside_distance
 from unisg_blender.pretrained import find_generator
+from unisg_blender.scene import SceneBuilder
+from unisg_blender.scene import table as table_of
+from unisg_blender.scene.components import VISIBILITY
+from unisg_blender.spatial import find_relations
 from unisg_blender.spatial.part_boxes import part_boxes
 
 COUNTS = {"Chair": 2, "Plant": 2, "Bookshelf": 1, "Armchair": 1}
@@ -139,3 +144,35 @@ def test_things_settle_onto_the_floor_of_a_house_of_one_mesh() -> None:
     assert moved.keys() == {"crate", "pot"}  # the house is no thing to settle
     assert moved["crate"] == pytest.approx(-1.7, abs=1e-3)
     assert moved["pot"] == pytest.approx(-0.1, abs=1e-3)
+
+
+def on_desk(generator, tilt: float, hidden: bool):
+    """Books wanted on a desk, tilted by so many degrees, on which a block lies that may be hidden."""
+    cos, sin = np.cos(np.radians(tilt)), np.sin(np.radians(tilt))
+    tilted = np.eye(4)
+    tilted[1:3, 1:3], tilted[2, 3] = [[cos, -sin], [sin, cos]], 0.72
+    builder = SceneBuilder("Built")
+    for name, part in room(SQUARE, 0.1).items():
+        builder.add(name, uid=name, mesh=mesh(part))
+    middle = np.eye(4)
+    middle[:2, 3] = 2.5, 2.0
+    builder.add("desk", uid="desk", mesh=mesh(box((-0.7, -0.35, -0.02), (0.7, 0.35, 0.02))), local=middle @ tilted)
+    block = builder.add("block", uid="block", mesh=mesh(box((-0.7, -0.35, 0.74), (0.7, 0.35, 1.5))), local=middle)
+    graph = builder.build()
+    if hidden:
+        everywhere = np.ones(1, bool)
+        shown = table_of([graph.row_of_uid["block"]], hidden=everywhere, viewport=everywhere, render=everywhere)
+        graph = graph.with_component(VISIBILITY, shown)
+    assert block >= 0
+    return generator.add(graph, {"Book": 2}, 1, on="desk")
+
+
+@pytest.mark.parametrize(("tilt", "hidden", "added"), [(0, True, 2), (0, False, 0), (30, True, 0), (5, True, 2)])
+def test_things_go_onto_what_is_level_and_not_into_what_is_seen(generator, tilt, hidden, added) -> None:
+    made = on_desk(generator, tilt, hidden)
+    assert made.added == added
+    held = {
+        made.scene.name[row]: made.scene.name[on] for row, kind, on in find_relations(made.scene) if kind == "on_top_of"
+    }
+    if not tilt:
+        assert [held.get(item.name) for item in made.objects if not item.refused] == ["desk"] * added

@@ -179,6 +179,14 @@ def test_tables_are_surfaces_and_no_floors() -> None:
     assert [round(surface.height, 3) for surface in merged.surfaces if surface.area > 0.5] == [0.75]
 
 
+def test_the_floor_under_a_wardrobe_is_no_room() -> None:
+    objects = room(SQUARE, 0.1) | {"wardrobe": box((1, 1, 0.05), (3, 2.5, 2.1))}
+    structure = recognise_structure(scene(objects))
+    only(structure, SQUARE)
+    stage = recognise_structure(scene({"floor": slab(SQUARE, -0.1, 0.0), "wardrobe": box((1, 1, 0.05), (3, 2.5, 2.1))}))
+    assert [found.indoors for found in stage.rooms] == [False]
+
+
 def test_instances_are_walls_too() -> None:
     side = mesh(box((-2.5, 0, 0), (2.5, 0.1, 2.5)))
     builder = SceneBuilder("Built")

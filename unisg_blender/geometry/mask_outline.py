@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from .arrays import Bools, Floats, Ints
@@ -171,5 +173,5 @@ def components(mask: Bools) -> tuple[Ints, int]:
     """Numbers of the connected regions of a mask, 1 and up, 0 outside; cells are neighbours by their sides."""
     from scipy.ndimage import label
 
-    found, count = label(mask)
-    return found.astype(np.int64), int(count)
+    labelled: Any = label(mask)
+    return labelled[0].astype(np.int64), int(labelled[1])

@@ -12,6 +12,9 @@ from ..geometry.boxes import Boxes
 LEVEL = 0.01
 """Metres in height within which rectangles make one surface."""
 
+UPRIGHT = 0.985
+"""Upward part of the axis of a level surface at least: it is tilted by up to 10 degrees."""
+
 FILLED = 0.75
 """Share of the rectangle around some that they fill at least to be one surface together."""
 
@@ -27,7 +30,8 @@ class LevelSurfaces:
 
 
 def rectangles(parts: Boxes) -> LevelSurfaces:
-    """The upper sides of boxes that have an axis near the vertical."""
+    """The upper sides of boxes that have an axis near the vertical: nothing stays on what is tilted."""
+    parts = parts.take(np.flatnonzero(np.abs(parts.axes[:, 2, :]).max(axis=1, initial=0) >= UPRIGHT))
     up = np.abs(parts.axes[:, 2, :]).argmax(axis=1)
     each = np.arange(len(up))
     first, second = (up + 1) % 3, (up + 2) % 3

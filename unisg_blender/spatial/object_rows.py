@@ -12,6 +12,7 @@ from ..geometry.boxes import Boxes, orthonormal_axes, upright_boxes
 from ..geometry.planar import heading
 from ..geometry.polygon import convex_hull
 from ..geometry.surface_contact import Triangles
+from ..scene.components import VISIBILITY
 from ..scene.graph import SceneGraph
 from ..scene.hierarchy import world_matrices
 from .part_boxes import PartBoxes, part_boxes
@@ -63,9 +64,9 @@ class Objects:
     @cached_property
     def meshes(self) -> list[Ints]:
         """Rows of the meshes with points of each object, ascending."""
-        shown = np.flatnonzero(_shown(self.graph) & (self.of_row >= 0))
-        shown = shown[np.argsort(self.of_row[shown], kind="stable")]
-        return np.split(shown, np.searchsorted(self.of_row[shown], np.arange(1, len(self)))) if len(self) else []
+        rows = np.flatnonzero(shown(self.graph) & (self.of_row >= 0))
+        rows = rows[np.argsort(self.of_row[rows], kind="stable")]
+        return np.split(rows, np.searchsorted(self.of_row[rows], np.arange(1, len(self)))) if len(self) else []
 
     @cached_property
     def axes(self) -> Floats:
@@ -128,7 +129,7 @@ class Objects:
     def parts(self) -> PartBoxes:
         """World boxes of the connected parts of the meshes, each with the number of its object, ascending."""
         found = part_boxes(self.graph)
-        owner = self.of_row[found.owner]
+        owner = np.where(shown(self.graph), self.of_row, -1)[found.owner]
         order = np.argsort(owner, kind="stable")
         order = order[owner[order] >= 0]
         return PartBoxes(found.boxes.take(order), owner[order])
@@ -198,12 +199,17 @@ def find_objects(graph: SceneGraph, empty: bool = True) -> Objects:
     """
     owner = object_rows(graph)
     if not empty:
-        owner = np.where(_shown(graph), owner, -1)
+        owner = np.where(shown(graph), owner, -1)
     rows = np.unique(owner[owner >= 0])
     of_row = np.where(owner >= 0, np.searchsorted(rows, owner), -1)
     return Objects(graph, rows, of_row)
 
 
-def _shown(graph: SceneGraph) -> Bools:
-    """Which rows have a mesh with points, bool (N,)."""
-    return np.array([len(mesh.points) > 0 for mesh in graph.meshes] + [False], bool)[graph.mesh]
+def shown(graph: SceneGraph) -> Bools:
+    """Which rows have a mesh with points that is there, bool (N,): not what neither viewport nor render shows."""
+    found = np.array([len(mesh.points) > 0 for mesh in graph.meshes] + [False], bool)[graph.mesh]
+    visibility = graph.components.get(VISIBILITY)
+    if visibility is not None:
+        columns = visibility.columns
+        found[visibility.rows[(columns["hidden"] | columns["viewport"]) & columns["render"]]] = False
+    return found

@@ -68,6 +68,11 @@ class Support:
         """How the object is held."""
         return self.prior.contact
 
+    @property
+    def is_slope(self) -> bool:
+        """Is there nothing level to rest on?"""
+        return self.contact == RESTS and len(self.parts.center) > 0 and not len(self.tops.top)
+
     def indoors(self, space: FreeSpace) -> bool:
         """Is the support in the room or at its walls, so that what it holds should be in the room?"""
         if space.outline is None or self.structural:
@@ -83,7 +88,7 @@ def rest(placeable: Placeable, places: Floats, support: Support, space: FreeSpac
     if support.contact == RESTS:
         if support.obj < 0:
             places[:, 2] = 0.0
-        elif len(support.parts.center):
+        elif len(support.tops.top):
             places = _onto_surface(placeable, places, support.tops, clamp=not support.floor)
         if support.floor:
             places = into_room(placeable, places, space)
@@ -210,7 +215,9 @@ def _extent(parts: Boxes, origin: Floats, along: Floats) -> tuple[float, float]:
 
 
 def fitting(placeable: Placeable, places: Floats, category: int, support: Support, space: FreeSpace) -> Bools:
-    """At which places (T,) the placeable meets nothing and is in the room, if its support is."""
+    """At which places (T,) the placeable meets nothing, and is in the room, if its support is; nowhere on a slope."""
+    if support.is_slope:
+        return np.zeros(len(places), bool)
     good = space.depth(placeable, places, category, support.obj) <= 0
     if good.any() and support.indoors(space):
         good[good] = space.outside(placeable, places[good]) <= OUTSIDE
@@ -219,7 +226,7 @@ def fitting(placeable: Placeable, places: Floats, category: int, support: Suppor
 
 def search(placeable: Placeable, near: Floats, category: int, support: Support, space: FreeSpace) -> Floats | None:
     """The free place nearest to ``near`` (4,) among a grid over the support's surface; None if there is none."""
-    if support.contact != RESTS:
+    if support.contact != RESTS or support.is_slope:
         return None
     straight = near[3] + np.pi / 4
     if support.obj < 0 or not len(support.parts.center):

@@ -13,7 +13,7 @@ from ...geometry.surface_contact import STEEPEST, Triangles
 from ...scene.categories import FLOOR, STRUCTURE, has_category
 from ...scene.graph import SceneGraph
 from ...scene.hierarchy import world_matrices
-from ..object_rows import object_rows
+from ..object_rows import object_rows, shown
 
 FINEST, MOST_CELLS = 0.05, 1_500_000
 """Metres of a cell, at least; and cells at most: larger scenes are scanned more coarsely."""
@@ -112,7 +112,7 @@ class Scan:
 def world_triangles(graph: SceneGraph) -> tuple[Triangles, Ints]:
     """The triangles (M, 3, 3) of a scene in the world, metres, and the row (M,) of each; what is no number left out."""
     world, parts, rows = world_matrices(graph), [np.zeros((0, 3, 3))], [np.zeros(0, np.int64)]
-    for row in np.flatnonzero(graph.mesh >= 0).tolist():
+    for row in np.flatnonzero(shown(graph)).tolist():
         mesh, matrix = graph.meshes[graph.mesh[row]], world[row]
         corners = (mesh.points.astype(np.float64) @ matrix[:3, :3].T + matrix[:3, 3])[mesh.triangles]
         if np.linalg.det(matrix[:3, :3]) < 0:

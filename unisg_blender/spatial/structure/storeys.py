@@ -26,6 +26,9 @@ EYE, ROUND, MOSTLY, FARTHEST = 1.4, 13, 10, 30.0
 """Walls are looked for at this height in metres in 16 directions: inside is where so many of them meet one, or so many
 under a roof, within so many metres."""
 
+CLEAR_SHARE = 0.3
+"""Share of a room where people can stand, at least: there is a floor under a wardrobe too, and walls around it."""
+
 HOLE = 4.0
 """Square metres up to which a hole in a floor is what stands there."""
 
@@ -146,6 +149,8 @@ def _rooms_at(scan: Scan, spans: FreeSpans, look: Look, taken: Floats) -> list[R
     free = np.abs(taken - look.level) >= HEADROOM
     found = []
     for mask in _rooms(look.within & free & ~look.barrier, scan.grid):
+        if look.standing[mask].mean() < CLEAR_SHARE:
+            continue
         terrace = _terrace(mask & look.standing, look.roofed, scan.grid)
         for part in _rooms(mask & ~terrace, scan.grid) if terrace.any() else [mask]:
             indoors = bool((look.seen[part] >= MOSTLY).mean() > 0.5)
@@ -187,7 +192,7 @@ def _rooms(mask: Bools, grid: Grid) -> Iterator[Bools]:
     rooms = []
     for part in np.flatnonzero(size[1:] >= LEAST) + 1:
         own = np.pad(number[windows[part - 1]] == part, 1)
-        if distance_transform_edt(own).max() * grid.cell >= NARROW:
+        if float(np.max(distance_transform_edt(own))) * grid.cell >= NARROW:
             rooms.append(int(part))
     others = np.isin(number, rooms)
     for part in rooms:
