@@ -87,7 +87,7 @@ def summary_table(rows: Table, keys: Sequence[str]) -> Table:
     """
     table = []
     for values, group in grouped(rows, keys):
-        row = values | {name: rounded(group[0][name]) for name in FIXED if name in group[0]} | {"seeds": len(group)}
+        row = values | {name: group[0][name] for name in FIXED if name in group[0]} | {"seeds": len(group)}
         for name in group[0]:
             if name in (*keys, *FIXED, "seed"):
                 continue

@@ -87,7 +87,7 @@ def pose_rows(results: Results, plan: PaperPlan) -> Table:
             "channels": result["channels_learned"], "parameters": result["parameters"], "rate": result["rate"],
             **{name: row[name] for name in POSE_NUMBERS if name in row},
             **{f"mean_{name}": result["predict_mean"][seed][name] for name in MEAN_NUMBERS},
-            "zeros_mse": result["mse_of_zeros"],
+            "zeros_mse": rounded(result["mse_of_zeros"]),
         }
         for (factor, form), run in pose_runs(plan).items()
         for result in there([run], results)
