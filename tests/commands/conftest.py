@@ -1,10 +1,14 @@
-"""Running verbs in this process."""
+"""Running verbs in this process; Blender comes first, for it brings its own USD."""
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable
 
 import pytest
+
+with contextlib.suppress(ImportError):
+    import bpy  # noqa: F401
 
 from unisg_blender.cli import main
 

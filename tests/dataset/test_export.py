@@ -201,6 +201,20 @@ def test_mapping_and_folders_label(tmp_path: Path, put: Callable[..., Path]) -> 
     assert dataset[0]["mesh.feature"].tolist() == [[3.0] * 4]
 
 
+def test_names_are_numbered_as_another_dataset_does(tmp_path: Path, put: Callable[..., Path]) -> None:
+    put("1.obj", seed=1)
+    names = {"categories": ("Zebra", "Table"), "relations": ("beside",)}
+    options = ExportOptions(reader=OPTIONS.reader, vocabulary=names)
+    export_dataset([tmp_path / "in"], tmp_path / "ds", options)
+    put("2.obj", seed=2)
+    export_dataset([tmp_path / "in"], tmp_path / "ds", options, resume=True)
+    dataset = open_dataset(tmp_path / "ds")
+    assert dataset.categories[:2] == ("Zebra", "Table")
+    assert dataset.vocabulary["relations"][0] == "beside"
+    assert "Zebra" not in dataset.category_counts
+    assert len(dataset) == 2
+
+
 def read_again(folder: Path) -> list[str]:
     """Names of the files that a resumed export reads."""
     steps = export_steps([folder / "in"], folder / "ds", OPTIONS, resume=True)
@@ -329,7 +343,7 @@ def test_command_line(
     report = json.loads(shown.out)
     assert (report["files"], report["failed"], report["scenes"]) == (3, 1, 2)
     assert main(["export", str(tmp_path / "in"), "--out", "x", "--form", "euler"]) == MISUSE
-    assert main(["export", str(tmp_path / "in"), "--out", "x", "--jobs", "0"]) == 1
+    assert main(["export", str(tmp_path / "in"), "--out", "x", "--jobs", "0"]) == MISUSE
     unreachable = ["--scheduler", "tcp://127.0.0.1:1"]
     assert main(["export", str(tmp_path / "in"), "--out", str(tmp_path / "y"), *unreachable]) == UNUSABLE_INPUT
     assert not (tmp_path / "y").exists()

@@ -5,8 +5,17 @@ import pytest
 from scipy.spatial import cKDTree
 
 from unisg_blender.errors import UniSGError
-from unisg_blender.meshes import reconstruct, sample_surface
-from unisg_blender.meshes.decode import signed_volume
+from unisg_blender.meshes import (
+    AtlasNetEncoder,
+    decode_cloud,
+    decode_mesh,
+    decode_oriented_cloud,
+    reconstruct,
+    sample_surface,
+)
+from unisg_blender.meshes.decode import patch_normals, signed_volume
+from unisg_blender.meshes.sphere import fibonacci_sphere
+from unisg_blender.metrics import chamfer_l2
 from unisg_blender.scene import Mesh
 
 from .shapes import box, is_closed_and_oriented, joined, sphere
@@ -74,3 +83,38 @@ def test_screening_brings_the_surface_to_the_points(monkeypatch: pytest.MonkeyPa
         found = reconstruct(samples.points, samples.normals, 48)
         errors.append(cKDTree(sample_surface(found, 8000).points).query(samples.points)[0].mean())
     assert errors[1] < 0.7 * errors[0]
+
+
+def test_a_cloud_with_normals_goes_through_to_a_mesh_that_is_like_the_decoded_one() -> None:
+    feature = AtlasNetEncoder().encode([box((1.0, 1.6, 0.8), (4, 5, 6))])[0]
+    points, normals = decode_oriented_cloud([feature], 2500)
+    assert np.array_equal(points, decode_cloud([feature], 2500))
+    assert np.allclose(np.linalg.norm(normals, axis=2), 1)
+    found = reconstruct(points[0], normals[0], 64)
+    assert is_closed_and_oriented(found.triangles)
+    assert signed_volume(found.points, found.triangles) > 0
+    unit = feature.placement.scale**2
+    direct = sample_surface(decode_mesh(feature), 4000, seed=1).points
+    assert chamfer_l2(sample_surface(found, 4000, seed=2).points, direct) < 0.005 * unit
+
+
+@pytest.mark.parametrize("stretch", [(1.0, 2.0, 3.0), (-1.0, 2.0, 3.0), (0.0, 1.0, 1.0)])
+def test_normals_of_a_patch_point_outwards_also_of_a_mirrored_and_of_a_flat_one(stretch: tuple[float, ...]) -> None:
+    sphere_points = fibonacci_sphere(2000)
+    normals = patch_normals(sphere_points * stretch)
+    assert np.isfinite(normals).all()
+    assert np.allclose(np.linalg.norm(normals, axis=1), 1)
+    if all(stretch):
+        exact = sphere_points / stretch
+        exact /= np.linalg.norm(exact, axis=1, keepdims=True)
+        assert np.einsum("nk,nk->n", normals, exact).min() > 0.97
+
+
+@pytest.mark.parametrize("count", [4, 7, 60])
+def test_small_clouds_keep_their_number_of_points(count: int) -> None:
+    feature = AtlasNetEncoder().encode([box()])[0]
+    points, normals = decode_oriented_cloud([feature], count)
+    assert points.shape == normals.shape == (1, count, 3)
+    assert np.isfinite(normals).all()
+    with pytest.raises(UniSGError, match="4 points or more"):
+        decode_oriented_cloud([feature], 3)

@@ -50,6 +50,28 @@ def test_a_dataset_is_the_same_with_one_process_and_with_two(tmp_path, capsys):
     assert shards[0] == shards[1]
 
 
+def test_a_dataset_with_mesh_features_and_the_numbers_of_another(tmp_path, capsys):
+    first, second = str(tmp_path / "first"), str(tmp_path / "second")
+    words = ["world", "cubes", "--format", "dataset", "--jobs", "1", "-q"]
+    encoder = "tests.worlds.test_world_command:middle"
+    assert main(["world", "living-room", *words[2:], "--out", first]) == 0
+    assert main([*words, "--out", second, "--vocabulary", first, "--mesh-features", encoder]) == 0
+    cubes, rooms = open_dataset(second), open_dataset(first)
+    assert cubes.categories[: len(rooms.categories)] == rooms.categories
+    assert "Cube" in cubes.category_counts
+    assert cubes.widths["mesh_feature"] == 3
+    assert main(["world", "cubes", "--format", "json", "--out", str(tmp_path / "x"), "--vocabulary", first]) == 1
+    assert main([*words, "--out", str(tmp_path / "x"), "--vocabulary", str(tmp_path / "none")]) == 1
+    assert main([*words, "--out", str(tmp_path / "x"), "--mesh-features", "no.such:thing"]) == 1
+    assert len(capsys.readouterr().err.splitlines()) == 3
+    assert not (tmp_path / "x").exists()
+
+
+def middle(mesh):
+    """A mesh encoder: the mean of the points."""
+    return mesh.points.mean(axis=0)
+
+
 def test_usd_holds_the_whole_room(tmp_path):
     pytest.importorskip("pxr")
     from unisg_blender.usd import read_usd

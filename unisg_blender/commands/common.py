@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 MOMENT = 1.0  # seconds
 SHOWN = 100
 KINDS_OF_LOSS = 20
+ENCODERS = {"atlasnet": "unisg_blender.meshes.shape_feature:atlasnet_feature"}
+"""Mesh encoders that have a name of their own."""
 
 
 def add_scene(parser: argparse.ArgumentParser, name: str = "file", meaning: str = "a scene file") -> None:
@@ -53,6 +55,28 @@ def add_form(parser: argparse.ArgumentParser, default: str = "quaternion") -> No
     from ..poses import FORMS
 
     parser.add_argument("--form", choices=FORMS, default=default, help=f"form of the dataset's poses ({default})")
+
+
+def add_dataset_options(parser: argparse.ArgumentParser) -> None:
+    """What is written of meshes and names in a dataset."""
+    parser.add_argument(
+        "--mesh-features", metavar="ENCODER", default="", help='"atlasnet", or module:function: a vector for each mesh'
+    )
+    parser.add_argument(
+        "--vocabulary", metavar="DATASET", type=Path, help="number categories, relations and kinds of scene as it does"
+    )
+
+
+def mesh_encoder_of(args: argparse.Namespace) -> str:
+    """The function that ``--mesh-features`` names, "package.module:function", "" for none."""
+    return ENCODERS.get(args.mesh_features, args.mesh_features)
+
+
+def vocabulary_of(args: argparse.Namespace) -> dict[str, tuple[str, ...]] | None:
+    """The names by number of the dataset that ``--vocabulary`` names."""
+    from ..dataset.format.reader import open_dataset
+
+    return None if args.vocabulary is None else open_dataset(args.vocabulary).vocabulary
 
 
 def add_limit(parser: argparse.ArgumentParser, things: str) -> None:

@@ -11,8 +11,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..errors import DONE, UniSGError
+from ..runtime.atomic_files import made_folder
 from .argument_types import PROCESSES, SEED, whole
-from .common import jobs_of, make_folder
+from .common import add_mapping, jobs_of
 from .outputs import check_folder
 
 if TYPE_CHECKING:
@@ -20,20 +21,29 @@ if TYPE_CHECKING:
 
     from ..experiments.rooms.generation_benchmark import Progress, TablePlan
 
-HELP = "Furnish the rooms of a dataset anew with a model, measure the result, and print baselines beside it."
+HELP = "Measure the rooms that a model furnishes, or that were furnished elsewhere, beside real rooms and baselines."
 QUICK_SCENES, QUICK_TREES = 12, 50
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """What the verb takes."""
-    parser.add_argument("model", metavar="MODEL", type=Path, help="a trained generator")
+    parser.add_argument(
+        "model", metavar="MODEL_OR_ROOMS", type=Path,
+        help="a trained generator, or a folder of rooms that any generator furnished: docs/evaluating.md",
+    )  # fmt: skip
     parser.add_argument("--data", metavar="DATASET", type=Path, required=True, help="rooms that it was not trained on")
+    add_mapping(parser)
     parser.add_argument(
         "--training", metavar="DATASET", type=Path,
         help="rooms that it was trained on: for the Gaussian and copy baselines, and for novelty",
     )  # fmt: skip
     parser.add_argument(
-        "--also", metavar="MODEL", type=Path, action="append", default=[], help="another model beside it; repeatable"
+        "--also",
+        metavar="MODEL",
+        type=Path,
+        action="append",
+        default=[],
+        help="another model or folder beside it; repeatable",
     )
     parser.add_argument(
         "--scenes", metavar="N", type=whole(1, 10**6), default=300, help="how many rooms at most (default: 300)"
@@ -54,11 +64,11 @@ def run(args: argparse.Namespace) -> int:
     from ..experiments.rooms.generation_benchmark import compare
     from ..experiments.rooms.generation_report import table, write_report
 
-    check_folder("--out", args.out, [args.data, args.training])
-    plan = _plan(args)
-    start = time.perf_counter()
+    check_folder("--out", args.out, [args.data, args.training, args.model, *args.also])
+    jobs, start = jobs_of(args), time.perf_counter()
     with _folder(args.out) as folder, _bars(args.quiet) as progress:
-        rows = compare(plan, folder, jobs_of(args), progress)
+        plan = _plan(args, folder, jobs)
+        rows = compare(plan, folder, jobs, progress)
     facts: dict[str, Any] = {
         "model": args.model.name, "data": str(args.data), "training": str(args.training or ""),
         "also": [path.name for path in args.also], "scenes": plan.data.scenes, "seeds": plan.seeds,
@@ -72,24 +82,34 @@ def run(args: argparse.Namespace) -> int:
     return DONE
 
 
-def _plan(args: argparse.Namespace) -> TablePlan:
+def _plan(args: argparse.Namespace, work: Path, jobs: int) -> TablePlan:
+    from ..dataset.category_mapping import read_mapping
     from ..dataset.format.reader import open_dataset
     from ..experiments.rooms.atiss_proposer import load_generator
     from ..experiments.rooms.benchmark_rows import Data
+    from ..experiments.rooms.furnished_folders import rooms_dataset
     from ..experiments.rooms.generation_benchmark import TablePlan
-    from ..metrics.two_sample_test import TREES
+    from ..metrics.two_sample_test import FOLDS, TREES
+    from ..scene.categories import STRUCTURE
 
     tests = open_dataset(args.data)
     training = "" if args.training is None else str(open_dataset(args.training).path)
-    known = set(load_generator(args.model).categories)
-    for path in args.also:
-        known &= set(load_generator(path).categories)
-    if not known & set(tests.categories):
-        raise UniSGError(f"{args.data} has none of the categories that the model knows: {', '.join(sorted(known))}")
-    scenes = min(args.scenes, QUICK_SCENES) if args.quick else args.scenes
-    data = Data(str(tests.path), training, min(scenes, len(tests)))
+    mapping = None if args.mapping is None else read_mapping(args.mapping)
+    scenes, models, known = min(args.scenes, len(tests)), [], set(tests.category_counts)
+    for path in (args.model, *args.also):
+        if path.is_dir():
+            path = rooms_dataset(path, work, mapping, jobs)
+            scenes = min(scenes, len(open_dataset(path)))  # as many real rooms as there are given ones
+        models.append(path)
+        known &= set(open_dataset(path).category_counts if path.is_dir() else load_generator(path).categories)
+    if not known - set(STRUCTURE):
+        raise UniSGError(f"{args.data} has no category of things that {args.model} knows: give a --mapping of names")
+    if scenes < FOLDS:
+        raise UniSGError(f"{scenes} rooms are too few to be measured: give {FOLDS} at least, given ones and real ones")
+    scenes = min(scenes, QUICK_SCENES) if args.quick else scenes
+    data = Data(str(tests.path), training, scenes)
     seeds, trees = (1, QUICK_TREES) if args.quick else (args.seeds, TREES)
-    return TablePlan(args.model, data, tuple(args.also), seeds, args.seed, trees)
+    return TablePlan(models[0], data, tuple(models[1:]), seeds, args.seed, trees)
 
 
 @contextmanager
@@ -99,8 +119,8 @@ def _folder(out: Path | None) -> Iterator[Path]:
         with tempfile.TemporaryDirectory(prefix="unisg-evaluate-") as name:
             yield Path(name)
         return
-    make_folder(out / "measured")
-    yield out / "measured"
+    with made_folder(out / "measured"):
+        yield out / "measured"
 
 
 @contextmanager

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..errors import DONE, SOME_FAILED, MissingPackageError, UniSGError
 from .argument_types import PROCESSES, number
-from .common import add_form, add_mapping, print_report
+from .common import add_dataset_options, add_form, add_mapping, mesh_encoder_of, print_report, vocabulary_of
 from .outputs import check_folder
 
 if TYPE_CHECKING:
@@ -20,8 +20,6 @@ if TYPE_CHECKING:
 
 HELP = "Turn scene files into a dataset for learning."
 LONGEST_NOTE = 200
-ENCODERS = {"atlasnet": "unisg_blender.meshes.shape_feature:atlasnet_feature"}
-"""Mesh encoders that have a name of their own."""
 
 EPILOG = "A file that crashes, hangs or cannot be read costs only itself; the dataset's list of files says why."
 
@@ -47,9 +45,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="what collections, geometry nodes and particles show: objects (realize), or left out (keep)",
     )
     parser.add_argument("--folder-labels", action="store_true", help="a file's folder names its kind of scene")
-    parser.add_argument(
-        "--mesh-features", metavar="ENCODER", default="", help='"atlasnet", or module:function: a vector for each mesh'
-    )
+    add_dataset_options(parser)
     parser.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask scheduler that runs the files")
     again = parser.add_mutually_exclusive_group()
     again.add_argument("--resume", action="store_true", help="go on with an interrupted export, or update a dataset")
@@ -71,7 +67,8 @@ def run(args: argparse.Namespace) -> int:
         mapping=None if args.mapping is None else read_mapping(args.mapping),
         instances=args.instances,
         folder_labels=args.folder_labels,
-        mesh_encoder=ENCODERS.get(args.mesh_features, args.mesh_features),
+        vocabulary=vocabulary_of(args),
+        mesh_encoder=mesh_encoder_of(args),
     )
     bar = Progress(0, "files", args.quiet)
     counts = {"done": 0, "failed": 0}

@@ -12,7 +12,7 @@ from ..errors import DONE, UniSGError
 from ..formats.scene_files import write_scene_file
 from ..worlds.world_batches import make_many
 from .argument_types import PROCESSES, SEED, whole
-from .common import add_form, jobs_of, make_folder, print_report
+from .common import add_dataset_options, add_form, jobs_of, make_folder, mesh_encoder_of, print_report, vocabulary_of
 from .outputs import check_folder
 
 if TYPE_CHECKING:
@@ -33,6 +33,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--seed", metavar="S", type=SEED, default=0, help="the scenes have the seeds S, S+1, ... (0)")
     parser.add_argument("--format", choices=FORMATS, default="blend", help="what to write (blend)")
     add_form(parser)
+    add_dataset_options(parser)
     parser.add_argument("--jobs", metavar="N", type=PROCESSES, help="scenes made at a time (one per processor)")
     parser.add_argument("--overwrite", action="store_true", help="replace files or a dataset in that folder")
 
@@ -41,6 +42,8 @@ def run(args: argparse.Namespace) -> int:
     """Make the scenes and write them."""
     from ..runtime.progress import Progress
 
+    if args.format != "dataset" and (args.mesh_features or args.vocabulary):
+        raise UniSGError("--mesh-features and --vocabulary are of datasets: give --format dataset as well")
     check_folder("--out", args.out)
     started = time.perf_counter()
     bar = Progress(args.count, "scenes", args.quiet)
@@ -64,9 +67,12 @@ def _scenes(args: argparse.Namespace, bar: Progress) -> Iterator[SceneGraph]:
 
 def _write_dataset(args: argparse.Namespace, bar: Progress) -> list[str]:
     from ..dataset import Sample, write_dataset
+    from ..dataset.export.reader_process import load_function
 
+    encoder = load_function(mesh_encoder_of(args)) if args.mesh_features else None
+    vocabulary = vocabulary_of(args)
     scenes = (Sample(graph, graph.title, args.name) for graph in _scenes(args, bar))
-    write_dataset(scenes, args.out, args.form, overwrite=args.overwrite)
+    write_dataset(scenes, args.out, args.form, mesh_encoder=encoder, vocabulary=vocabulary, overwrite=args.overwrite)
     return []
 
 

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from .decode import decode_cloud, decode_mesh
+from .decode import decode_cloud, decode_mesh, decode_oriented_cloud
 from .sampling import SurfaceSamples, sample_surface
 from .shape_feature import AtlasNetEncoder, MeshFeature
 from .surface_reconstruction import reconstruct
 
 __all__ = [
-    "AtlasNetEncoder", "MeshFeature", "SurfaceSamples", "decode_cloud", "decode_mesh", "reconstruct", "sample_surface",
+    "AtlasNetEncoder", "MeshFeature", "SurfaceSamples", "decode_cloud", "decode_mesh", "decode_oriented_cloud",
+    "reconstruct", "sample_surface",
 ]  # fmt: skip

@@ -15,12 +15,14 @@ from ..runtime.onnx_session import OnnxModel
 from ..scene.mesh import Mesh, mesh_from_faces
 from .atlasnet_sessions import DECODER_FILE, load_network
 from .shape_feature import MeshFeature
-from .sphere import box_template, fibonacci_sphere
+from .sphere import box_template, fibonacci_sphere, sphere_template
 from .triangulate import area_vectors
 
 FACES = 5000
 COARSE = 48
 """Faces of each patch when the patches are measured."""
+FEWEST_POINTS = 4
+"""Points of a patch in a cloud at least, for which there are triangles."""
 FEWEST = 12
 """Faces of a patch at least: patches for which there are too few faces are left out, the smallest first."""
 
@@ -30,7 +32,44 @@ def decode_cloud(features: Sequence[MeshFeature], count: int = 2500, path: str |
 
     ``path`` is a decoder made by ``unisg train meshes``; the shipped one when omitted.
     """
-    return np.stack([feature.placement.restore(_unit_cloud(feature.vector, count, path)) for feature in features])
+    return np.stack([feature.placement.restore(_unit_cloud(feature.vector, count, path)[0]) for feature in features])
+
+
+def decode_oriented_cloud(
+    features: Sequence[MeshFeature], count: int = 2500, path: str | Path | None = None
+) -> tuple[Floats, Floats]:
+    """The points of :func:`decode_cloud`, and normals (B, count, 3) of length 1 that point out of the patches.
+
+    ``reconstruct(points[0], normals[0])`` makes a mesh of them: the paper's chain of feature, cloud, triangulated mesh.
+    A point's normal is that of the triangles around it in its patch.
+
+    Raises
+    ------
+    UniSGError
+        If ``count`` is below 4 or the decoder cannot be used.
+    """
+    if count < 4:
+        raise UniSGError(f"a cloud with normals needs 4 points or more, not {count}")
+    points, normals = [], []
+    for feature in features:
+        cloud, counts = _unit_cloud(feature.vector, count, path)
+        parts = np.split(cloud.astype(np.float64), np.cumsum(counts)[:-1])
+        points.append(feature.placement.restore(cloud))
+        normals.append(np.concatenate([patch_normals(part) for part in parts if len(part)]))
+    return np.stack(points), np.stack(normals)
+
+
+def patch_normals(points: Floats) -> Floats:
+    """Normals (n, 3), outwards, of the images (n, 3) of a sphere's even points, n >= 4."""
+    triangles = sphere_template(2 * len(points) - 4)[1]
+    areas = area_vectors(points, triangles) * (1 if signed_volume(points, triangles) >= 0 else -1)
+    normals = np.zeros_like(points)
+    for corner in range(3):
+        np.add.at(normals, triangles[:, corner], areas)
+    length = np.linalg.norm(normals, axis=1, keepdims=True)
+    flat = length[:, 0] <= 1e-12 * np.ptp(points, axis=0).max() ** 2  # folded: away from the patch's middle
+    normals[flat] = points[flat] - points.mean(axis=0) + 1e-12
+    return normals / np.linalg.norm(normals, axis=1, keepdims=True)
 
 
 def decode_mesh(
@@ -92,10 +131,14 @@ def signed_volume(points: NDArray[np.floating], triangles: NDArray[np.integer]) 
     return float(np.einsum("tk,tk->", a, np.cross(b, c)) / 6)
 
 
-def _unit_cloud(vector: NDArray[np.floating], count: int, path: str | Path | None) -> NDArray[np.float32]:
-    counts = allot(count, patch_areas(vector, path), 0)
+def _unit_cloud(vector: NDArray[np.floating], count: int, path: str | Path | None) -> tuple[NDArray[np.float32], Ints]:
+    """Points (count, 3) by patch, and how many each patch has; one too small for four has none."""
+    areas = patch_areas(vector, path)
+    shared = allot(count, areas, 0)
+    counts = np.where(shared < FEWEST_POINTS, 0, shared)
+    counts[np.argmax(areas)] += count - counts.sum()
     sphere = np.concatenate([fibonacci_sphere(int(own)) for own in counts])
-    return _decoded(vector, sphere, np.repeat(np.arange(len(counts)), counts), path)
+    return _decoded(vector, sphere, np.repeat(np.arange(len(counts)), counts), path), counts
 
 
 def _patches(

@@ -23,7 +23,7 @@ def fibonacci_sphere(count: int) -> Floats:
     return np.column_stack([radius * np.cos(angle), radius * np.sin(angle), z])
 
 
-@lru_cache(maxsize=8)
+@lru_cache(maxsize=256)
 def sphere_template(faces: int) -> tuple[Floats, NDArray[np.int32]]:
     """A closed sphere: points (faces / 2 + 2, 3) and counter-clockwise triangles (faces, 3).
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import shutil
-from collections.abc import Generator, Iterable, Iterator, Sequence
+from collections.abc import Generator, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -49,6 +49,8 @@ class ExportOptions:
         Whether the folder that a file is in names the kind of its scenes (where the mapping does not).
     mesh_encoder
         "package.module:function" of a :data:`..format.encoding.MeshEncoder`, "" for none.
+    vocabulary
+        Names to number as another dataset does; new ones are added behind them.
     reader
         "package.module:function" of a :data:`.reader_process.Reader`, "" for the one of the file's kind.
     """
@@ -60,6 +62,7 @@ class ExportOptions:
     instances: Literal["realize", "keep"] = "realize"
     folder_labels: bool = False
     mesh_encoder: str = ""
+    vocabulary: Mapping[str, Sequence[str]] | None = None
     reader: str = ""
 
 
@@ -117,7 +120,7 @@ def export_steps(
                 yield record, len(sources)
         ordered = [records[path.as_posix()] for path in sources]
         _check_some_read(ordered)
-        return _merge(folder, parts, options.form, ordered, before)
+        return _merge(folder, parts, options, ordered, before)
 
 
 export_dataset = at_once(export_steps)
@@ -189,9 +192,9 @@ def _parts_folder(folder: Path) -> Iterator[Path]:
     shutil.rmtree(parts, ignore_errors=True)
 
 
-def _merge(folder: Path, parts: Path, form: str, records: list[Record], before: _Before) -> list[Record]:
+def _merge(folder: Path, parts: Path, options: ExportOptions, records: list[Record], before: _Before) -> list[Record]:
     """Write the shards and the manifest from what was read, in the order of the records; returns the final records."""
-    writer = DatasetWriter(folder, form)
+    writer = DatasetWriter(folder, options.form, options.vocabulary)
     final = []
     try:
         for record in records:

@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...learn.object_categories.training import build_lexicon
-from ...meshes import reconstruct, sample_surface
+from ...meshes import MeshFeature, decode_oriented_cloud, reconstruct, sample_surface
 from ...meshes.decode import decode_unit
-from ...meshes.normalise import normalise, size_channels
+from ...meshes.normalise import UnitPlacement, normalise, size_channels
 from ...meshes.shape_feature import POINTS, default_encoder
 from ...meshes.shape_files import ShapeFile, of_split
 from ...meshes.similar import MeshLibrary, mesh_library, quarter_turn_features
@@ -95,8 +95,12 @@ def _attempts(
     copied = next(match.place for match in by_feature if match.place in set(others))
     apart = [chamfer_l2(truth.sparse, known[k].sparse) for k in others]
     closed = reconstruct(*truth.samples, 96)
+    through = decode_oriented_cloud([MeshFeature(vector, UnitPlacement(np.zeros(3), 1.0))], DENSE)
     return {
         "AtlasNet": _decoded_points(vector),
+        "AtlasNet's cloud of 6,000 points, screened Poisson": sample_surface(
+            reconstruct(through[0][0], through[1][0], 96), DENSE, 1
+        ).points,
         "copy of the nearest training mesh, by feature": known[copied].points,
         "copy of the nearest training mesh, by chamfer distance": known[others[int(np.argmin(apart))]].points,
         "screened Poisson from 6,000 oriented points": sample_surface(closed, DENSE, 1).points,

@@ -90,7 +90,7 @@ def _errors(group: Sequence[Measured]) -> Floats:
 def _values(one: Measured, real: Measured) -> dict[str, float]:
     counts = dict(zip(COUNTS, one.found["counts"].sum(axis=0), strict=True))
     values = {name: counts[name] / max(counts["objects"], 1) for name in SHARES}
-    values["refused"] = counts["refused"] / max(counts["asked"], 1)
+    values["refused"] = counts["refused"] / counts["asked"] if counts["asked"] else np.nan
     spent = one.found["milliseconds"]
     values["milliseconds"] = float(np.nanmedian(spent)) if np.isfinite(spent).any() else np.nan
     values |= {f"c2st_{key.replace(' ', '_')}": float(np.nanmean(right)) for key, right in one.judged.items()}

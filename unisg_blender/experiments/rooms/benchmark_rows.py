@@ -27,13 +27,15 @@ LEARNED = 300
 """Training rooms that the Gaussians and the copies learn from, at most."""
 
 JITTER = 0.1
-KINDS = ("real", "training", "model", "mean", "gaussian", "world", "copy", "jitter")
-"""real: the test rooms; training: as many training rooms; the others furnish the test rooms."""
+KINDS = ("real", "training", "given", "model", "mean", "gaussian", "world", "copy", "jitter")
+"""real: the test rooms; training: as many training rooms; given: rooms furnished elsewhere; the others furnish the
+test rooms."""
+AS_THEY_ARE = ("real", "training", "given")
 
 
 @dataclass(frozen=True)
 class RowSpec:
-    """One line: its name, one of :data:`KINDS`, whether what it makes is settled, and the file of its model, if any."""
+    """One line: its name, one of :data:`KINDS`, whether what it makes is settled, and its model's file or its rooms."""
 
     name: str
     kind: str
@@ -43,7 +45,7 @@ class RowSpec:
     @property
     def completes(self) -> bool:
         """Whether it is asked to complete rooms."""
-        return self.settle and self.kind not in ("real", "training")
+        return self.settle and self.kind not in AS_THEY_ARE
 
 
 @dataclass(frozen=True)
@@ -56,11 +58,17 @@ class Data:
 
 
 def benchmark_rows(model: Path, others: Sequence[Path], training: bool) -> list[RowSpec]:
-    """All lines of the table: real rooms, the model, other models, and with training rooms the simple baselines."""
+    """All lines of the table: real rooms, the model, other models, and with training rooms the simple baselines.
+
+    Each model is a generator's file, or a dataset of rooms that it furnished.
+    """
     rows = [RowSpec("real rooms", "real")]
     if training:
         rows.append(RowSpec("other real rooms (training)", "training"))
     for name, path in (("model", model), *((other.stem, other) for other in others)):
+        if path.is_dir():
+            rows.append(RowSpec("given rooms" if path == model else f"given rooms, {name}", "given", str(path)))
+            continue
         rows += [RowSpec(f"{name}, raw", "model", str(path), False), RowSpec(f"{name}, settled", "model", str(path))]
     if training:
         for name, kind in (("category Gaussian, world", "world"), ("category Gaussian, on its support", "gaussian")):
@@ -95,6 +103,7 @@ def vocabulary_of(data: Data) -> tuple[str, ...]:
     return tuple(sorted(open_dataset(data.training or data.tests).category_counts))
 
 
+@cache
 def _rooms(path: str, most: int) -> tuple[SceneGraph, ...]:
     return tuple(islice(scenes_with_shapes(open_dataset(path)), most))
 
@@ -122,7 +131,7 @@ def _priors(data: Data) -> CategoryPriors:
 @cache
 def way_of(spec: RowSpec, data: Data) -> Way:
     """How a row furnishes rooms."""
-    if spec.kind in ("real", "training"):
+    if spec.kind in AS_THEY_ARE:
         return Real()
     if spec.kind in ("copy", "jitter"):
         known = [name for name in vocabulary_of(data) if name not in STRUCTURE]
@@ -131,12 +140,13 @@ def way_of(spec: RowSpec, data: Data) -> Way:
 
 
 def _known(spec: RowSpec, data: Data) -> tuple[str, ...]:
-    return generator_of(spec.model).categories if spec.model else vocabulary_of(data)
+    return generator_of(spec.model).categories if spec.kind == "model" else vocabulary_of(data)
 
 
 def case_number(spec: RowSpec, data: Data, number: int) -> Case | None:
     """The room that a row is asked to furnish; None past the end, or if there is nothing in it."""
-    rooms = training_rooms(data, data.scenes) if spec.kind == "training" else test_rooms(data)
+    given = {"training": lambda: training_rooms(data, data.scenes), "given": lambda: _rooms(spec.model, data.scenes)}
+    rooms = given.get(spec.kind, lambda: test_rooms(data))()
     return case_of(rooms[number], _known(spec, data)) if number < len(rooms) else None
 
 

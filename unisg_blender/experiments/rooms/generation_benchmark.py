@@ -65,7 +65,8 @@ class TablePlan:
 
     def seeds_of(self, spec: RowSpec) -> range:
         """Seeds of a row."""
-        return range(self.first_seed, self.first_seed + (self.seeds if spec.model == str(self.model) else 1))
+        drawn = spec.model == str(self.model) and spec.kind == "model"
+        return range(self.first_seed, self.first_seed + (self.seeds if drawn else 1))
 
 
 def compare(plan: TablePlan, folder: Path, jobs: int, progress: Progress = lambda *_: None) -> list[TableRow]:
@@ -148,7 +149,7 @@ class _Measuring:
     def acted(self) -> dict[Key, float]:
         """Recall of the actions of the model's settled row, by seed; nothing if no behaviour lies beside it."""
         model, beside = str(self.plan.model), behaviour_path(self.plan.model)
-        own = next((spec for spec in self.rows if spec.model == model and spec.settle), None)
+        own = next((spec for spec in self.rows if spec.model == model and spec.completes), None)
         if own is None or not beside.is_file():
             return {}
         seeds, lots, sums = self.plan.seeds_of(own), _lots(self.count, LOT), [self.sums[model], _sum_of(str(beside))]
