@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 from tqdm import tqdm
 
 from ..errors import DONE, MISUSE, UniSGError, did_you_mean
-from ..runtime.atomic_files import filling
+from ..runtime.atomic_files import filling, read_plain
 from ..runtime.file_endings import BLENDER, WRITABLE, is_of
 from .argument_types import number
 from .common import add_limit, add_scene, print_report, read_shown, shown_lines
@@ -149,7 +149,7 @@ def _moments(args: argparse.Namespace, graph: SceneGraph, lesson: Any) -> tuple[
         return list(moments(graph, motion)), motion_to_json(graph, motion)
     if args.motion is not None:
         try:
-            motion = motion_from_json(graph, args.motion.read_text(encoding="utf-8"))
+            motion = motion_from_json(graph, read_plain(args.motion).decode("utf-8"))
         except (OSError, UnicodeDecodeError) as error:
             raise UniSGError(f"cannot read {args.motion}: {error}") from None
         return list(moments(graph, replace(motion, rate=args.rate or motion.rate))), None

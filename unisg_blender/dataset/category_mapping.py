@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import UniSGError
+from ..runtime.atomic_files import read_plain
 from ..runtime.json_records import parse_json
 from ..scene import SceneGraph, Table
 from ..scene.assembly import index_categories
@@ -35,7 +36,7 @@ def read_mapping(path: str | os.PathLike[str]) -> dict[str, dict[str, str]]:
     """
     path = Path(path)
     try:
-        text = path.read_text("utf-8")
+        text = read_plain(path).decode("utf-8")
         content = tomllib.loads(text) if path.suffix.lower() == ".toml" else parse_json(text, f"the mapping {path}")
     except OSError as error:
         raise UniSGError(f"cannot read the mapping {path}: {error.strerror}") from None

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import UniSGError
-from ..runtime.atomic_files import write_file
+from ..runtime.atomic_files import read_plain, write_file
 from ..runtime.json_records import check_version, from_record, parse_json, to_record
 from ..scene import ActionData, FrameRange, LessonNode, Material, Mesh, SceneGraph, Table
 from ..scene.graph import TYPE_INDEX
@@ -54,7 +54,7 @@ def read_json(path: Path) -> SceneGraph:
         If the file cannot be read, is no such file, or was written by another version.
     """
     try:
-        record = parse_json(path.read_bytes(), f"cannot read {path}: it")
+        record = parse_json(read_plain(path), f"cannot read {path}: it")
     except OSError as error:
         raise UniSGError(f"cannot read {path}: {error.strerror or error}") from None
     if not isinstance(record, dict) or KEY not in record:

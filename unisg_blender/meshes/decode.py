@@ -11,13 +11,14 @@ from numpy.typing import NDArray
 from ..errors import UniSGError
 from ..geometry.arrays import Floats, Ints
 from ..pretrained import FOLDER
-from ..runtime.onnx_session import OnnxModel
+from ..runtime.onnx_session import OnnxModel, damaged
 from ..scene.mesh import Mesh, mesh_from_faces
 from .atlasnet_sessions import DECODER_FILE, load_network
 from .shape_feature import MeshFeature
 from .sphere import box_template, fibonacci_sphere, sphere_template
 from .triangulate import area_vectors
 
+MOST_PATCHES = 1024
 FACES = 5000
 COARSE = 48
 """Faces of each patch when the patches are measured."""
@@ -112,7 +113,11 @@ def decode_unit(
 
 def patch_areas(vector: NDArray[np.floating], path: str | Path | None = None) -> Floats:
     """Surface (P,) of each patch that a feature (1024,) decodes to, in units of the unit sphere."""
-    patches = np.arange(int(_decoder(path).metadata["patches"]))
+    decoder = _decoder(path)
+    count = decoder.metadata.get("patches")
+    if not isinstance(count, int) or not 0 < count <= MOST_PATCHES:
+        raise damaged(decoder.path)
+    patches = np.arange(count)
     points, triangles = _patches(vector, patches, [COARSE] * len(patches), path)
     return np.linalg.norm(area_vectors(points, triangles), axis=1).reshape(len(patches), COARSE).sum(axis=1) / 2
 

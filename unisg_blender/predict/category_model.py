@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import UniSGError
 from ..geometry.arrays import Floats
+from ..meshes.atlasnet_sessions import FEATURE_WIDTH
 from ..meshes.normalise import size_channels
 from ..pretrained import FOLDER
 from ..runtime.atomic_files import write_file
+from ..runtime.json_records import from_record, parse_json
 from .name_evidence import name_scores
 
 LABELS_FILE = "labels.safetensors"
@@ -106,9 +110,40 @@ class LabelModel:
             raise UniSGError(f"{path}: the model of categories is damaged: {error}") from error
         if metadata.get("unisg_labels") != VERSION:
             raise UniSGError(f"{path}: is no model of categories of version {VERSION}: train it again")
-        record = json.loads(metadata["record"])
-        record["vocabulary"], record["lexicon"] = tuple(record["vocabulary"]), tuple(record["lexicon"])
-        return LabelModel(**arrays, **record)
+        what = f"{path}: the model of categories"
+        record = from_record(LabelRecord, parse_json(metadata.get("record", ""), what), what)
+        _check_arrays(arrays, len(record.vocabulary), what)
+        if len(record.lexicon) != len(record.vocabulary) or min(record.spread, record.temperature) <= 0:
+            raise UniSGError(f"{what} is damaged: train it again")
+        return LabelModel(**arrays, **vars(record))
+
+
+@dataclass(frozen=True)
+class LabelRecord:
+    """The fields of :class:`LabelModel` that are no arrays."""
+
+    vocabulary: tuple[str, ...]
+    spread: float
+    temperature: float
+    lexicon: tuple[dict[str, float], ...]
+    name_weight: float
+    beside_weight: float
+    provenance: dict[str, Any]
+
+
+def _check_arrays(arrays: Mapping[str, NDArray[Any]], names: int, what: str) -> None:
+    known = len(arrays.get("classes", ()))
+    wanted = {
+        "vectors": (np.float16, (known, FEATURE_WIDTH)), "sizes": (np.float32, (known, 3)),
+        "classes": (np.int32, (known,)), "together": (np.float32, (names, names)),
+    }  # fmt: skip
+    for name, (kind, shape) in wanted.items():
+        found = arrays.get(name)
+        if found is None or found.dtype != kind or found.shape != shape or not np.isfinite(found).all():
+            raise UniSGError(f"{what} is damaged ({name}): train it again")
+    steps = np.diff(arrays["classes"], prepend=-1, append=names)
+    if arrays.keys() != wanted.keys() or not ((steps >= 0) & (steps <= 1)).all():
+        raise UniSGError(f"{what} is damaged (classes): train it again")
 
 
 def distances(

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..errors import UniSGError
+from ..runtime.json_records import from_record
 from ..scene.graph import SceneGraph
 from ..spatial.object_rows import object_rows
 
@@ -20,6 +22,16 @@ FEWEST_KNOWN = 0.5
 
 MOST_KEPT = 60
 DIGITS = 4
+
+
+@dataclass(frozen=True)
+class FamiliarRecord:
+    """A :class:`Familiarity` in a model's metadata."""
+
+    embeddings: tuple[tuple[float, ...], ...]
+    reach: float
+    categories: tuple[str, ...]
+    share: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,10 +64,13 @@ class Familiarity:
         return Familiarity(kept, float(_nearest(held_out, kept).max()), frozenset(categories), min(shares))
 
     @staticmethod
-    def from_record(record: Mapping[str, Any]) -> Familiarity:
-        """What :meth:`to_record` wrote."""
-        embeddings = np.array(record["embeddings"], np.float32)
-        return Familiarity(embeddings, float(record["reach"]), frozenset(record["categories"]), float(record["share"]))
+    def from_record(found: Any) -> Familiarity:
+        """What :meth:`to_record` wrote; UniSGError if it is damaged."""
+        record = from_record(FamiliarRecord, found, "what the model knows of a kind of scenes")
+        if len({len(row) for row in record.embeddings}) != 1:
+            raise UniSGError("the embeddings of the model's scenes differ in width: train it again")
+        embeddings = np.array(record.embeddings, np.float32)
+        return Familiarity(embeddings, record.reach, frozenset(record.categories), record.share)
 
     def to_record(self) -> dict[str, Any]:
         """JSON-ready."""

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -14,11 +15,14 @@ from ..dataset.format.columns import Vocabulary
 from ..dataset.format.encoding import Sample, encode_scenes
 from ..dataset.graphs.graph_arrays import GraphArrays, graph_arrays
 from ..errors import UniSGError
+from ..poses import FORMS
+from ..runtime.json_records import from_record
 from ..runtime.onnx_session import damaged
 from ..scene.graph import SceneGraph
 from .familiarity import Familiarity, object_categories
 from .prediction_session import load_network
 
+MESHES = ("descriptor", "feature")
 COMPONENTS = ("info", "trs", "mesh", "action")
 
 
@@ -82,21 +86,35 @@ class KindOfScene:
         return f"none of these ({known}; {self.distance:.1f} times as far from any {self.nearest} as unseen ones are)"
 
 
+@dataclass(frozen=True)
+class ClassifierRecord:
+    """What is read of the model's metadata; models of the first days know no familiar scenes."""
+
+    kinds: tuple[str, ...]
+    form: str
+    mesh: str
+    familiar: Mapping[str, Any] = field(default_factory=dict)
+    extra: dict[str, Any] = field(default_factory=dict)
+
+
 class SceneModel:
     """The classifier, from an ONNX file; the shipped one when ``path`` is omitted."""
 
     def __init__(self, path: str | os.PathLike[str] | None = None) -> None:
         self.network = load_network("classifier", path)
-        records = self.network.metadata.get("familiar", {})  # models of the first days have none
-        try:
-            self.familiar = {kind: Familiarity.from_record(record) for kind, record in records.items()}
-        except (AttributeError, KeyError, TypeError, ValueError):
-            raise damaged(self.network.path) from None
+        self.record = from_record(ClassifierRecord, self.network.metadata, f"{self.network.path}: its metadata")
+        self.familiar = {kind: Familiarity.from_record(one) for kind, one in self.record.familiar.items()}
+        widths = {known.embeddings.shape[-1] for known in self.familiar.values()}
+        if self.record.form not in FORMS or self.record.mesh not in MESHES or len(widths) > 1:
+            raise damaged(self.network.path)
+        self.network.expect("logits", len(self.kinds))
+        if widths:
+            self.network.expect("embedding", *widths)
 
     @property
     def kinds(self) -> tuple[str, ...]:
         """The kinds of scenes that it knows."""
-        return tuple(self.network.metadata["kinds"])
+        return self.record.kinds
 
     def classify(self, graph: SceneGraph) -> KindOfScene:
         """The chance of each kind, and whether the scene is of any of them.
@@ -108,7 +126,7 @@ class SceneModel:
         """
         if not len(graph):
             raise UniSGError("the scene has no objects: there is nothing to classify")
-        inputs = graph_inputs(self._arrays(graph), self.network.metadata["mesh"])
+        inputs = graph_inputs(self._arrays(graph), self.record.mesh)
         logits, *embedding = self.network.run(**inputs)
         found = zip(self.kinds, softmax(logits[0].astype(np.float64)).tolist(), strict=True)
         chances = dict(sorted(found, key=lambda entry: -entry[1]))
@@ -121,10 +139,10 @@ class SceneModel:
         return KindOfScene(chances, known, len(categories), distance, foreign)
 
     def _arrays(self, graph: SceneGraph) -> GraphArrays:
-        metadata, encoder = self.network.metadata, None
-        if metadata["mesh"] == "feature":
+        encoder = None
+        if self.record.mesh == "feature":
             from ..meshes.shape_feature import AtlasNetEncoder
 
             encoder = AtlasNetEncoder()
         names = Vocabulary({"categories": graph.vocabulary})
-        return graph_arrays(encode_scenes([Sample(graph)], metadata["form"], names, encoder), names.names["relations"])
+        return graph_arrays(encode_scenes([Sample(graph)], self.record.form, names, encoder), names.names["relations"])

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +13,7 @@ from numpy.typing import NDArray
 from ..errors import UniSGError
 from ..geometry.arrays import Ints
 from ..geometry.boxes import Boxes
+from ..runtime.json_records import from_record
 from ..scene.graph import SceneGraph
 from ..spatial import find_objects
 from ..spatial.relations import with_relations
@@ -22,18 +25,25 @@ Found = tuple[int, str, int, float]
 """Row of the subject, kind, row of the target, chance."""
 
 
+@dataclass(frozen=True)
+class TopologyRecord:
+    """What is read of the model's metadata."""
+
+    channels: tuple[str, ...]
+    threshold: float
+    extra: dict[str, Any] = field(default_factory=dict)
+
+
 class TopologyModel:
     """The network over pairs, from an ONNX file; the shipped one when ``path`` is omitted."""
 
     def __init__(self, path: str | os.PathLike[str] | None = None) -> None:
         self.network = load_network("topology", path)
-        if tuple(self.network.metadata["channels"]) != PAIR_CHANNELS:
+        record = from_record(TopologyRecord, self.network.metadata, f"{self.network.path}: its metadata")
+        if record.channels != PAIR_CHANNELS:
             raise UniSGError(f"{self.network.path} was trained on other features: train it again")
-
-    @property
-    def threshold(self) -> float:
+        self.threshold = record.threshold
         """The chance from which on a pair is told, chosen on validation scenes."""
-        return float(self.network.metadata["threshold"])
 
     def chances(self, boxes: Boxes, pairs: Ints) -> NDArray[np.float32]:
         """For each pair (P, 2) of boxes the chance (P,) that the first stands on the second."""

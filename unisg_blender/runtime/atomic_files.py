@@ -33,9 +33,22 @@ def checksum(data: bytes | memoryview) -> str:
     return hashlib.sha256(data).hexdigest()
 
 
+def check_plain(path: Path) -> None:
+    """OSError if a path is that of a pipe, a socket or a device: nobody knows when what is read of it ends."""
+    if path.exists() and not (path.is_file() or path.is_dir()):
+        raise OSError(errno.EINVAL, "it is no plain file", str(path))
+
+
+def read_plain(path: Path) -> bytes:
+    """The bytes of a plain file; OSError if it is none, or cannot be read."""
+    check_plain(path)
+    return path.read_bytes()
+
+
 def checksum_of(path: Path) -> str:
     """Hexadecimal SHA-256 of a file; DamagedError if it cannot be read."""
     try:
+        check_plain(path)
         with open(path, "rb") as file:
             return hashlib.file_digest(file, "sha256").hexdigest()
     except OSError as error:

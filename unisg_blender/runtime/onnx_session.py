@@ -36,7 +36,7 @@ class OnnxModel:
     def __init__(self, path: Path, metadata: dict[str, Any], contract: int, session: Any) -> None:
         self.path, self.metadata, self.contract, self._session = path, metadata, contract, session
         self._blank = {item.name: _blank(item, path) for item in session.get_inputs()}
-        self._outputs = [item.name for item in session.get_outputs()]
+        self._outputs = {item.name: item.shape for item in session.get_outputs()}
 
     def run(self, outputs: Sequence[str] | None = None, /, **inputs: NDArray[Any]) -> list[NDArray[np.float32]]:
         """The named outputs, all if omitted, for the given inputs.
@@ -69,6 +69,16 @@ class OnnxModel:
         if any(np.isnan(values).any() for values in found):
             raise UniSGError(f"{self.path} gives no finite numbers: the model is damaged; train it again")
         return found
+
+    def expect(self, name: str, *sizes: int | None) -> None:
+        """UniSGError unless the input or output of that name has these last dimensions, as far as they are told."""
+        shape = self._blank[name].shape if name in self._blank else self._outputs.get(name, ())
+        last = shape[len(shape) - len(sizes) :] if len(shape) >= len(sizes) else ()
+        wrong = any(
+            isinstance(found, int) and size not in (None, found) for size, found in zip(sizes, last, strict=False)
+        )
+        if wrong or len(last) != len(sizes):
+            raise damaged(self.path)
 
 
 def _reason(error: Exception) -> str:
@@ -127,7 +137,10 @@ def open_model(
         )
     except Exception as error:  # onnxruntime has no common base class for its errors
         raise UniSGError(f"{file} is no ONNX model that can be run ({_reason(error)}): give another file") from None
-    text = session.get_modelmeta().custom_metadata_map.get(KEY)
+    try:
+        text = session.get_modelmeta().custom_metadata_map.get(KEY)
+    except UnicodeDecodeError:
+        raise damaged(file) from None
     if text is None:
         raise UniSGError(f"{file} is another ONNX model, it has no UniSG metadata: give one from 'unisg train {job}'")
     return OnnxModel(file, *read_metadata(text, file, task, contracts, job), session)

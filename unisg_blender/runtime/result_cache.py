@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .atomic_files import DamagedError, write_file
+from .atomic_files import DamagedError, read_plain, write_file
 from .process_pool import process_pool
 
 
@@ -83,7 +83,7 @@ def _computed(tasks: Sequence[tuple[int, Task]], jobs: int) -> Iterator[tuple[in
 def kept_result(path: Path) -> dict[str, Any] | None:
     """What a file keeps, None if there is none; DamagedError if it is not what was written."""
     try:
-        data = path.read_bytes()
+        data = read_plain(path)
         if path.suffix == ".json":
             return json.loads(data)
         with np.load(io.BytesIO(data), allow_pickle=False) as arrays:

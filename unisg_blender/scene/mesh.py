@@ -5,9 +5,12 @@ from __future__ import annotations
 import hashlib
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from ..errors import UniSGError
 
 
 @dataclass(frozen=True)
@@ -94,6 +97,33 @@ class Mesh:
             digest.update(np.ascontiguousarray(array).tobytes())
             digest.update(str(array.shape).encode())
         return digest.hexdigest()
+
+
+def check_mesh(mesh: Mesh) -> None:
+    """UniSGError if the arrays of a mesh have other types, shapes or ranges than :class:`Mesh` says."""
+    corners, faces, slots = len(mesh.corners), len(mesh.offsets) - 1, max(len(mesh.materials), 1)
+    wanted: dict[str, tuple[NDArray[Any] | None, type, tuple[int | None, ...], int | None]] = {
+        "points": (mesh.points, np.float32, (None, 3), None),
+        "corners": (mesh.corners, np.int32, (None,), len(mesh.points)),
+        "offsets": (mesh.offsets, np.int32, (None,), corners + 1),
+        "edges": (mesh.edges, np.int32, (None, 2), len(mesh.points)),
+        "normals": (mesh.normals, np.float32, (corners, 3), None),
+        "material_index": (mesh.material_index, np.int32, (faces,), slots),
+    }
+    wanted |= {f"uv {layer}": (values, np.float32, (corners, 2), None) for layer, values in mesh.uvs.items()}
+    for name, (values, kind, shape, end) in wanted.items():
+        if values is None:
+            continue
+        fits = values.ndim == len(shape) and all(
+            size in (None, found) for size, found in zip(shape, values.shape, strict=True)
+        )
+        if not fits or values.dtype != kind:
+            raise UniSGError(f"the {name} of the mesh {mesh.name!r} have another type or shape")
+        if end is not None and values.size and not (values.min() >= 0 and values.max() < end):
+            raise UniSGError(f"the {name} of the mesh {mesh.name!r} are out of their range")
+    whole = faces >= 0 and mesh.offsets[0] == 0 and mesh.offsets[-1] == corners
+    if not whole or (np.diff(mesh.offsets) < 0).any():
+        raise UniSGError(f"the offsets of the mesh {mesh.name!r} do not fit its corners")
 
 
 def mesh_from_faces(name: str, points: NDArray[np.floating], faces: list[list[int]] | NDArray[np.integer]) -> Mesh:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -13,9 +14,11 @@ from safetensors import SafetensorError, safe_open
 from safetensors.numpy import save
 
 from ...errors import UniSGError
-from ...runtime.atomic_files import write_file
+from ...runtime.atomic_files import DamagedError, check_plain, write_file
+from ...runtime.json_records import from_record, parse_json
 from ...scene import TYPES, Material, Mesh, SceneGraph, table
 from ...scene.action_data import actions_from_json, actions_to_json
+from ...scene.mesh import check_mesh
 from .asset import Asset
 
 VERSION = 1
@@ -110,6 +113,53 @@ def _material_record(material: Material) -> list[Any]:
     return [list(material.base_color), material.metallic, material.roughness]
 
 
+@dataclass(frozen=True)
+class IndexRecord:
+    """What the index of an assets file holds; each asset and mesh is looked at when it is asked for."""
+
+    assets: tuple[CategoryRecord, ...]
+    meshes: list[Any]
+    materials: Mapping[str, tuple[tuple[float, ...], float, float]]
+    version: int = 0
+    parts: tuple[str, ...] = ()
+    outlines: tuple[str, ...] = ()
+    extra: dict[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class CategoryRecord:
+    """What is known of every asset without opening it."""
+
+    category: str
+    extra: dict[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class AssetRecord:
+    """An asset."""
+
+    category: str
+    targets: Mapping[str, str]
+    name: tuple[str, ...]
+    uid: tuple[str, ...]
+    type: tuple[str, ...]
+    parent: tuple[int, ...]
+    categories: tuple[str, ...]
+    local: tuple[tuple[float, ...], ...]
+    mesh: tuple[int, ...]
+    actions: list[Any]
+    extra: dict[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class MeshRecord:
+    """A mesh of assets."""
+
+    name: str
+    materials: tuple[str, ...]
+    uvs: tuple[str, ...]
+
+
 class Assets:
     """Assets by number; meshes are fetched when they are asked for.
 
@@ -132,50 +182,64 @@ class Assets:
         return [place for place, record in enumerate(self.index["assets"]) if record["category"] == category]
 
     def asset(self, number: int) -> Asset:
-        """One asset."""
-        record = self.index["assets"][number]
-        used = sorted({place for place in record["mesh"] if place >= 0})
+        """One asset; DamagedError if it is not what was written."""
+        try:
+            return self._asset(from_record(AssetRecord, self.index["assets"][number], f"asset {number}"))
+        except (UniSGError, ValueError, IndexError, KeyError, TypeError, OverflowError) as error:
+            raise DamagedError(f"asset {number} is damaged ({error}): train or export again") from None
+
+    def _asset(self, record: AssetRecord) -> Asset:
+        used = sorted({place for place in record.mesh if place >= 0})
         meshes = tuple(map(self._mesh, used))
-        vocabulary = tuple(sorted(set(record["categories"]) - {""}))
+        vocabulary = tuple(sorted(set(record.categories) - {""}))
         slots = {slot for mesh in meshes for slot in mesh.materials}
         materials = [(name, value) for name, value in self.index["materials"].items() if name in slots]
         graph = SceneGraph(
-            name=tuple(record["name"]),
-            uid=tuple(record["uid"]),
-            type=np.array([TYPES.index(kind) for kind in record["type"]], np.int8),
-            parent=np.array(record["parent"], np.int32),
-            category=np.array([vocabulary.index(name) if name else -1 for name in record["categories"]], np.int32),
+            name=tuple(record.name),
+            uid=tuple(record.uid),
+            type=np.array([TYPES.index(kind) for kind in record.type], np.int8),
+            parent=np.array(record.parent, np.int32),
+            category=np.array([vocabulary.index(name) if name else -1 for name in record.categories], np.int32),
             vocabulary=vocabulary,
-            local=np.array(record["local"]).reshape(-1, 4, 4),
-            mesh=np.array([used.index(place) if place >= 0 else -1 for place in record["mesh"]], np.int32),
+            local=np.array(record.local).reshape(-1, 4, 4),
+            mesh=np.array([used.index(place) if place >= 0 else -1 for place in record.mesh], np.int32),
             meshes=meshes,
             materials={name: Material(name, tuple(color), metal, rough) for name, (color, metal, rough) in materials},
         )
-        if record["actions"]:
-            rows, text = record["actions"]
+        if record.actions:
+            rows, text = record.actions
+            if not isinstance(text, str):
+                raise ValueError("its actions are no text")
             graph = graph.with_component("actions", table(rows, data=actions_from_json(text)))
-        return Asset(record["category"], graph.validate(), record["targets"])
+        return Asset(record.category, graph.validate(), record.targets)
 
     def _mesh(self, number: int) -> Mesh:
         if number not in self._meshes:
-            record, key = self.index["meshes"][number], f"mesh.{number}."
-            layers = [f"{key}uv.{place}" for place in range(len(record["uvs"]))]
+            record, key = from_record(MeshRecord, self.index["meshes"][number], f"mesh {number}"), f"mesh.{number}."
+            layers = [f"{key}uv.{place}" for place in range(len(record.uvs))]
             found = self._fetch([*(key + name for name in _ARRAYS), *layers])
             arrays = {name: found[key + name] for name in _ARRAYS if key + name in found}
-            uvs = {layer: found[name] for layer, name in zip(record["uvs"], layers, strict=True)}
-            self._meshes[number] = Mesh(record["name"], **arrays, uvs=uvs, materials=tuple(record["materials"]))
+            uvs = {layer: found[name] for layer, name in zip(record.uvs, layers, strict=True)}
+            mesh = Mesh(record.name, **arrays, uvs=uvs, materials=record.materials)
+            check_mesh(mesh)
+            self._meshes[number] = mesh
         return self._meshes[number]
 
     def shapes(self, kind: str) -> dict[str, NDArray[np.float32]]:
         """Boxes ("parts", each (K, 2, 3)) or floor outlines ("outlines", each (K, 2)) by mesh checksum."""
         if kind not in self._shapes:
-            found = self._fetch([kind, f"{kind}.ptr"])
-            values, ptr = found[kind], found[f"{kind}.ptr"]
             shape = (-1, 2, 3) if kind == "parts" else (-1, 2)
-            self._shapes[kind] = {
-                key: values[start:stop].reshape(shape)
-                for key, start, stop in zip(self.index[kind], ptr[:-1], ptr[1:], strict=True)
-            }
+            try:
+                found = self._fetch([kind, f"{kind}.ptr"])
+                values, ptr = found[kind], found[f"{kind}.ptr"]
+                if values.dtype != np.float32 or not np.isfinite(values).all():
+                    raise ValueError("no finite float32")
+                self._shapes[kind] = {
+                    key: values[start:stop].reshape(shape)
+                    for key, start, stop in zip(self.index[kind], ptr[:-1], ptr[1:], strict=True)
+                }
+            except (ValueError, KeyError, TypeError, IndexError) as error:
+                raise DamagedError(f"the {kind} of the assets are damaged ({error}): train or export again") from None
         return self._shapes[kind]
 
 
@@ -191,11 +255,13 @@ class AssetFile(Assets):
     def __init__(self, path: Path) -> None:
         self.path = path
         try:
+            check_plain(path)
             with safe_open(str(path), framework="numpy") as file:
-                index = json.loads((file.metadata() or {})["unisg"])
-        except (OSError, SafetensorError, KeyError, ValueError) as error:
+                index = parse_json((file.metadata() or {})["unisg"], "its index")
+                known = from_record(IndexRecord, index, "its index")
+        except (OSError, SafetensorError, KeyError, UniSGError) as error:
             raise UniSGError(f"{path} is no assets file ({error}): train or export again") from None
-        if index.get("version", 0) > VERSION:
+        if known.version > VERSION:
             raise UniSGError(f"{path} was written by a newer version of this software: update it")
         super().__init__(index, self._read)
 

@@ -32,7 +32,10 @@ def find_sources(inputs: Iterable[str | os.PathLike[str]], suffixes: tuple[str, 
     """
     paths: list[Path] = []
     for item in inputs:
-        files = list(_files(Path(item), suffixes))
+        try:
+            files = list(_files(Path(item), suffixes))
+        except OSError as error:
+            raise UniSGError(f"cannot look for {item}: {error.strerror}") from None
         if not files:
             raise UniSGError(f"there is no scene file in {item}: the known kinds are {', '.join(suffixes)}")
         paths += files

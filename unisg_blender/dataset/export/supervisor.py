@@ -20,7 +20,7 @@ from typing import Any
 
 import numpy as np
 
-from ...runtime.atomic_files import DamagedError, checksum, checksum_of
+from ...runtime.atomic_files import DamagedError, check_plain, checksum, checksum_of
 from ...runtime.process_pool import blender_program
 from ..assets.asset_file import Arrays, Assets
 from ..format.columns import Columns
@@ -158,6 +158,7 @@ def export_file(job: dict[str, Any]) -> dict[str, Any]:
     """
     record: dict[str, Any] = {"source": job["source"]}
     try:
+        check_plain(Path(job["path"]))
         with open(job["path"], "rb") as file:
             record["sha256"] = hashlib.file_digest(file, "sha256").hexdigest()
             record["bytes"] = file.tell()

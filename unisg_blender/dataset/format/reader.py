@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
@@ -15,13 +14,15 @@ from numpy.typing import NDArray
 
 from ...errors import UniSGError
 from ...poses import FORMS
-from ...runtime.atomic_files import DamagedError, checksum, checksum_of
+from ...runtime.atomic_files import DamagedError, checksum, checksum_of, read_plain
+from ...runtime.json_records import from_record, parse_json
 from ..assets.asset_file import AssetFile
 from .columns import Columns, Vocabulary, check_covered, cut, join, unpack_strings
 from .encoding import widths
 from .schema import SCHEMA, VERSION
 from .shards import Shard, map_shard
-from .writer import read_manifest
+from .validation import FileRecord, check_columns, check_manifest
+from .writer import MANIFEST, read_manifest
 
 MEMORY = 2**30
 SCENE_PAGES = 512 * 2**10  # what the system maps around one scene of every column
@@ -182,13 +183,23 @@ class Dataset:
             first = next(iter(self._shards))
             del self._shards[first]
             self._resident -= self._touched.pop(first, 0)
-        entry = self.manifest["shards"][number]
         fresh = self.verify and number not in self._verified
-        shard = map_shard(self.path / entry["file"], entry["sha256"] if fresh else None)
+        shard = self._verified_shard(number) if fresh else map_shard(self._shard_path(number))
         self._verified.add(number)
         if self._asked is not None:
             shard.columns.update(self._asked.translate(shard.columns, self.manifest["vocabulary"]))
         self._shards[number] = shard
+        return shard
+
+    def _shard_path(self, number: int) -> Path:
+        return self.path / self.manifest["shards"][number]["file"]
+
+    def _verified_shard(self, number: int) -> Shard:
+        path, entry = self._shard_path(number), self.manifest["shards"][number]
+        shard = map_shard(path, entry["sha256"])
+        names, types = self.manifest["vocabulary"], len(self.manifest["types"])
+        check_columns(shard.columns, path, entry, self.widths, names, types)
+        shard.release()
         return shard
 
     def columns(self, start: int, stop: int) -> Columns:
@@ -206,12 +217,18 @@ class Dataset:
         if entry is None:
             return []
         try:
-            data = (self.path / entry["file"]).read_bytes()
+            data = read_plain(self.path / entry["file"])
         except OSError as error:
             raise DamagedError(f"{self.path / entry['file']} cannot be read: {error.strerror}") from None
         if checksum(data) != entry["sha256"]:
             raise DamagedError(f"{self.path / entry['file']} is damaged: its checksum is not the one in the manifest")
-        return [json.loads(line) for line in data.decode().split("\n") if line]
+        try:
+            records = [parse_json(line, "a line") for line in data.split(b"\n") if line]
+            for record in records:
+                from_record(FileRecord, record, "a line")
+        except UniSGError as error:
+            raise DamagedError(f"{self.path / entry['file']} is damaged: {error}; export it again") from None
+        return records
 
     def assets(self) -> AssetFile | None:
         """What the dataset has of its scenes' geometry (see :mod:`..assets.asset`); None if it has none."""
@@ -227,9 +244,9 @@ class Dataset:
         return AssetFile(path)
 
     def check(self) -> None:
-        """Verify the checksum of every file; DamagedError if one is not what was written."""
-        for entry in self.manifest["shards"]:
-            map_shard(self.path / entry["file"], entry["sha256"])
+        """Verify every file, its checksum and its columns; DamagedError if one is not what was written."""
+        for number in range(len(self.manifest["shards"])):
+            self._verified_shard(number)
         self.files()
         self.assets()
 
@@ -281,8 +298,9 @@ def open_dataset(
     if not isinstance(manifest.get("version"), int) or manifest["version"] > VERSION:
         raise UniSGError(f"{folder} was written by a newer version of this software: update it")
     known = manifest.get("form")
-    if known not in FORMS:
+    if not isinstance(known, str) or known not in FORMS:
         raise UniSGError(f"{folder} is in the form {known!r}, which this software does not know: update it")
+    check_manifest(manifest, folder / MANIFEST)
     dataset = Dataset(folder, manifest, verify, memory, vocabulary)
     if vocabulary is not None:
         used = manifest["vocabulary"] | {"categories": dataset.category_counts}

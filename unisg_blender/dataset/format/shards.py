@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from safetensors.numpy import save
 
-from ...runtime.atomic_files import DamagedError, checksum
+from ...runtime.atomic_files import DamagedError, check_plain, checksum
 from .columns import Columns
 from .schema import SCHEMA, VERSION
 
@@ -61,6 +61,7 @@ def map_shard(path: Path, expected: str | None = None) -> Shard:
         If the file is missing, cut short, no shard, or not the one expected.
     """
     try:
+        check_plain(path)
         with open(path, "rb") as file:
             data = mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ)
     except (OSError, ValueError) as error:

@@ -20,9 +20,10 @@ from ...behaviour.lesson.behaviour_links import NODE_CHANNELS
 from ...errors import UniSGError
 from ...poses import FORMS
 from ...poses.forms import STRETCH_CHANNELS
-from ...runtime.atomic_files import UNFINISHED, made_folder, write_file, write_named
+from ...runtime.atomic_files import UNFINISHED, made_folder, read_plain, write_file, write_named
 from ...runtime.folder_lock import NAME as LOCK
 from ...runtime.folder_lock import folder_lock
+from ...runtime.json_records import parse_json
 from ...runtime.steps import at_once
 from ...scene.graph import TYPES, SceneGraph
 from ..assets.asset_collector import AssetCollector
@@ -160,11 +161,14 @@ def remove_strays(folder: Path, manifest: Mapping[str, Any] | None) -> None:
 def read_manifest(folder: Path) -> dict[str, Any] | None:
     """The manifest of a dataset, None if the folder holds none."""
     try:
-        return json.loads((folder / MANIFEST).read_text("utf-8"))
+        manifest = parse_json(read_plain(folder / MANIFEST), str(folder / MANIFEST))
     except (FileNotFoundError, NotADirectoryError):
         return None
-    except (OSError, ValueError) as error:
+    except (OSError, UniSGError) as error:
         raise UniSGError(f"{folder / MANIFEST} cannot be read ({error}): choose another folder") from None
+    if not isinstance(manifest, dict):
+        raise UniSGError(f"{folder / MANIFEST} is no manifest of a dataset: choose another folder")
+    return manifest
 
 
 @contextmanager

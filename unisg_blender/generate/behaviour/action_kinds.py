@@ -146,7 +146,7 @@ class Kinds:
         try:
             kinds = [_renamed(kind, "right", "answer_rule") for kind in record["kinds"]]
             return from_record(Kinds, {**record, "kinds": kinds}, str(path))
-        except (KeyError, TypeError, UniSGError):
+        except (KeyError, TypeError, AttributeError, UniSGError):
             raise damaged(path) from None
 
 

@@ -50,7 +50,10 @@ def load_behaviour(path: Path, threads: int = 1) -> NetworkPolicy:
         If the file is missing, no ONNX file, or no model of behaviour that this software knows.
     """
     network = open_model(path, TASK, (VERSION,), "cgvae", threads)
-    return NetworkPolicy(Kinds.from_record(network.metadata, path), network)
+    kinds = Kinds.from_record(network.metadata, path)
+    network.expect("wanted", len(kinds.kinds))
+    network.expect("after", len(kinds.kinds), None)
+    return NetworkPolicy(kinds, network)
 
 
 class NetworkPolicy:

@@ -9,14 +9,19 @@ from pathlib import Path
 from typing import Any
 
 from ...errors import UniSGError, did_you_mean
+from ...poses import FORMS, STRETCH_WIDTH
 from ...runtime.json_records import from_record
 from ...runtime.onnx_session import damaged, metadata_text
+from ..counts import MOST
 from .prior_tables import PriorTables
 from .support_priors import CategoryPriors
 
 VERSION = 5
 SINCE = {"anchors": 5}
 """The first version of a kind that this software runs, where that is not 1."""
+
+WIDEST, FARTHEST = 4096, 1e4
+"""Largest latent, and largest length in metres, that a model may speak of."""
 
 TASK = "generate"
 KINDS = ("cgvae", "anchors")
@@ -78,9 +83,28 @@ class Contract:
             habits = dict(record["habits"])
             priors = {new: habits.pop(old) for old, new in PRIOR_KEYS.items() if old in habits} | habits
             rest = {name: value for name, value in record.items() if name != "habits"}
-            return from_record(Contract, rest | {"priors": priors}, str(path))
+            contract = from_record(Contract, rest | {"priors": priors}, str(path))
+            contract.check()
+            return contract
         except (KeyError, TypeError, ValueError, UniSGError):
             raise damaged(path) from None
+
+    def check(self) -> None:
+        """ValueError if numbers do not fit each other, or no training gives them."""
+        names, priors, channels = len(self.vocabulary), self.priors, len(self.mean)
+        width = FORMS[self.form].width + STRETCH_WIDTH if self.form else channels
+        found = [prior for one in priors.supports.values() for prior in one]
+        fits = {
+            "vocabulary": 0 < names == len(set(self.vocabulary)),
+            "channels": channels == len(self.scale) == width and set(self.kept) <= set(range(channels)),
+            "latent": 0 <= self.latent <= WIDEST,
+            "sizes": all(len(size) == 3 and 0 <= min(size) <= max(size) <= FARTHEST for size in priors.sizes.values()),
+            "rooms": all(len(room) == names and min(room) >= 0 and sum(room) <= MOST for room in priors.rooms),
+            "gaps": all(abs(prior.gap) <= FARTHEST and prior.count > 0 for prior in found),
+            "overlaps": all(0 <= depth <= FARTHEST for depth in priors.overlaps.values()),
+        }
+        if not all(fits.values()):
+            raise ValueError(next(name for name, right in fits.items() if not right))
 
     def check_categories(self, names: Sequence[str]) -> None:
         """UniSGError naming the known categories if one of ``names`` is unknown."""

@@ -59,4 +59,6 @@ def load_model(path: str | os.PathLike[str], threads: int = 1, kinds: Collection
         raise UniSGError(f"{path} is a model of kind {contract.kind!r}: give one from 'unisg train cgvae'")
     if network.contract < SINCE.get(contract.kind, 1):
         raise UniSGError(f"{path} was trained for an older version of this software: train it again")
+    if contract.latent:
+        network.expect("noise" if contract.kind == "cgvae" else "latent", contract.latent)
     return TrainedModel(network.path, contract, network)
