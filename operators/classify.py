@@ -7,7 +7,7 @@ from bpy.app.handlers import persistent
 
 from .base import Operator
 
-KINDS_OF: dict[str, str] = {}
+KINDS_OF: dict[str, list[str]] = {}
 """What was said of each scene, by its name, for the panel."""
 
 
@@ -31,9 +31,9 @@ class UNISG_OT_classify(Operator):
         from ..unisg_blender.predict.scene_kind import SceneModel
 
         model = SceneModel(bpy.path.abspath(self.model) if self.model else None)
-        text = str(model.classify(read_scene(context.scene, details=False)))
-        KINDS_OF[context.scene.name] = text
-        self.report({"INFO"}, text)
+        lines = model.classify(read_scene(context.scene, details=False)).lines
+        KINDS_OF[context.scene.name] = lines
+        self.report({"INFO"}, "; ".join(lines))
 
 
 @persistent

@@ -25,7 +25,7 @@ class UNISG_PT_relations(ClosedPanel):
         column.operator("unisg.relations", icon="LINKED").model = ""
         column.operator("unisg.relations", text="Predict What Is on What", icon="EXPERIMENTAL").model = SHIPPED
         column.operator("unisg.classify", icon="SCENE_DATA")
-        for line in filter(None, KINDS_OF.get(context.scene.name, "").split("; ")):
+        for line in KINDS_OF.get(context.scene.name, []):
             column.label(text=line)
         lines = _lines(context)
         column = self.layout.column(align=True)

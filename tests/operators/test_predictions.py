@@ -32,7 +32,7 @@ def test_the_network_writes_what_is_on_what(stack) -> None:
 
 def test_the_kind_of_scene_is_told_and_shown(stack, extension) -> None:
     assert bpy.ops.unisg.classify() == {"FINISHED"}
-    assert extension.operators.classify.KINDS_OF[stack.name].startswith("none of these (0 of ")
+    assert extension.operators.classify.KINDS_OF[stack.name][0].startswith("none of these (0 of ")
 
 
 def test_what_is_no_model_is_reported(stack, tmp_path: Path) -> None:

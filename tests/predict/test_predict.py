@@ -138,7 +138,7 @@ def test_what_is_like_nothing_learned_from_is_none_of_these(stack: SceneGraph) -
     assert found.foreign
     assert found.kind == ""
     assert found.distance > 2
-    assert str(found).startswith("none of these (1 of 4 objects known; ")
+    assert found.lines[0] == "none of these (1 of 4 objects known)"
 
 
 def test_categories_that_are_not_known_are_foreign_and_none_at_all_say_nothing() -> None:
@@ -157,6 +157,9 @@ def test_familiarity_is_measured_in_distances_of_held_out_scenes() -> None:
     assert like.distance(np.array([0, 3], np.float32)) == pytest.approx(1.5)
     again = Familiarity.from_record(json.loads(json.dumps(like.to_record())))
     assert (again.reach, again.categories, again.share) == (2.0, {"Cup"}, 0.8)
+    for change in ({"embeddings": []}, {"embeddings": [[1.0], [1.0, 2.0]]}, {"reach": float("nan")}):
+        with pytest.raises(UniSGError):
+            Familiarity.from_record(like.to_record() | change)
     assert again.is_foreign(2.1, 5, 5, 5)
     assert not again.is_foreign(1.9, 2, 5, 5)
     assert again.is_foreign(1.9, 1, 5, 5)

@@ -34,5 +34,5 @@ def run(args: argparse.Namespace) -> int:
         "distance": None if found.distance is None else round(found.distance, 3),
     }
     chances = ", ".join(f"{name} {value:.1%}" for name, value in found.chances.items())
-    print_report(args, report, [str(found), f"of the kinds that the model knows: {chances}"])
+    print_report(args, report, [*found.lines, f"of the kinds that the model knows: {chances}"])
     return DONE

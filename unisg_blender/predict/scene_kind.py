@@ -76,14 +76,19 @@ class KindOfScene:
         """The kind, "" for none of those that the network knows."""
         return "" if self.foreign else self.nearest
 
-    def __str__(self) -> str:
+    @property
+    def lines(self) -> list[str]:
+        """The kind, or "none of these", with how much of the scene is known; then how foreign it is, if it is."""
         likeliest = f"{self.nearest} {self.chances[self.nearest]:.1%}"
         if self.distance is None:
-            return likeliest
-        known = f"{self.known} of {self.objects} objects known"
+            return [likeliest]
+        known = f"({self.known} of {self.objects} objects known)"
         if not self.foreign:
-            return f"{likeliest} ({known})"
-        return f"none of these ({known}; {self.distance:.1f} times as far from any {self.nearest} as unseen ones are)"
+            return [f"{likeliest} {known}"]
+        return [
+            f"none of these {known}",
+            f"{self.distance:.1f} times as far from any {self.nearest} as unseen ones are",
+        ]
 
 
 @dataclass(frozen=True)
