@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
-from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +20,7 @@ from .columns import Columns, Vocabulary, check_covered, cut, join, unpack_strin
 from .encoding import widths
 from .schema import SCHEMA, VERSION
 from .shards import Shard, map_shard
+from .splits import split_rows
 from .validation import FileRecord, check_columns, check_manifest
 from .writer import MANIFEST, read_manifest
 
@@ -253,18 +253,6 @@ class Dataset:
     def split(self, fractions: Sequence[float], seed: int) -> list[NDArray[np.int64]]:
         """Scene numbers for training, validation ...; see :func:`split_rows`."""
         return split_rows(len(self), fractions, seed)
-
-
-def split_rows(count: int, fractions: Sequence[float], seed: int) -> list[NDArray[np.int64]]:
-    """Numbers below ``count`` in disjoint lists, at random by ``seed``, each ascending.
-
-    ``fractions`` are shares of the whole; what they leave over belongs to nobody.
-    """
-    if not fractions or min(fractions) < 0 or sum(fractions) > 1 + 1e-9:
-        raise UniSGError(f"the shares of a split must be positive and sum to at most 1, not {fractions}")
-    order = np.random.default_rng(seed).permutation(count)
-    ends = np.rint(np.cumsum([0, *fractions]) * count).astype(int)
-    return [np.sort(order[a:b]) for a, b in pairwise(ends)]
 
 
 def open_dataset(

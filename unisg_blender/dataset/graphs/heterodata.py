@@ -15,7 +15,8 @@ from ...scene import SceneGraph
 from ..format.columns import Columns, Vocabulary
 from ..format.encoding import MeshEncoder, Sample, encode_scenes, known_form
 from ..format.gather import gather
-from ..format.reader import open_dataset, split_rows
+from ..format.reader import open_dataset
+from ..format.splits import split_rows
 from .graph_arrays import GraphArrays, graph_arrays
 from .vocabularies import RELATION_KINDS, NumberedNames, as_names
 
@@ -186,7 +187,7 @@ class UniSGDataset(GraphDataset):
         return graph_arrays(gather(self.columns, numbers), self.vocabulary["relations"])
 
     def split(self, fractions: Sequence[float], seed: int) -> list[UniSGDataset]:
-        """Subsets for training, validation ..., at random by ``seed``; see :meth:`..format.reader.Dataset.split`."""
+        """Subsets for training, validation ..., at random by ``seed``; see :func:`..format.splits.split_rows`."""
         return [self.index_select(rows.tolist()) for rows in split_rows(len(self), fractions, seed)]
 
     def loader(self, batch_size: int, shuffle: bool = False, workers: int = 0, seed: int = 0) -> Any:
