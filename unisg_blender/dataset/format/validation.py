@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ...errors import UniSGError
 from ...runtime.atomic_files import DamagedError
-from ...runtime.json_records import from_record
+from ...runtime.json_records import from_record, parse_json
 from .behaviour_rows import LINKS
 from .columns import Columns, scene_count
 from .schema import COLUMNS, REFERENCES, STRINGS, TABLES, VOCABULARIES, table_of
@@ -100,6 +100,17 @@ def check_manifest(manifest: Mapping[str, Any], path: Path) -> None:
         or not record.shards
     ):
         raise DamagedError(f"{path} is damaged: its numbers do not fit each other; export it again")
+
+
+def file_records(data: bytes, path: Path) -> list[dict[str, Any]]:
+    """The records of a list of exported files; DamagedError if a line is none."""
+    try:
+        records = [parse_json(line, "a line") for line in data.split(b"\n") if line]
+        for record in records:
+            from_record(FileRecord, record, "a line")
+    except UniSGError as error:
+        raise DamagedError(f"{path} is damaged: {error}; export it again") from None
+    return records
 
 
 def check_columns(
