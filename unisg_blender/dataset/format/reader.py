@@ -196,8 +196,7 @@ class Dataset:
     def _verified_shard(self, number: int) -> Shard:
         path, entry = self._shard_path(number), self.manifest["shards"][number]
         shard = map_shard(path, entry["sha256"])
-        names, types = self.manifest["vocabulary"], len(self.manifest["types"])
-        check_columns(shard.columns, path, entry, self.widths, names, types)
+        check_columns(shard.columns, path, entry, self.widths, self.manifest)
         shard.release()
         return shard
 

@@ -114,9 +114,8 @@ def file_records(data: bytes, path: Path) -> list[dict[str, Any]]:
 
 
 def check_columns(
-    columns: Columns, path: Path, entry: Mapping[str, Any], widths: Mapping[str, int],
-    vocabulary: Mapping[str, Sequence[str]], types: int,
-) -> None:  # fmt: skip
+    columns: Columns, path: Path, entry: Mapping[str, Any], widths: Mapping[str, int], manifest: Mapping[str, Any]
+) -> None:
     """Look at every column of a shard, once.
 
     Parameters
@@ -125,10 +124,8 @@ def check_columns(
         What the manifest says of the shard.
     widths
         Of rows, by their names in :data:`.schema.COLUMNS`.
-    vocabulary
-        The names that numbers stand for.
-    types
-        How many types of entities there are.
+    manifest
+        Of the dataset.
 
     Raises
     ------
@@ -139,7 +136,7 @@ def check_columns(
     try:
         _check_tables(columns, entry, widths)
         _check_strings(columns)
-        _check_ranges(columns, vocabulary, types)
+        _check_ranges(columns, manifest["vocabulary"], len(manifest["types"]))
     except _WrongColumn as wrong:
         raise DamagedError(f"{path} is damaged: its column {wrong.args[0]!r} is wrong; export it again") from None
 
