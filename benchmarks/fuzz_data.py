@@ -151,7 +151,7 @@ def _packed_changed(data: bytes, rng: Random) -> bytes:
         return with_other_bytes(data, rng)
     size = int.from_bytes(data[:8], "little")
     notes = json.loads(data[8 : 8 + size])["__metadata__"]
-    arrays = load(data)
+    arrays = dict(sorted(load(data).items()))  # safetensors shuffles them
     if rng.random() < 0.5:
         key = next((key for key in notes if notes[key].startswith("{")), next(iter(notes)))
         notes[key] = _text(mutated(json.loads(notes[key]), rng))

@@ -87,6 +87,10 @@ def main(argv: Sequence[str] | None = None) -> int:
     except BrokenPipeError:  # the reader of our output (head, less) has gone: that is its right
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
+    except OSError as error:  # a name too long, a disk that fails: what no reader has put into words
+        name = "" if error.filename is None else f"{str(error.filename)[:200]}: "
+        print(f"unisg {words[0]}: {one_line(f'{name}{error.strerror or error}')}", file=sys.stderr)
+        return UNUSABLE_INPUT
     except KeyboardInterrupt:
         print(f"unisg {words[0]}: stopped", file=sys.stderr)
         return 130

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import tempfile
 from collections.abc import Iterable
 from pathlib import Path
@@ -63,5 +64,5 @@ def check_folder(option: str, path: Path | None, others: Iterable[Path | None] =
 
 def _check_differs(option: str, path: Path, others: Iterable[Path | None]) -> None:
     for other in others:
-        if other is not None and other.resolve() == path.resolve():
+        if other is not None and os.path.realpath(other) == os.path.realpath(path):
             raise UniSGError(f"cannot write {path}: it is read, or written as something else; give another {option}")

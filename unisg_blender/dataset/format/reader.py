@@ -14,14 +14,13 @@ from numpy.typing import NDArray
 from ...errors import UniSGError
 from ...poses import FORMS
 from ...runtime.atomic_files import DamagedError, checksum, checksum_of, read_plain
-from ...runtime.json_records import from_record, parse_json
 from ..assets.asset_file import AssetFile
 from .columns import Columns, Vocabulary, check_covered, cut, join, unpack_strings
 from .encoding import widths
 from .schema import SCHEMA, VERSION
 from .shards import Shard, map_shard
 from .splits import split_rows
-from .validation import FileRecord, check_columns, check_manifest
+from .validation import check_columns, check_manifest, file_records
 from .writer import MANIFEST, read_manifest
 
 MEMORY = 2**30
@@ -197,8 +196,7 @@ class Dataset:
     def _verified_shard(self, number: int) -> Shard:
         path, entry = self._shard_path(number), self.manifest["shards"][number]
         shard = map_shard(path, entry["sha256"])
-        names, types = self.manifest["vocabulary"], len(self.manifest["types"])
-        check_columns(shard.columns, path, entry, self.widths, names, types)
+        check_columns(shard.columns, path, entry, self.widths, self.manifest)
         shard.release()
         return shard
 
@@ -222,13 +220,7 @@ class Dataset:
             raise DamagedError(f"{self.path / entry['file']} cannot be read: {error.strerror}") from None
         if checksum(data) != entry["sha256"]:
             raise DamagedError(f"{self.path / entry['file']} is damaged: its checksum is not the one in the manifest")
-        try:
-            records = [parse_json(line, "a line") for line in data.split(b"\n") if line]
-            for record in records:
-                from_record(FileRecord, record, "a line")
-        except UniSGError as error:
-            raise DamagedError(f"{self.path / entry['file']} is damaged: {error}; export it again") from None
-        return records
+        return file_records(data, self.path / entry["file"])
 
     def assets(self) -> AssetFile | None:
         """What the dataset has of its scenes' geometry (see :mod:`..assets.asset`); None if it has none."""

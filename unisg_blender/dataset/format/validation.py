@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ...errors import UniSGError
 from ...runtime.atomic_files import DamagedError
-from ...runtime.json_records import from_record
+from ...runtime.json_records import from_record, parse_json
 from .behaviour_rows import LINKS
 from .columns import Columns, scene_count
 from .schema import COLUMNS, REFERENCES, STRINGS, TABLES, VOCABULARIES, table_of
@@ -102,10 +102,20 @@ def check_manifest(manifest: Mapping[str, Any], path: Path) -> None:
         raise DamagedError(f"{path} is damaged: its numbers do not fit each other; export it again")
 
 
+def file_records(data: bytes, path: Path) -> list[dict[str, Any]]:
+    """The records of a list of exported files; DamagedError if a line is none."""
+    try:
+        records = [parse_json(line, "a line") for line in data.split(b"\n") if line]
+        for record in records:
+            from_record(FileRecord, record, "a line")
+    except UniSGError as error:
+        raise DamagedError(f"{path} is damaged: {error}; export it again") from None
+    return records
+
+
 def check_columns(
-    columns: Columns, path: Path, entry: Mapping[str, Any], widths: Mapping[str, int],
-    vocabulary: Mapping[str, Sequence[str]], types: int,
-) -> None:  # fmt: skip
+    columns: Columns, path: Path, entry: Mapping[str, Any], widths: Mapping[str, int], manifest: Mapping[str, Any]
+) -> None:
     """Look at every column of a shard, once.
 
     Parameters
@@ -114,10 +124,8 @@ def check_columns(
         What the manifest says of the shard.
     widths
         Of rows, by their names in :data:`.schema.COLUMNS`.
-    vocabulary
-        The names that numbers stand for.
-    types
-        How many types of entities there are.
+    manifest
+        Of the dataset.
 
     Raises
     ------
@@ -128,7 +136,7 @@ def check_columns(
     try:
         _check_tables(columns, entry, widths)
         _check_strings(columns)
-        _check_ranges(columns, vocabulary, types)
+        _check_ranges(columns, manifest["vocabulary"], len(manifest["types"]))
     except _WrongColumn as wrong:
         raise DamagedError(f"{path} is damaged: its column {wrong.args[0]!r} is wrong; export it again") from None
 
