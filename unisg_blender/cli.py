@@ -86,6 +86,10 @@ def main(argv: Sequence[str] | None = None) -> int:
     except BrokenPipeError:  # the reader of our output (head, less) has gone: that is its right
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
+    except OSError as error:  # a name that is too long, a disk that is full
+        where = f"{error.filename}: " if error.filename else ""
+        print(f"unisg {words[0]}: {where}{error.strerror or error}", file=sys.stderr)
+        return UNUSABLE_INPUT
     except KeyboardInterrupt:
         print(f"unisg {words[0]}: stopped", file=sys.stderr)
         return 130

@@ -62,8 +62,15 @@ def quiet() -> Iterator[list[str]]:
     try:
         yield messages
     finally:
-        messages += [plain(item.commentary) for item in delegate.TakeUncoalescedDiagnostics()]
+        messages += [_said(item) for item in delegate.TakeUncoalescedDiagnostics()]
         del delegate
+
+
+def _said(diagnostic: Any) -> str:
+    try:
+        return plain(diagnostic.commentary)
+    except UnicodeDecodeError:  # USD quotes bytes of the damaged file
+        return "it holds bytes that are no text"
 
 
 def _check_file(file: Path) -> None:
