@@ -29,7 +29,7 @@ def files_beside(path: Path) -> list[Path]:
 
         found = linked_files()
     elif is_of(path, USD):
-        from ..usd.read.stage import layer_files
+        from ..usd.read.layer_files import layer_files
 
         found = layer_files(path)
     else:

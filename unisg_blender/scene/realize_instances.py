@@ -7,12 +7,15 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from ..errors import UniSGError
 from .action_data import ActionData
 from .component_table import Table, table
 from .components import ACTIONS, INSTANCES, RELATIONS, WORLD
 from .graph import SceneGraph
 from .identity import derived_uid, retarget_copy
 from .merge import append
+
+MOST_ENTITIES = 1_000_000
 
 
 def realize(graph: SceneGraph) -> SceneGraph:
@@ -21,10 +24,18 @@ def realize(graph: SceneGraph) -> SceneGraph:
     A copy's uid is derived from the uids of its original and of the entity that
     has it, and from its number there, so the same scene always gives the same uids;
     actions and relations inside a copy point to the copies.
+
+    Raises
+    ------
+    UniSGError
+        If there would be more than :data:`MOST_ENTITIES`.
     """
     found = graph.components.get(INSTANCES)
     if found is None:
         return graph
+    count = count_copies(graph)
+    if count > MOST_ENTITIES:
+        raise UniSGError(f"its instances would be {count:,} entities, more than {MOST_ENTITIES:,}: keep them instances")
     realized: dict[int, SceneGraph] = {}
     copies, owners = [], [graph.uid[row] for row in found.rows]
     bare = graph.with_component(INSTANCES, Table(np.zeros(0, np.int32), {}))
@@ -36,6 +47,20 @@ def realize(graph: SceneGraph) -> SceneGraph:
         owner = f"{owners[number]} {number}"
         copies.append(_copy(realized[id(prototype)], owner, matrix, graph.world[row] @ matrix))
     return append(bare, copies, owners)
+
+
+def count_copies(graph: SceneGraph, counted: dict[int, int] | None = None) -> int:
+    """How many entities the instances of a scene, and those inside them, would become.
+
+    ``counted`` keeps the numbers of prototypes, by id.
+    """
+    counted = {} if counted is None else counted
+    total = 0
+    for _, prototype in graph.entries(INSTANCES, "prototype"):
+        if id(prototype) not in counted:
+            counted[id(prototype)] = len(prototype) + count_copies(prototype, counted)
+        total += counted[id(prototype)]
+    return total
 
 
 def _copy(prototype: SceneGraph, owner: str, matrix: NDArray[np.float64], world: NDArray[np.float64]) -> SceneGraph:

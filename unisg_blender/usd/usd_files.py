@@ -10,8 +10,13 @@ from typing import TYPE_CHECKING
 from ..errors import UniSGError
 from ..runtime.atomic_files import replacing
 from ..runtime.file_endings import USD, is_of
+from ..scene.parents import depths
 from .entity_progress import Progress, ticks
 from .pxr_library import require_pxr
+from .read.nesting import DEEPEST
+
+MOST_LEVELS = DEEPEST - 100
+"""Levels of parents in a scene, so that what is written can be read."""
 
 if TYPE_CHECKING:
     from ..scene.graph import SceneGraph
@@ -43,11 +48,15 @@ def write_usd(graph: SceneGraph, path: str | os.PathLike[str], progress: Progres
 
     from .write.layer_writer import nested_graphs, write_layer
 
+    graphs = nested_graphs(graph)
+    levels = max(int(depths(each.parent).max(initial=0)) for each in graphs)
+    if levels > MOST_LEVELS:
+        raise UniSGError(f"{path}: {levels} levels of parents are more than the {MOST_LEVELS} that USD files can have")
     with replacing(path) as temporary, TemporaryDirectory() as folder:
         packed = path.suffix.lower() == ".usdz"
         place = Path(folder, "scene.usdc") if packed else temporary
         layer = Sdf.Layer.CreateNew(str(place))
-        write_layer(graph, layer, ticks(sum(map(len, nested_graphs(graph))), progress))
+        write_layer(graph, layer, ticks(sum(map(len, graphs)), progress))
         if not layer.Save():
             raise UniSGError(f"{path}: USD could not write this file")
         del layer
@@ -79,7 +88,7 @@ def read_usd(path: str | os.PathLike[str], progress: Progress | None = None) -> 
     if not is_of(path, USD):
         raise UniSGError(f"{path}: a USD file ends in {', '.join(USD)}")
     if not path.is_file():
-        raise UniSGError(f"{path}: there is no such file")
+        raise UniSGError(f"{path}: " + ("is no file" if path.exists() else "there is no such file"))
     require_pxr()
     from .read.stage import open_stage
     from .read.stage_reader import read_stage

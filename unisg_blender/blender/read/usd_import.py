@@ -6,12 +6,13 @@ becomes an empty, and an entity with children an empty with its mesh below it.
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
+from ...errors import UniSGError
+from ...runtime.json_records import parse_json
 from ...scene.component_table import table
 from ...scene.graph import SceneGraph
 from ...scene.hierarchy import take
@@ -34,8 +35,8 @@ def as_written(values: Mapping[str, Any]) -> dict[str, Any]:
     found = {name: value for name, value in values.items() if not name.startswith(PREFIX)}
     if PROPERTIES in values:
         try:
-            found = dict(json.loads(values[PROPERTIES])) | found
-        except (TypeError, ValueError):
+            found = dict(parse_json(values[PROPERTIES], PROPERTIES)) | found
+        except (UniSGError, TypeError, ValueError, AttributeError):
             found[PROPERTIES] = values[PROPERTIES]
     if VERSION in values:
         found[HELPER] = 1

@@ -6,7 +6,7 @@ import numpy as np
 
 from ...scene import SceneGraph, Table
 from ...scene.components import INSTANCES
-from ...scene.realize_instances import realize
+from ...scene.realize_instances import count_copies, realize
 
 MOST_COPIES = 10_000
 """Entities that instances may become in one scene; grass and gravel are no objects."""
@@ -25,14 +25,6 @@ def realize_objects(graph: SceneGraph) -> tuple[SceneGraph, str]:
     if copies > MOST_COPIES:
         return graph, f"{copies} copies in instances (more than {MOST_COPIES} are left out)"
     return realize(graph.with_component(INSTANCES, _categorised(graph, instances))), ""
-
-
-def count_copies(graph: SceneGraph) -> int:
-    """How many entities the instances of a scene, and those inside them, would become."""
-    shown = [prototype for _, prototype in graph.entries(INSTANCES, "prototype")]
-    prototypes = {id(prototype): prototype for prototype in shown}
-    sizes = {key: len(prototype) + count_copies(prototype) for key, prototype in prototypes.items()}
-    return sum(sizes[id(prototype)] for prototype in shown)
 
 
 def _categorised(graph: SceneGraph, instances: Table) -> Table:

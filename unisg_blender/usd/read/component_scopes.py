@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import warnings
 from collections.abc import Sequence
 from typing import Any
@@ -10,6 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...errors import UniSGError
+from ...runtime.json_records import parse_json
 from ...scene.component_table import Table, table
 from .. import schema
 from ..names import true_name
@@ -26,7 +27,7 @@ def read_components(holder: Any, uids: Sequence[str]) -> dict[str, Table]:
         name = true_name(prim)
         try:
             found = _read_table(prim, row_of_uid)
-        except (TypeError, ValueError, KeyError, AttributeError, IndexError, RecursionError) as error:
+        except (TypeError, ValueError, KeyError, AttributeError, IndexError, UniSGError) as error:
             warnings.warn(f"{prim.GetPath()}: damaged component table: {error}", stacklevel=2)
             continue
         if len(found.rows):
@@ -37,7 +38,7 @@ def read_components(holder: Any, uids: Sequence[str]) -> dict[str, Table]:
 def _read_table(prim: Any, row_of_uid: dict[str, int]) -> Table:
     entities = list(prim.GetAttribute(schema.ENTITIES).Get() or ())
     kept = [item for item, uid in enumerate(entities) if uid in row_of_uid]
-    layout = json.loads(prim.GetAttribute(schema.LAYOUT).Get())
+    layout = parse_json(prim.GetAttribute(schema.LAYOUT).Get(), schema.LAYOUT)
     columns = {}
     for identifier, form in layout.items():
         value = prim.GetAttribute(schema.COLUMN + identifier).Get()
@@ -50,7 +51,7 @@ def decode_column(values: Any, form: str, shape: tuple[int, ...]) -> NDArray[Any
     values = () if values is None else values
     if form in ("str", "tuple", "json"):
         flat = np.empty(len(values), object)
-        flat[:] = [text if form == "str" else json.loads(text) for text in values]
+        flat[:] = [text if form == "str" else parse_json(text, "an entry") for text in values]
         if form == "tuple":
             flat[:] = [tuple(value) for value in flat]
     elif np.dtype(form).kind == "U":

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -10,6 +9,8 @@ from typing import Any
 
 import numpy as np
 
+from ...errors import UniSGError
+from ...runtime.json_records import parse_json
 from ...scene import properties
 from ...scene.properties import ObjectProperties, decode_properties
 from ...scene.relation import Relation
@@ -115,8 +116,8 @@ def _custom_values(prim: Any, authored: Sequence[str]) -> dict[str, Any]:
 
 def _json_values(prim: Any, text: str) -> dict[str, Any]:
     try:
-        values = json.loads(text)
-    except (TypeError, ValueError, RecursionError):
+        values = parse_json(text, schema.PROPERTIES)
+    except (UniSGError, AttributeError):
         values = None
     if not isinstance(values, dict):
         warnings.warn(f"{prim.GetPath()}: {schema.PROPERTIES} is no JSON object", stacklevel=2)

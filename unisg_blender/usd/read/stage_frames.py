@@ -33,7 +33,8 @@ def with_frame_range(graph: SceneGraph, stage: Any, codes: float, frame: Any = N
     rate = shown if is_rate(shown) else codes
     factor = rate / codes
     if stage.HasAuthoredTimeCodeRange():
-        start, end = frames_at([stage.GetStartTimeCode(), stage.GetEndTimeCode()], factor)
+        ends = [stage.GetStartTimeCode(), stage.GetEndTimeCode()]
+        start, end = ends if factor == 1 else frames_at(ends, factor)
     elif (moving := frame_range_of(graph)) is not None:
         start, end = frames_at([moving.start, moving.end], rate / moving.rate)
     else:

@@ -24,8 +24,9 @@ from .elements import is_elements, read_elements
 from .entity_attributes import read_entries
 from .entity_selection import find_entities
 from .instancers import read_instances
+from .layer_files import quiet
 from .mesh_prims import MeshPrims
-from .stage import quiet, stage_frame
+from .stage import stage_frame
 from .stage_frames import with_frame_range
 from .time_samples import read_motion
 from .unsupported_prims import tell_losses
@@ -74,8 +75,11 @@ def read_stage(stage: Any, title: str, progress: Progress | None = None) -> Scen
     UniSGError
         If the stage was written by a newer version.
     """
-    with quiet() as messages:
-        graph = read_elements(stage, title) if is_elements(stage) else _read_scene(stage, title, progress)
+    try:
+        with quiet() as messages:
+            graph = read_elements(stage, title) if is_elements(stage) else _read_scene(stage, title, progress)
+    except RecursionError:
+        raise UniSGError(f"{title}: its instances nest too deeply to be read") from None
     for text in dict.fromkeys(messages):
         warnings.warn(f"{title}: {text}", stacklevel=3)
     return graph

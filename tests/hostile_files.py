@@ -1,0 +1,135 @@
+"""Damaged scene files by seed, and a process that reads them: each gives a scene or one UniSGError.
+
+``python -m tests.hostile_files FILE...`` reads files one after the other and prints what came of each.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import signal
+import subprocess
+import sys
+import tempfile
+import traceback
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+LIMIT = 10
+"""Seconds that one file may take."""
+NUMBERS = (
+    "0", "-1", "nan", "inf", "-inf", "1e308", "-1e308", "1e-308", "2147483648", "-2147483649", "99999999999", "1e39",
+    "9" * 400, '"x"', "[]", "{}", "null", "true",
+)  # fmt: skip
+WORDS = re.compile(rb'-?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?|"[^"\n]*"|[A-Za-z_:]+|[\[\](){}<>,=]')
+MAKE = """
+import sys
+from pathlib import Path
+import bpy
+from unisg_blender.formats import write_scene_file
+from unisg_blender.worlds import WORLDS
+folder = Path(sys.argv[1])
+graph = WORLDS["living-room"](3)
+for ending in ("usda", "usdc", "usdz", "json", "blend"):
+    write_scene_file(graph, folder / f"sound.{ending}")
+bpy.ops.preferences.addon_enable(module="io_scene_gltf2")
+for ending, form in (("glb", "GLB"), ("gltf", "GLTF_SEPARATE")):
+    bpy.ops.export_scene.gltf(filepath=str(folder / f"sound.{ending}"), export_format=form)
+"""
+
+
+def make_sound_files(folder: Path) -> None:
+    """One small scene in every kind of file, ``sound.*``."""
+    subprocess.run([sys.executable, "-c", MAKE, str(folder)], check=True, capture_output=True, timeout=120)
+
+
+def damaged(data: bytes, text: bool, rng: np.random.Generator) -> bytes:
+    """The bytes of a file with one to three damages."""
+    for _ in range(int(rng.integers(1, 4))):
+        data = _word_damage(data, rng) if text and rng.random() < 0.8 else _byte_damage(data, rng)
+    return data
+
+
+def _word_damage(data: bytes, rng: np.random.Generator) -> bytes:
+    """A word taken out, doubled, or replaced by a number or by another word."""
+    words = list(WORDS.finditer(data))
+    if not words:
+        return data
+    found, other = (words[int(rng.integers(len(words)))] for _ in range(2))
+    number = NUMBERS[int(rng.integers(len(NUMBERS)))].encode()
+    new = (b"", found[0] * 2, number, number, other[0])[int(rng.integers(5))]
+    return data[: found.start()] + new + data[found.end() :]
+
+
+def _byte_damage(data: bytes, rng: np.random.Generator) -> bytes:
+    """Bytes flipped, taken out, or the end cut off."""
+    if len(data) < 2:
+        return data
+    place, kind = int(rng.integers(len(data))), int(rng.integers(4))
+    if kind == 0:
+        return data[:place]
+    if kind == 1:
+        return data[:place] + data[place + int(rng.integers(1, 200)) :]
+    length = int(rng.integers(1, 9))
+    return data[:place] + rng.bytes(length) + data[place + length :]
+
+
+def outcomes(files: Sequence[Path]) -> dict[Path, str]:
+    """What comes of reading each file in other processes: "scene", "refused: ...", or what should not be."""
+    found: dict[Path, str] = {}
+    with tempfile.TemporaryDirectory() as scratch:
+        while waiting := [file for file in files if file not in found]:
+            command = [sys.executable, "-m", "tests.hostile_files", *map(str, waiting)]
+            environment = os.environ | {"TMPDIR": scratch}
+            done = subprocess.run(
+                command, capture_output=True, text=True, errors="replace", env=environment, check=False
+            )
+            told = [json.loads(line) for line in done.stdout.splitlines() if line.startswith('["')]
+            found |= {Path(name): outcome for name, outcome in told}
+            if len(told) < len(waiting):
+                file = waiting[len(told)]
+                found[file] = "hang" if done.returncode == -signal.SIGALRM else f"crash: status {done.returncode}"
+        left = sorted(path.name for path in Path(scratch).iterdir() if not path.name.startswith("blender_"))
+    return found | ({Path("leftovers"): f"left behind: {left}"} if left else {})
+
+
+def is_fault(outcome: str) -> bool:
+    """Whether that should not come of a file."""
+    return outcome != "scene" and not outcome.startswith("refused: ")
+
+
+def read_one(file: Path) -> str:
+    """Read a file, and write what was read as JSON and USD."""
+    from unisg_blender.errors import UniSGError
+    from unisg_blender.formats.scene_files import read_scene_file, write_scene_file
+
+    try:
+        graph, _ = read_scene_file(file, animation=True)
+        with tempfile.TemporaryDirectory() as folder:
+            for ending in ("json", "usdc"):
+                write_scene_file(graph, Path(folder, f"again.{ending}"))
+    except UniSGError as error:
+        lines = str(error).splitlines()
+        return f"refused: {error}" if len(lines) == 1 else f"several lines: {lines}"
+    except Exception:
+        return traceback.format_exc()
+    return "scene"
+
+
+def main() -> None:
+    """Read the files that the command line names, in the order given."""
+    from unisg_blender.formats.scene_files import load_blender
+
+    load_blender()
+    signal.signal(signal.SIGALRM, signal.SIG_DFL)
+    for name in sys.argv[1:]:
+        signal.alarm(LIMIT)
+        print(json.dumps([name, read_one(Path(name))]), flush=True)
+    os._exit(0)
+
+
+if __name__ == "__main__":
+    main()
