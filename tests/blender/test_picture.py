@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 from tests.blender.helpers import add, box
+from tests.spatial.built_rooms import SQUARE, joined, room
 from unisg_blender import UniSGError
-from unisg_blender.blender import render_picture
+from unisg_blender.blender import RoomView, render_picture
 from unisg_blender.blender.render.picture import category_colors
 
 
@@ -58,6 +59,44 @@ def test_what_cannot_be_shown(tmp_path: Path) -> None:
     with pytest.raises(UniSGError, match="does not exist"):
         render_picture(tmp_path / "no folder" / "view.png")
     assert not list(tmp_path.iterdir())
+
+
+def house(name: str = "House") -> RoomView:
+    """A closed house of one mesh, 5 x 4 m with walls of 0.2 m, and a red ball in its middle."""
+    points, faces = joined(list(room(SQUARE, 0.2, roof=True).values()))
+    mesh = bpy.data.meshes.new(name)
+    mesh.from_pydata(points.tolist(), [], faces)
+    add(name, mesh)
+    ball = add("Ball", box("Ball"))
+    ball.location, ball.scale, ball["unisg_category"] = (2.5, 2.0, 0.5), (1.2, 1.2, 1.2), "Ball"
+    add("Tree", box("Tree")).location = (9, -6, 1)
+    bpy.context.view_layer.update()
+    return RoomView(SQUARE, 0.0, 2.5, {name})
+
+
+def test_a_look_into_a_room(tmp_path: Path) -> None:
+    view = house()
+    kinds = ("scenes", "objects", "meshes")
+    before = [list(getattr(bpy.data, kind).keys()) for kind in kinds]
+    count = len(bpy.data.objects["House"].data.polygons)
+    seen = {}
+    for name, room_view in (("closed", None), ("open", view)):
+        render_picture(tmp_path / f"{name}.png", size=(160, 120), room=room_view)
+        picture = pixels(tmp_path / f"{name}.png")[..., :3]
+        seen[name] = (picture.max(axis=2) - picture.min(axis=2) > 0.15).mean()  # what has a strong colour: the ball
+    assert seen["closed"] == 0
+    assert seen["open"] > 0.01
+    assert [list(getattr(bpy.data, kind).keys()) for kind in kinds] == before
+    assert len(bpy.data.objects["House"].data.polygons) == count
+
+
+def test_ceilings_and_walls_in_front_hide_a_room() -> None:
+    view = RoomView(SQUARE, 0.0, 2.5, ())
+    over, in_front = [[2.5, 2, 2.5], [2.5, 2, 2.6]], [[5, 2, 1.2], [2.5, 0, 1.2], [2.5, -0.2, 1.2]]
+    seen = [[0, 2, 1.2], [2.5, 4, 1.2], [2.5, 2, 0], [2.5, 0, 0], [2.5, 0.5, 0.7]]
+    faces = np.array([*over, *in_front, *seen], float)
+    hidden = view.hides(faces, np.array([-0.55, 0.75, -0.75]))
+    assert hidden.tolist() == [True, True, True, True, True, False, False, False, False, False]
 
 
 def test_colors_are_distinct() -> None:

@@ -21,9 +21,10 @@ from .lookup import objects_by_uid
 from .read.sampled_animation import sample_animation
 from .read.scene_reader import read_scene, read_scenes
 from .render.picture import render_picture
+from .render.room_view import RoomView
 from .write.scene_writer import write_rows, write_scene
 
 __all__ = [
-    "SUFFIXES", "ReadReport", "new_file", "objects_by_uid", "open_file", "read_file", "read_scene", "read_scenes",
-    "render_picture", "sample_animation", "save_blend", "write_rows", "write_scene",
+    "SUFFIXES", "ReadReport", "RoomView", "new_file", "objects_by_uid", "open_file", "read_file", "read_scene",
+    "read_scenes", "render_picture", "sample_animation", "save_blend", "write_rows", "write_scene",
 ]  # fmt: skip

@@ -18,6 +18,7 @@ from .common import add_limit, add_mapping, print_report, read_shown, shown_line
 from .outputs import check_file
 
 if TYPE_CHECKING:
+    from ..blender import RoomView
     from ..generate import Generated
 
 HELP = "Add objects to an empty or an existing scene with a trained model."
@@ -84,6 +85,22 @@ def _check(args: argparse.Namespace) -> None:
     check_kinds(args.scene, args.out)
 
 
+def _room_view(result: Generated) -> RoomView | None:
+    """The room that most new objects are in, where it had to be recognised; else the scene is shown as it is."""
+    from ..blender import RoomView
+    from ..spatial.structure.room_objects import room_objects
+
+    scene = result.scene
+    structure = room_objects(scene, ()).structure
+    if structure is None:
+        return None
+    numbers = [structure.room_at(item.world[:3, 3]) for item in result.objects if item.world is not None]
+    if not any(number >= 0 for number in numbers):
+        return None
+    room = structure.rooms[Counter(number for number in numbers if number >= 0).most_common(1)[0][0]]
+    return RoomView(room.outline, room.floor, room.ceiling, {scene.name[row] for row in structure.parts})
+
+
 def _write(args: argparse.Namespace, result: Generated) -> None:
     """Write the scene and its picture, both or none of them."""
     in_blender = is_of(args.out, BLENDER)
@@ -93,7 +110,7 @@ def _write(args: argparse.Namespace, result: Generated) -> None:
         if picture is not None:
             from ..blender import render_picture
 
-            render_picture(picture, leave_out=("Ceiling",))
+            render_picture(picture, leave_out=("Ceiling",), room=_room_view(result))
         if in_blender:
             from ..blender import save_blend
 

@@ -27,8 +27,10 @@ if TYPE_CHECKING:
     from ..predict.category_proposals import Proposal
     from ..scene import SceneGraph
 
-HELP = "Propose categories for the objects of a scene that have none, from shape, size, name and neighbours."
-EVIDENCE = ("shape", "name", "neighbours")
+HELP = (
+    "Propose categories for the objects of a scene that have none, from shape, name, neighbours, and place in the room."
+)
+EVIDENCE = ("shape", "name", "neighbours", "structure")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -38,7 +40,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--best", metavar="N", type=whole(1, 1000), default=3, help="categories to name for each object (3)"
     )
-    parser.add_argument("--use", metavar="KINDS", default=",".join(EVIDENCE), help="evidence (shape,name,neighbours)")
+    parser.add_argument("--use", metavar="KINDS", default=",".join(EVIDENCE), help=f"evidence ({','.join(EVIDENCE)})")
     parser.add_argument("--all", action="store_true", help="also for objects that have a category")
     add_limit(parser, "objects of a file")
     parser.add_argument("--model", metavar="M", type=Path, help="model of categories (default: the shipped one)")

@@ -18,11 +18,15 @@ from ..scene.assembly import index_categories
 from ..scene.graph import SceneGraph
 from ..scene.hierarchy import local_bounds, world_matrices
 from ..spatial import oriented_boxes
+from ..spatial.structure import recognise_structure
 from .category_model import LabelModel
 
 BESIDE = 0.5
 """Boxes whose spheres come nearer than this, in metres, stand beside each other."""
 MOST_NEIGHBOURS = 12
+
+SURE, LONG_WALL = 0.9, 2.0
+"""Confidence of what the structure of a room tells, and metres of a wall at least: shorter pieces may be furniture."""
 
 
 @dataclass(frozen=True)
@@ -47,7 +51,7 @@ class Proposal:
 
 def propose_categories(
     graph: SceneGraph, model: LabelModel | None = None, encoder: AtlasNetEncoder | None = None, *,
-    rows: Sequence[int] | None = None, best: int = 3, use: Sequence[str] = ("shape", "name", "neighbours"),
+    rows: Sequence[int] | None = None, best: int = 3, use: Sequence[str] = ("shape", "name", "neighbours", "structure"),
 ) -> list[Proposal]:  # fmt: skip
     """Propose categories for entities that have a mesh and no category.
 
@@ -62,7 +66,8 @@ def propose_categories(
     best
         How many categories to name for each entity.
     use
-        Kinds of evidence: "shape" (mesh and size), "name" and "neighbours".
+        Kinds of evidence: "shape" (mesh and size), "name", "neighbours", and "structure": what is floor, wall or
+        ceiling of a room is told by where it is, not by how it looks.
 
     Returns
     -------
@@ -81,12 +86,26 @@ def propose_categories(
         scores += np.stack([model.name_scores((graph.name[row], graph.meshes[graph.mesh[row]].name)) for row in wanted])
     if "neighbours" in use:
         scores += model.beside_weight * _neighbour_scores(graph, wanted, softmax(scores, axis=1), model)
+    building = _building(graph) if "structure" in use else {}
     proposals = []
     for row, chances in zip(wanted.tolist(), softmax(scores, axis=1), strict=True):
-        order = np.argsort(-chances, kind="stable")[:best]
-        categories = tuple((model.vocabulary[k], float(chances[k])) for k in order)
-        proposals.append(Proposal(row, graph.uid[row], graph.name[row], categories))
+        told = [(building[row], SURE)] if row in building else []
+        left = 1 - sum(chance for _, chance in told)
+        order = [k for k in np.argsort(-chances, kind="stable") if model.vocabulary[k] != building.get(row)]
+        told += [(model.vocabulary[k], left * float(chances[k])) for k in order[: best - len(told)]]
+        proposals.append(Proposal(row, graph.uid[row], graph.name[row], tuple(told)))
     return proposals
+
+
+def _building(graph: SceneGraph) -> dict[int, str]:
+    """By row what is floor, ceiling or, where it is long enough, wall of a room, and nothing else."""
+    structure = recognise_structure(graph)
+    length: dict[int, float] = {}
+    for room in structure.rooms:
+        for wall in room.walls:
+            length[wall.row] = length.get(wall.row, 0.0) + wall.length
+    alone = {row: kinds[0] for row, kinds in structure.parts.items() if len(kinds) == 1}
+    return {row: kind for row, kind in alone.items() if kind != "Wall" or length[row] >= LONG_WALL}
 
 
 def accept(graph: SceneGraph, proposals: Sequence[Proposal], threshold: float = 0.0) -> SceneGraph:

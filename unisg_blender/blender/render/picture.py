@@ -5,7 +5,7 @@ from __future__ import annotations
 import colorsys
 import os
 from collections.abc import Collection, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from typing import Literal
 
@@ -20,6 +20,7 @@ from ...scene.categories import STRUCTURE
 from ...scene.properties import CATEGORY
 from ..depsgraph import updated_depsgraph
 from ..suppress_output import captured_output
+from .room_view import RoomView, opened
 
 View = Literal["perspective", "top"]
 Engine = Literal["workbench", "cycles"]
@@ -40,6 +41,7 @@ def render_picture(
     engine: Engine = "workbench",
     leave_out: Collection[str] = (),
     points: NDArray[np.float64] | None = None,
+    room: RoomView | None = None,
 ) -> None:
     """Render a scene into a PNG file; the scene itself is not changed.
 
@@ -60,6 +62,8 @@ def render_picture(
         Categories that are not drawn, such as a ceiling that would hide the room.
     points
         World points (K, 3) that the picture has to show; the objects when omitted.
+    room
+        The room that the picture looks into: what hides it is left out, and it fills the picture.
 
     Raises
     ------
@@ -74,11 +78,11 @@ def render_picture(
         if item.type in SHOWN and not item.hide_render and category_of(item) not in leave_out
     ]
     if points is None:
-        _, depsgraph = updated_depsgraph(scene)
-        points = corner_points([item.evaluated_get(depsgraph) for item in items])
+        points = room.points if room is not None else _all_points(scene, items)
     if not len(points):
         raise UniSGError(f"scene {scene.name!r} has nothing to show: add objects with a mesh")
-    with replacing(path) as unfinished, _stage(items, engine) as stage:
+    view_of = nullcontext(items) if room is None else opened(scene, items, room, tuple(_direction(view)))
+    with replacing(path) as unfinished, view_of as seen, _stage(seen, engine) as stage:
         _aim(stage.camera, points, view, size)
         _set_output(stage, unfinished, size, engine)
         try:
@@ -86,6 +90,16 @@ def render_picture(
                 bpy.ops.render.render(write_still=True, scene=stage.name)
         except RuntimeError as error:
             raise UniSGError(f"cannot render {path}: {str(error).strip()}") from None
+
+
+def _all_points(scene: bpy.types.Scene, items: Sequence[bpy.types.Object]) -> NDArray[np.float64]:
+    _, depsgraph = updated_depsgraph(scene)
+    return corner_points([item.evaluated_get(depsgraph) for item in items])
+
+
+def _direction(view: View) -> mathutils.Vector:
+    """The way the camera looks."""
+    return mathutils.Vector((0, 0, -1)) if view == "top" else DOWNWARD.normalized()
 
 
 def category_of(item: bpy.types.Object) -> str:
@@ -150,8 +164,7 @@ def _stage(items: Sequence[bpy.types.Object], engine: Engine) -> Iterator[bpy.ty
 def _aim(item: bpy.types.Object, points: NDArray[np.float64], view: View, size: tuple[int, int]) -> None:
     """Point the camera so that all points are in the picture, with a margin."""
     camera = item.data
-    direction = mathutils.Vector((0, 0, -1)) if view == "top" else DOWNWARD.normalized()
-    rotation = mathutils.Matrix.Identity(3) if view == "top" else direction.to_track_quat("-Z", "Y").to_matrix()
+    rotation = mathutils.Matrix.Identity(3) if view == "top" else _direction(view).to_track_quat("-Z", "Y").to_matrix()
     seen = points @ np.array(rotation)  # in the camera's axes
     middle = (seen.min(axis=0) + seen.max(axis=0)) / 2
     wide, high, deep = (seen.max(axis=0) - seen.min(axis=0)) * 1.05 + 1e-3

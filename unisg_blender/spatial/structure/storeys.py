@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -192,7 +193,8 @@ def _rooms(mask: Bools, grid: Grid) -> Iterator[Bools]:
     rooms = []
     for part in np.flatnonzero(size[1:] >= LEAST) + 1:
         own = np.pad(number[windows[part - 1]] == part, 1)
-        if float(np.max(distance_transform_edt(own))) * grid.cell >= NARROW:
+        wide: Any = distance_transform_edt(own)
+        if wide.max() * grid.cell >= NARROW:
             rooms.append(int(part))
     others = np.isin(number, rooms)
     for part in rooms:

@@ -1,0 +1,109 @@
+"""A look into a room: without its ceiling, the roof and the walls in front, whatever meshes they are part of."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from ...scene.properties import CATEGORY
+from ..depsgraph import updated_depsgraph
+
+EYE_HEIGHT, UNDER_CEILING = 2.6, 0.15
+"""Metres of walls that are shown at most; and metres under the ceiling from which on faces are left out."""
+
+WITH_WALLS = 1.06
+"""How much larger than its outline a room is with its walls."""
+
+AT_WALL, AROUND = 0.15, 0.5
+"""Metres inside the outline up to which faces are those of a wall; and around it where things are shown."""
+
+BUILDING = "Room"
+"""What a building counts as: it is drawn in a pale colour."""
+
+Points = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class RoomView:
+    """The room to look into: ``outline`` (K, 2) counter-clockwise, heights of ``floor`` and ``ceiling`` (inf for none),
+    metres, and the names of the objects that the ``building`` is made of."""
+
+    outline: Points
+    floor: float
+    ceiling: float
+    building: Collection[str]
+
+    @property
+    def points(self) -> Points:
+        """What the picture has to show (2 K, 3)."""
+        top = min(self.ceiling, self.floor + EYE_HEIGHT)
+        return np.concatenate(
+            [np.column_stack([self.outline, np.full(len(self.outline), z)]) for z in (self.floor, top)]
+        )
+
+    def beside(self, places: Points) -> tuple[Points, Points]:
+        """How far places (N, 2) are outside of the nearest edge, negative inside, and the outward normal of that."""
+        edge = np.roll(self.outline, -1, axis=0) - self.outline
+        length = np.linalg.norm(edge, axis=1)
+        offset = places[:, None] - self.outline
+        share = ((offset * edge).sum(axis=2) / length**2).clip(0, 1)
+        way = offset - share[..., None] * edge
+        nearest = np.linalg.norm(way, axis=2).argmin(axis=1)
+        normal = np.stack([edge[:, 1], -edge[:, 0]], axis=1)[nearest] / length[nearest, None]
+        return (way[np.arange(len(places)), nearest] * normal).sum(axis=1), normal
+
+    def hides(self, middles: Points, toward: Points) -> NDArray[np.bool_]:
+        """Which faces with middles (N, 3) hide the room from a camera that looks along ``toward`` (3,)."""
+        outside, normal = self.beside(middles[:, :2])
+        in_front = (outside > -AT_WALL) & (normal @ toward[:2] < 0) & (middles[:, 2] > self.floor + 0.02)
+        return in_front | (middles[:, 2] > self.ceiling - UNDER_CEILING)
+
+
+@contextmanager
+def opened(
+    scene: bpy.types.Scene, items: Sequence[bpy.types.Object], room: RoomView, toward: Sequence[float]
+) -> Iterator[list[bpy.types.Object]]:
+    """Those objects of a scene that are in a room or near it, its building as copies without the faces that hide it."""
+    _, depsgraph = updated_depsgraph(scene)
+    shown: list[bpy.types.Object] = []
+    copies: list[bpy.types.Object] = []
+    try:
+        for item in items:
+            world = np.array(item.matrix_world)
+            corners = np.array(item.bound_box) @ world[:3, :3].T + world[:3, 3]
+            middle = (corners.min(axis=0) + corners.max(axis=0)) / 2
+            if item.name in room.building and item.type == "MESH":
+                copies.append(_without_hiding(item.evaluated_get(depsgraph), room, np.array(toward)))
+                shown.append(copies[-1])
+            elif room.beside(middle[None, :2])[0][0] <= AROUND and middle[2] < room.ceiling:
+                shown.append(item)
+        yield shown
+    finally:
+        for copy in copies:
+            mesh = copy.data
+            bpy.data.objects.remove(copy)
+            bpy.data.meshes.remove(mesh)
+
+
+def _without_hiding(item: bpy.types.Object, room: RoomView, toward: Points) -> bpy.types.Object:
+    import bmesh
+
+    mesh = bpy.data.meshes.new_from_object(item)
+    world = np.array(item.matrix_world)
+    work = bmesh.new()
+    work.from_mesh(mesh)
+    work.faces.ensure_lookup_table()
+    middles = np.array([face.calc_center_median() for face in work.faces]).reshape(-1, 3)
+    hiding = room.hides(middles @ world[:3, :3].T + world[:3, 3], toward)
+    bmesh.ops.delete(work, geom=[work.faces[int(face)] for face in np.flatnonzero(hiding)], context="FACES")
+    work.to_mesh(mesh)
+    work.free()
+    copy = bpy.data.objects.new("unisg picture", mesh)
+    copy.matrix_world = item.matrix_world.copy()
+    copy[CATEGORY] = BUILDING
+    return copy
