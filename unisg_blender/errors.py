@@ -10,6 +10,9 @@ UNUSABLE_INPUT = 1
 MISUSE = 2
 SOME_FAILED = 3
 
+NEAR = 0.65
+"""How alike a name must be to a word to be guessed, 0 to 1: "Cpu" and "Cup" are, "Third" and "Other" are not."""
+
 
 class UniSGError(Exception):
     """An input that cannot be used: the message says in one line what is wrong and what to do."""
@@ -30,5 +33,5 @@ def one_line(message: object) -> str:
 def did_you_mean(word: str, known: Iterable[str]) -> str:
     """The end of a message about a word that nothing has: " (did you mean 'Cup'?)", or "" if no name is near it."""
     names = {name.casefold(): name for name in known}
-    near = get_close_matches(word.casefold(), names, 1)
+    near = get_close_matches(word.casefold(), names, 1, NEAR)
     return f" (did you mean {names[near[0]]!r}?)" if near else ""

@@ -17,7 +17,7 @@ Run = Callable[..., tuple[str, str]]
 
 
 @pytest.mark.parametrize(
-    ("word", "guess"), [("scalpell", "Scalpel"), ("MAYO STAND", "Mayo Stand"), ("xyz", ""), ("", "")]
+    ("word", "guess"), [("scalpell", "Scalpel"), ("MAYO STAND", "Mayo Stand"), ("xyz", ""), ("", ""), ("calendar", "")]
 )
 def test_the_nearest_name_is_guessed(word: str, guess: str) -> None:
     expected = f" (did you mean {guess!r}?)" if guess else ""
