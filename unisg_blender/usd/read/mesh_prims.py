@@ -20,6 +20,7 @@ from .preview_surfaces import read_material
 from .unsupported_prims import material_losses
 
 SHOWN = ("MESH", "CURVE", "POINTCLOUD")
+MOST_SLOTS = 2**15  # as in Blender
 
 
 class MeshPrims:
@@ -92,7 +93,7 @@ class MeshPrims:
         for subset in subsets:
             own = UsdShade.MaterialBindingAPI(subset.GetPrim()).ComputeBoundMaterial()[0]
             slot = subset.GetPrim().GetAttribute(schema.SLOT).Get()
-            if slot is None:
+            if not isinstance(slot, int) or not 0 <= slot < MOST_SLOTS:
                 name = self._material_name(own) if own else subset.GetPrim().GetName()
                 slot = names.index(name) if name in names else len(names)
                 names += [name] if slot == len(names) else []
