@@ -85,7 +85,9 @@ class MeshPrims:
     def _slots(self, prim: Any, material: Any, faces: int) -> tuple[tuple[str, ...], NDArray[np.int32] | None]:
         """Names in the material slots, and the slot of each face (None if all have the first)."""
         stored = prim.GetAttribute(schema.MATERIALS).Get()
-        names = list(stored) if stored is not None else ([self._material_name(material)] if material else [])
+        names = [self._material_name(material)] if material else []
+        if hasattr(stored, "__iter__"):  # else there is none, or one of a type that USD does not know
+            names = [str(name) for name in stored]
         subsets = UsdShade.MaterialBindingAPI(prim).GetMaterialBindSubsets() if prim.GetChildren() else []
         if not subsets:
             return tuple(names), None
