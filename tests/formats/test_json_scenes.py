@@ -140,3 +140,11 @@ def test_verbs_read_it(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> No
     assert [entity["uid"] for entity in told[0]["records"]] == [entity["uid"] for entity in told[1]["records"]]
     assert main(["convert", str(tmp_path / "room.json"), str(tmp_path / "again.json"), "-q"]) == 0
     assert (tmp_path / "again.json").read_bytes() == (tmp_path / "room.json").read_bytes()
+
+
+@pytest.mark.parametrize("ending", ["json", "usda", "blend", "glb"])
+def test_a_file_name_that_is_too_long_is_one_line(ending: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["inspect", f"{'x' * 300}.{ending}"]) == 1
+    told = capsys.readouterr().err.splitlines()
+    assert len(told) == 1
+    assert told[0].endswith("File name too long")

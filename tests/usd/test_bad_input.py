@@ -245,3 +245,32 @@ uniform token[] xformOpOrder = ["xformOp:transform"]
     graph, told = read_quietly(text_file(tmp_path, '(\nupAxis = "Z"\nmetersPerUnit = 1\n)\n' + body))
     assert graph["A"].local.tolist() == [[1, 0, 0, 13], [0, 1, 0, 14], [0, 0, 1, 15], [0, 0, 0, 1]]
     assert [text for text in told if "projective" in text] == ["/A: its transform is projective; read as affine"]
+
+
+def test_slots_of_types_that_usd_does_not_know_are_found_by_their_names(tmp_path: Path) -> None:
+    path = tmp_path / "slots.usda"
+    path.write_text("""#usda 1.0
+def Mesh "Box"
+{
+    point3f[] points = [(0, 0, 0), (1, 0, 0), (0, 1, 0)]
+    int[] faceVertexCounts = [3, 3]
+    int[] faceVertexIndices = [0, 1, 2, 2, 1, 0]
+    uniform token subdivisionScheme = "none"
+    custom nothing[] unisg:materials = ["a"]
+    uniform token subsetFamily:materialBind:familyType = "partition"
+    def GeomSubset "one"
+    {
+        uniform token familyName = "materialBind"
+        uniform token elementType = "face"
+        int[] indices = [0]
+    }
+    def GeomSubset "two"
+    {
+        uniform token familyName = "materialBind"
+        uniform token elementType = "face"
+        int[] indices = [1]
+        custom uniform nothing unisg:slot = 1
+    }
+}
+""")
+    assert read_usd(path)["Box"].mesh.materials == ("one", "two")

@@ -65,11 +65,13 @@ def blender_boxes(path: Path) -> np.ndarray:
 def stage_boxes(path: Path) -> np.ndarray:
     """The same after USD's own bounding boxes of points, in metres and Z up."""
     require_pxr()
-    from pxr import Usd, UsdGeom
+    from pxr import Gf, Usd, UsdGeom, UsdSkel
 
     from unisg_blender.usd.read.stage import stage_frame
 
     stage = Usd.Stage.Open(str(path))
+    stage.SetEditTarget(stage.GetSessionLayer())
+    UsdSkel.BakeSkinning(stage.Traverse(), Gf.Interval(stage.GetStartTimeCode(), stage.GetStartTimeCode()))
     frame, cache, found = stage_frame(stage), UsdGeom.XformCache(), []
     for prim in stage.Traverse(Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)):
         if prim.IsA(UsdGeom.Mesh) and UsdGeom.Imageable(prim).ComputePurpose() in ("default", "render"):

@@ -20,6 +20,7 @@ from .preview_surfaces import read_material
 from .unsupported_prims import material_losses
 
 SHOWN = ("MESH", "CURVE", "POINTCLOUD")
+MOST_SLOTS = 2**15  # as in Blender
 
 
 class MeshPrims:
@@ -84,7 +85,9 @@ class MeshPrims:
     def _slots(self, prim: Any, material: Any, faces: int) -> tuple[tuple[str, ...], NDArray[np.int32] | None]:
         """Names in the material slots, and the slot of each face (None if all have the first)."""
         stored = prim.GetAttribute(schema.MATERIALS).Get()
-        names = list(stored) if stored is not None else ([self._material_name(material)] if material else [])
+        names = [self._material_name(material)] if material else []
+        if hasattr(stored, "__iter__"):  # else there is none, or one of a type that USD does not know
+            names = [str(name) for name in stored]
         subsets = UsdShade.MaterialBindingAPI(prim).GetMaterialBindSubsets() if prim.GetChildren() else []
         if not subsets:
             return tuple(names), None
@@ -92,7 +95,7 @@ class MeshPrims:
         for subset in subsets:
             own = UsdShade.MaterialBindingAPI(subset.GetPrim()).ComputeBoundMaterial()[0]
             slot = subset.GetPrim().GetAttribute(schema.SLOT).Get()
-            if slot is None:
+            if not isinstance(slot, int) or not 0 <= slot < MOST_SLOTS:
                 name = self._material_name(own) if own else subset.GetPrim().GetName()
                 slot = names.index(name) if name in names else len(names)
                 names += [name] if slot == len(names) else []

@@ -12,6 +12,7 @@ from pxr import Tf, Usd, UsdGeom
 
 from ...errors import UniSGError
 from .layer_files import open_layers, plain, quiet
+from .skinning import pose_skinned
 from .stage_frames import mend_rates
 from .unfolded_size import check_size
 
@@ -36,16 +37,18 @@ def open_stage(path: Path) -> Any:
                 check_size(layer, path)
             stage = Usd.Stage.Open(str(path) if layer is None else layer)
     except Tf.ErrorException as error:
-        raise UniSGError(f"{path}: not a readable USD file: {_first_reason(error)}") from None
+        raise UniSGError(f"{path}: not a readable USD file: {first_reason(error)}") from None
     if stage is None:
         raise UniSGError(f"{path}: not a readable USD file")
     for text in dict.fromkeys(messages):
         warnings.warn(f"{path.name}: {text}", stacklevel=4)
     mend_rates(stage)
+    pose_skinned(stage)
     return stage
 
 
-def _first_reason(error: Exception) -> str:
+def first_reason(error: Exception) -> str:
+    """What USD says first of what went wrong."""
     try:
         lines = [line.strip() for line in str(error).splitlines() if line.strip()]
     except UnicodeDecodeError:  # USD quotes bytes of the damaged file

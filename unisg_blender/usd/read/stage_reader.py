@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from pxr import Usd
+from pxr import Tf, Usd
 
 from ...errors import UniSGError
 from ...scene import components
@@ -26,7 +26,7 @@ from .entity_selection import find_entities
 from .instancers import read_instances
 from .layer_files import quiet
 from .mesh_prims import MeshPrims
-from .stage import stage_frame
+from .stage import first_reason, stage_frame
 from .stage_frames import with_frame_range
 from .time_samples import read_motion
 from .unsupported_prims import tell_losses
@@ -78,6 +78,8 @@ def read_stage(stage: Any, title: str, progress: Progress | None = None) -> Scen
     try:
         with quiet() as messages:
             graph = read_elements(stage, title) if is_elements(stage) else _read_scene(stage, title, progress)
+    except Tf.ErrorException as error:  # values are unpacked when they are asked for
+        raise UniSGError(f"{title}: not a readable USD file: {first_reason(error)}") from None
     except RecursionError:
         raise UniSGError(f"{title}: its instances nest too deeply to be read") from None
     for text in dict.fromkeys(messages):

@@ -106,7 +106,7 @@ def _unknown(kind: str, names: tuple[str, ...]) -> tuple[str, ...]:
     texts = []
     left = list(names)
     if any(name.startswith(("skel:", "primvars:skel:")) for name in left):
-        texts.append("skinning and blend shapes are not read")
+        texts.append("skinning and blend shapes: only the first pose is kept")
     if any(name in ("primvars:displayColor", "primvars:displayOpacity") for name in left):
         texts.append("vertex colours are not read")
     if any(name.startswith("physics:") for name in left):
