@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from unisg_blender.cli import main
 from unisg_blender.dataset import open_dataset, write_dataset
 from unisg_blender.dataset.format.columns import Columns
 from unisg_blender.dataset.format.schema import COLUMNS, STRINGS, TABLES
@@ -119,3 +120,41 @@ def test_a_pipe_is_no_shard_and_no_manifest(whole: Path, tmp_path: Path) -> None
     os.mkfifo(folder / "manifest.json")
     with pytest.raises(UniSGError, match="no plain file"):
         open_dataset(folder)
+
+
+@pytest.mark.parametrize("overwrite", [False, True])
+def test_somebody_elses_manifest_is_not_replaced(tmp_path: Path, overwrite: bool) -> None:
+    (tmp_path / "manifest.json").write_text('{"name": "web page"}')
+    with pytest.raises(UniSGError, match="of something else"):
+        write_dataset([living_room(0)], tmp_path, overwrite=overwrite)
+    assert [path.name for path in tmp_path.iterdir()] == ["manifest.json"]
+
+
+def test_only_files_with_our_names_are_taken_away(tmp_path: Path) -> None:
+    write_dataset([living_room(0)], tmp_path)
+    mine = {"scenes-mine.safetensors", "assets-of-mine.safetensors", "files-2024.jsonl", "thesis.txt"}
+    for name in mine:
+        (tmp_path / name).write_text("mine")
+    write_dataset([living_room(1)], tmp_path, overwrite=True)
+    assert mine <= {path.name for path in tmp_path.iterdir()}
+    assert len(list(tmp_path.glob("scenes-0*"))) == 1
+
+
+def test_a_damaged_dataset_can_be_replaced(whole: Path, tmp_path: Path) -> None:
+    folder = with_columns(whole, tmp_path / "ds", lambda columns: None)
+    (folder / "manifest.json").write_text(json.dumps({"schema": "unisg-dataset", "shards": 3, "files": "x"}))
+    with pytest.raises(UniSGError, match=r"damaged|newer version"):
+        open_dataset(folder)
+    write_dataset([living_room(1)], folder, overwrite=True)
+    open_dataset(folder).check()
+    assert len(list(folder.glob("scenes-*"))) == 1
+
+
+@pytest.mark.parametrize("report", ["{}", "[]", '{"software": {}, "completed": 1, "from_empty": 2}', "not JSON"])
+def test_a_folder_with_somebody_elses_report_is_no_demo(
+    tmp_path: Path, report: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "report.json").write_text(report)
+    assert main(["demo", "--out", str(tmp_path), "-q"]) == 1
+    assert "is no earlier demo" in capsys.readouterr().err
+    assert [path.name for path in tmp_path.iterdir()] == ["report.json"]

@@ -108,7 +108,7 @@ def test_an_interrupted_training_goes_on_where_it_stopped(
     with pytest.raises(UniSGError, match="same dataset and --epochs"):
         train(6)
     train(4)
-    assert torch.load(logs / "last.ckpt", weights_only=False)["epoch"] == 3
+    assert torch.load(logs / "last.ckpt", weights_only=True)["epoch"] == 3
     epochs = {line.split(",")[0] for line in (logs / "metrics.csv").read_text().splitlines()[1:]}
     assert epochs == {"2", "3"}
     assert (logs / "metrics-1.csv").is_file()

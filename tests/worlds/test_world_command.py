@@ -1,12 +1,17 @@
 from __future__ import annotations
 
 import json
+import os
+import subprocess
+import sys
 
 import numpy as np
 import pytest
 
 from unisg_blender.cli import main
 from unisg_blender.dataset import open_dataset
+from unisg_blender.errors import UniSGError
+from unisg_blender.runtime.process_pool import process_pool
 from unisg_blender.scene import world_matrices
 from unisg_blender.worlds import living_room, operating_room
 
@@ -123,3 +128,35 @@ def test_scenes_made_in_another_process_are_the_same():
     from unisg_blender.worlds.world_batches import make_scenes
 
     assert digest(make_scenes("cubes", [4])[0]) == digest(make_scenes("cubes", [3, 4])[1])
+
+
+SCRIPT = """
+import sys
+from unisg_blender import cli
+from unisg_blender.worlds import WORLDS, cubes
+{where}
+if __name__ == "__main__":
+    WORLDS["mine"] = own
+    sys.exit(cli.main(["world", "mine", "--count", "25", "--jobs", "2", "--format", "json", "--out", "out", "-q"]))
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "where", ["def own(seed): return cubes(seed)", "own = lambda s: cubes(s)", "from mine import own"]
+)
+def test_a_world_of_ones_own_is_made_with_several_jobs(tmp_path, where):
+    """Wherever its function is: in the script, without a name, in a module that other processes can import."""
+    (tmp_path / "mine.py").write_text("from unisg_blender.worlds import cubes\ndef own(seed): return cubes(seed)\n")
+    (tmp_path / "script.py").write_text(SCRIPT.format(where=where))
+    done = subprocess.run(
+        [sys.executable, "script.py"], cwd=tmp_path, capture_output=True, text=True, timeout=200, check=False
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+    assert len(list((tmp_path / "out").iterdir())) == 25
+
+
+@pytest.mark.slow
+def test_a_process_that_dies_is_told_in_one_line():
+    with pytest.raises(UniSGError, match="another Python process ended"), process_pool(1) as pool:
+        pool.submit(os._exit, 3).result()

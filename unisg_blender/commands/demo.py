@@ -14,7 +14,8 @@ import numpy as np
 from tqdm import tqdm
 
 from ..errors import DONE, MissingPackageError, UniSGError
-from ..runtime.atomic_files import filling
+from ..runtime.atomic_files import filling, read_plain
+from ..runtime.json_records import parse_json
 from .argument_types import SEED
 from .common import add_form, print_report
 from .outputs import check_folder
@@ -53,11 +54,14 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _is_demo(folder: Path) -> bool:
-    """Whether a folder holds the report of an earlier demo."""
+    """Whether a folder holds the report of an earlier demo, with the name and version of this software."""
     try:
-        return json.loads((folder / "report.json").read_text("utf-8")).keys() >= {"software", "completed", "from_empty"}
-    except (OSError, ValueError, AttributeError):
+        report = parse_json(read_plain(folder / "report.json"), "report.json")
+    except (OSError, UniSGError):
         return False
+    software = report.get("software") if isinstance(report, dict) else None
+    named = isinstance(software, dict) and isinstance(software.get("unisg_blender"), str)
+    return named and report.keys() >= {"completed", "from_empty"}
 
 
 def _demo(args: argparse.Namespace, out: Path, bar: tqdm) -> dict[str, Any]:

@@ -93,8 +93,14 @@ class _Task(lightning.LightningModule):
             self.log(name, mean, prog_bar=name == "train_loss", sync_dist=self.trainer.world_size > 1)
 
     def on_load_checkpoint(self, checkpoint: dict[str, Any]) -> None:
-        """Refuse to go on with a training of another length."""
-        steps, before = int(self.trainer.estimated_stepping_batches), checkpoint["lr_schedulers"][0]["total_steps"]
+        """Refuse to go on with another network, or with a training of another length."""
+        own, found = self.state_dict(), checkpoint["state_dict"]
+        if {name: value.shape for name, value in own.items()} != {
+            name: getattr(value, "shape", None) for name, value in found.items()
+        }:
+            raise UniSGError("the logs are of another network: give the same dataset and options, or another --logs")
+        schedules = checkpoint.get("lr_schedulers") or [{}]
+        steps, before = int(self.trainer.estimated_stepping_batches), schedules[0].get("total_steps")
         if steps != before:
             raise UniSGError(
                 f"the logs are of a training of {before} steps, this one has {steps}: "
@@ -247,6 +253,8 @@ def _fit(
     _keep_metrics(folder)
     last = folder / "last.ckpt"
     task = _Task(network, terms, schedule)
+    if last.is_file():
+        _load_checkpoint(last)  # Lightning would run what is in it
     try:
         trainer.fit(task, *loaders, ckpt_path=str(last) if last.is_file() else None)
     except SystemExit:
@@ -256,10 +264,23 @@ def _fit(
     if trainer.global_rank:
         raise SystemExit(0)
     if settings.patience is not None:
-        state = torch.load(best.best_model_path, map_location="cpu", weights_only=False)["state_dict"]
+        state = _load_checkpoint(Path(best.best_model_path))["state_dict"]
         network.load_state_dict({name.removeprefix("network."): value for name, value in state.items()})
     network.cpu().eval()
     return losses.last
+
+
+def _load_checkpoint(path: Path) -> dict[str, Any]:
+    """The tensors and numbers of a checkpoint; UniSGError if there is anything else in it: that might run code."""
+    try:
+        found = torch.load(path, map_location="cpu", weights_only=True)
+    except Exception as error:  # whatever a damaged file raises
+        raise UniSGError(
+            f"{path} is no checkpoint of a training ({type(error).__name__}): give another --logs, or remove the file"
+        ) from None
+    if not isinstance(found, dict) or not isinstance(found.get("state_dict"), dict):
+        raise UniSGError(f"{path} is no checkpoint of a training: give another --logs, or remove the file")
+    return found
 
 
 def _keep_metrics(folder: Path) -> None:

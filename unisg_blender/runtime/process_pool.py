@@ -6,10 +6,11 @@ import os
 import signal
 import sys
 from collections.abc import Iterator
-from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures import BrokenExecutor, ProcessPoolExecutor
 from contextlib import contextmanager
 from multiprocessing import active_children, get_context
 
+from ..errors import UniSGError
 from .process_end import end_with_parent
 
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
@@ -49,10 +50,15 @@ def process_pool(jobs: int) -> Iterator[ProcessPoolExecutor]:
     others = active_children()
     try:
         yield pool
-    except BaseException:
+    except BaseException as error:
         for process in active_children():
             if process not in others:
                 process.kill()
+        if isinstance(error, BrokenExecutor):
+            raise UniSGError(
+                "another Python process ended before its work was done (out of memory, or a script without "
+                "'if __name__ == \"__main__\":'): use --jobs 1"
+            ) from None
         raise
     finally:
         pool.shutdown(cancel_futures=True)

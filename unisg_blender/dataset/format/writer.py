@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import shutil
 from collections.abc import Generator, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -36,6 +37,9 @@ from .shards import pack_shard
 
 MANIFEST = "manifest.json"
 PARTS = ".parts"
+OWN_NAMES = re.compile(r"((scenes-\d{6}|assets)-[0-9a-f]{16}|assets)\.safetensors|files-[0-9a-f]{16}\.jsonl")
+"""Names that only this module gives, one of them in the first days; what else lies there is somebody's."""
+
 SCENES_PER_SHARD = 4096
 ENTITIES_PER_SHARD = 200_000
 CHUNK = 128
@@ -149,13 +153,13 @@ class DatasetWriter:
 
 def remove_strays(folder: Path, manifest: Mapping[str, Any] | None) -> None:
     """Remove what earlier writers left behind: shards that no manifest names, and temporary files."""
-    kept = set()
-    if manifest is not None:
-        kept = {entry["file"] for entry in (*manifest["shards"], manifest.get("assets"), manifest["files"]) if entry}
-    for pattern in ("scenes-*.safetensors", "assets*.safetensors", "files-*.jsonl", UNFINISHED):
-        for path in folder.glob(pattern):
-            if path.name not in kept:
-                path.unlink(missing_ok=True)
+    record = manifest or {}
+    shards = record.get("shards")
+    entries = [*(shards if isinstance(shards, list) else ()), record.get("assets"), record.get("files")]
+    kept = [entry.get("file") for entry in entries if isinstance(entry, dict)]
+    for path in folder.iterdir():
+        if _is_written(path.name) and path.name not in kept:
+            path.unlink(missing_ok=True)
 
 
 def read_manifest(folder: Path) -> dict[str, Any] | None:
@@ -204,6 +208,8 @@ def dataset_folder(out: str | os.PathLike[str], overwrite: bool = False, resume:
 
 def _check_free(folder: Path, overwrite: bool, resume: bool) -> None:
     manifest = read_manifest(folder)
+    if manifest is not None and manifest.get("schema") != SCHEMA:
+        raise UniSGError(f"{folder} holds a {MANIFEST} of something else: choose another folder")
     if manifest is None and not all(_is_ours(path.name) for path in folder.iterdir()):
         raise UniSGError(f"{folder} is not empty and holds no dataset: choose another folder")
     if overwrite or resume:
@@ -216,7 +222,11 @@ def _check_free(folder: Path, overwrite: bool, resume: bool) -> None:
 
 def _is_ours(name: str) -> bool:
     """Whether an interrupted export leaves files of that name."""
-    return name in (LOCK, PARTS) or fnmatch(name, UNFINISHED) or name.startswith(("scenes-", "assets-", "files-"))
+    return name in (LOCK, PARTS) or _is_written(name)
+
+
+def _is_written(name: str) -> bool:
+    return OWN_NAMES.fullmatch(name) is not None or fnmatch(name, UNFINISHED)
 
 
 def write_steps(
