@@ -44,7 +44,8 @@ def test_label_falls_back_on_the_points_and_keeps_all_geometry(
     before = read_usd(tmp_path / "in.usda")
     arguments = ["label", str(tmp_path / "in.usda"), "--json", "--out", str(tmp_path / "out.usda"), "--threshold", "0"]
     assert main(arguments) == 0
-    proposals = {found["name"]: found["categories"] for found in json.loads(capsys.readouterr().out)["proposals"]}
+    (report,) = json.loads(capsys.readouterr().out)["files"]
+    proposals = {found["name"]: found["categories"] for found in report["proposals"]}
     assert set(proposals) == {"broken", "cloud", "line"}
     assert np.isfinite([guess["confidence"] for found in proposals.values() for guess in found]).all()
     after = read_usd(tmp_path / "out.usda")
