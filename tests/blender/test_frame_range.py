@@ -12,6 +12,7 @@ import pytest
 
 from tests.blender.helpers import add, box
 from unisg_blender.blender import ReadReport, read_scene, save_blend, write_scene
+from unisg_blender.blender.fcurves import curves_of
 from unisg_blender.formats import read_scene_file, write_scene_file
 from unisg_blender.scene import FrameRange, SceneBuilder, SceneGraph, table
 
@@ -22,7 +23,7 @@ def cart(*keys: tuple[float, float]) -> bpy.types.Object:
     for frame, x in keys:
         item.location = (x, 0, 0)
         item.keyframe_insert("location", frame=frame)
-    for curve in item.animation_data.action.fcurves:
+    for curve in curves_of(item):
         for point in curve.keyframe_points:
             point.interpolation = "LINEAR"
     return item

@@ -160,7 +160,7 @@ def test_unusable_model_files(tmp_path: Path) -> None:
     with pytest.raises(UniSGError, match="there is no model"):
         load_network(tmp_path / "missing.onnx")
     (tmp_path / "damaged.onnx").write_bytes(b"nothing")
-    with pytest.raises(UniSGError, match="no ONNX model that can be run"):
+    with pytest.raises(UniSGError, match="is no ONNX model: give another file"):
         load_network(tmp_path / "damaged.onnx")
 
 
