@@ -30,6 +30,9 @@ under a roof, within so many metres."""
 CLEAR_SHARE = 0.3
 """Share of a room where people can stand, at least: there is a floor under a wardrobe too, and walls around it."""
 
+RAY = 2
+"""Cells of the grid to a cell of the one in which walls are looked for: what is seen need not be told so finely."""
+
 HOLE = 4.0
 """Square metres up to which a hole in a floor is what stands there."""
 
@@ -126,7 +129,7 @@ def _look(scan: Scan, spans: FreeSpans, stands: Bools, level: float) -> Look:
     around = np.concatenate([cuts[EYE][0], cuts[lintel][0]])
     seen = np.zeros(grid.size, np.int64)
     cells = np.flatnonzero(floor)
-    seen[cells] = enclosure(around, grid.middles[cells], grid.cell, FARTHEST)
+    seen[cells] = enclosure(around, grid.middles[cells], RAY * grid.cell, FARTHEST)
     seen = seen.reshape(grid.shape)
     within = (seen >= ROUND) | (roofed & (seen >= MOSTLY))
     within = floor & (_smooth(within) | bool(scan.is_floor.any()))
