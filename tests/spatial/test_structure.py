@@ -164,6 +164,12 @@ def test_a_terrace_beside_a_roofed_room_is_outside() -> None:
     assert overlap((outer.outline,), (SQUARE + np.array([5, 0]),)) >= 0.98
 
 
+def test_a_beam_across_a_room_without_a_ceiling_is_no_roof() -> None:
+    whole = np.array([[0, 0], [10, 0], [10, 6], [0, 6]], float)
+    beam = slab(np.array([[4, 0], [4.8, 0], [4.8, 6], [4, 6]], float), 2.0, 2.2)
+    only(recognise_structure(scene(room(whole, 0.2) | {"beam": beam})), whole)
+
+
 def test_tables_are_surfaces_and_no_floors() -> None:
     objects = room(SQUARE, 0.1, roof=True)
     objects["desk"] = table(1.5, 1.5, 0.0, 0.4)

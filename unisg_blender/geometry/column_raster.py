@@ -14,6 +14,9 @@ from .surface_contact import Triangles
 AT_ONCE = 2_000_000
 """Cells that are worked on together."""
 
+FAR = 10**9
+"""Cells away of what is not there."""
+
 EDGE = 1e-6
 """Share of a cell by which triangles are widened, so that no line slips through between neighbours."""
 
@@ -179,9 +182,9 @@ def enclosure(segments: Floats, points: Floats, cell: float, farthest: float, di
         ends = np.concatenate([wall.reshape(-1, 2), place])
         grid = Grid.around(ends.min(axis=0), ends.max(axis=0), cell)
         hit = grid.mask(cells_on(wall, grid)[0])
-        number = np.arange(grid.shape[0])[:, None]
-        before = np.maximum.accumulate(np.where(hit, number, -(10**9)), axis=0)
-        after = np.minimum.accumulate(np.where(hit, number, 10**9)[::-1], axis=0)[::-1]
+        number, far = np.arange(grid.shape[0], dtype=np.int32)[:, None], np.int32(FAR)
+        before = np.maximum.accumulate(np.where(hit, number, -far), axis=0)
+        after = np.minimum.accumulate(np.where(hit, number, far)[::-1], axis=0)[::-1]
         home, reach = grid.at(place), farthest / cell
         at = home // grid.shape[1]
         seen += at - before.reshape(-1)[home] <= reach

@@ -13,7 +13,7 @@ from ...geometry.mask_outline import components, outlines, simplified, snapped
 from ...geometry.polygon import area
 from ...scene.graph import SceneGraph
 from .scan import FINEST, HEADROOM, Scan
-from .storeys import LEAST_OPEN, LEVEL, Region, find_regions
+from .storeys import FARTHEST, LEAST_OPEN, LEVEL, Region, find_regions
 from .structure import Room, Structure
 from .surfaces import holding_surfaces
 from .walls import openings_in, walls_along
@@ -144,7 +144,7 @@ def _notes(scan: Scan, rooms: list[Room]) -> tuple[str, ...]:
     elif not rooms:
         notes.append(f"no floor was found: nowhere are {LEAST_OPEN:.0f} m2 level with {HEADROOM} m free above")
     elif not any(room.indoors for room in rooms):
-        notes.append("no room was found: the floor has no walls around it")
+        notes.append(f"no room was found: the floor has no walls around it within {FARTHEST:.0f} m")
     if scan.grid.cell > COARSE * FINEST:
         notes.append(
             f"the scene is {size[0]:.0f} x {size[1]:.0f} m: it was looked at every {scan.grid.cell:.2f} m only"

@@ -155,7 +155,8 @@ def _inside_out(scan: Scan) -> list[int]:
     cell = scan.grid.at(middle[:, :2])
     looks_up = scan.slope > 0
     rows, first = np.unique(scan.row, return_index=True)
-    for row in rows[scan.building[first]].tolist():
+    height = np.maximum.reduceat(high, first) - np.minimum.reduceat(low, first)
+    for row in rows[scan.building[first] & (height >= HEADROOM)].tolist():
         mine = columns_of.take(scan.row[columns_of.triangle] == row)
         solid = _spans_of(mine, looks_up, solid=True)
         tall = mine.height[solid + 1] - mine.height[solid] >= HEADROOM

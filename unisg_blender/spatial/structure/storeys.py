@@ -30,6 +30,13 @@ under a roof, within so many metres."""
 CLEAR_SHARE = 0.3
 """Share of a room where people can stand, at least: there is a floor under a wardrobe too, and walls around it."""
 
+ROOF_SHARE, ROOF_WIDTH = 0.2, 1.0
+"""Share of a place that is roofed, and half the width of the roof in metres, at least, where the rest is a terrace: a
+beam or a lamp is no roof."""
+
+RAY = 2
+"""Cells of the grid to a cell of the one in which walls are looked for: what is seen need not be told so finely."""
+
 HOLE = 4.0
 """Square metres up to which a hole in a floor is what stands there."""
 
@@ -126,7 +133,7 @@ def _look(scan: Scan, spans: FreeSpans, stands: Bools, level: float) -> Look:
     around = np.concatenate([cuts[EYE][0], cuts[lintel][0]])
     seen = np.zeros(grid.size, np.int64)
     cells = np.flatnonzero(floor)
-    seen[cells] = enclosure(around, grid.middles[cells], grid.cell, FARTHEST)
+    seen[cells] = enclosure(around, grid.middles[cells], RAY * grid.cell, FARTHEST)
     seen = seen.reshape(grid.shape)
     within = (seen >= ROUND) | (roofed & (seen >= MOSTLY))
     within = floor & (_smooth(within) | bool(scan.is_floor.any()))
@@ -138,7 +145,10 @@ def _look(scan: Scan, spans: FreeSpans, stands: Bools, level: float) -> Look:
 def _terrace(mask: Bools, roofed: Bools, grid: Grid) -> Bools:
     """The large parts of a place that have no roof, if others have one: terraces and courts, not what is under a
     skylight; nothing where there is no roof at all, as a room without its ceiling."""
-    if (mask & roofed).sum() * grid.cell**2 < LEAST_OPEN:
+    from scipy.ndimage import distance_transform_edt
+
+    wide: Any = distance_transform_edt(np.pad(mask & roofed, 1))
+    if (mask & roofed).sum() < ROOF_SHARE * mask.sum() or wide.max() * grid.cell < ROOF_WIDTH:
         return np.zeros(mask.shape, bool)
     number, count = components(_smooth(mask & ~roofed))
     size = np.bincount(number.reshape(-1), minlength=count + 1) * grid.cell**2
