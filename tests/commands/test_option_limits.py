@@ -12,7 +12,7 @@ import pytest
 from unisg_blender.cli import VERBS, main
 from unisg_blender.commands import argument_types, outputs
 from unisg_blender.errors import UniSGError
-from unisg_blender.generate.counts import MOST, parse_counts
+from unisg_blender.generate.counts import MOST_OBJECTS, parse_counts
 
 
 def actions(verb: str) -> list[argparse.Action]:
@@ -57,9 +57,9 @@ def test_a_number_out_of_its_limits_is_misuse(
 
 
 def test_how_many_objects_can_be_added_has_a_limit() -> None:
-    assert parse_counts(f"Cup={MOST}") == {"Cup": MOST}
-    for text in (f"Cup={MOST},Plate", f"Cup={MOST + 1}", "Cup=100000000", "Cup=" + "9" * 5000):
-        with pytest.raises(UniSGError, match=f"at most {MOST} objects"):
+    assert parse_counts(f"Cup={MOST_OBJECTS}") == {"Cup": MOST_OBJECTS}
+    for text in (f"Cup={MOST_OBJECTS},Plate", f"Cup={MOST_OBJECTS + 1}", "Cup=100000000", "Cup=" + "9" * 5000):
+        with pytest.raises(UniSGError, match=f"at most {MOST_OBJECTS} objects"):
             parse_counts(text)
 
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from ..errors import UniSGError
 
-MOST = 1000
-"""Objects that may be wanted at a time; each is looked at beside all others."""
+MOST_OBJECTS = 100_000
+"""Objects that are added in one call, at most: at milliseconds each, more would take hours, and are a slip."""
 
 
 def parse_counts(text: str) -> dict[str, int]:
@@ -14,15 +14,17 @@ def parse_counts(text: str) -> dict[str, int]:
     Raises
     ------
     UniSGError
-        If the text is not of that form, or more than :data:`MOST` objects are wanted.
+        If the text is not of that form, or more than :data:`MOST_OBJECTS` objects are wanted.
     """
     counts: dict[str, int] = {}
     for part in text.split(","):
         name, equals, number = (word.strip() for word in part.partition("="))
         if not name or (equals and not number.isdecimal()):
             raise UniSGError(f'what to add must look like "Scalpel=2,Monitor=1", not {text[:100]!r}')
-        many = len(number) > len(str(MOST))
-        counts[name] = counts.get(name, 0) + (MOST + 1 if many else int(number or 1))
-    if sum(counts.values()) > MOST:
-        raise UniSGError(f"at most {MOST} objects can be added at a time: ask for fewer, and for more of them later")
+        many = len(number) > len(str(MOST_OBJECTS))
+        counts[name] = counts.get(name, 0) + (MOST_OBJECTS + 1 if many else int(number or 1))
+    if sum(counts.values()) > MOST_OBJECTS:
+        raise UniSGError(
+            f"at most {MOST_OBJECTS} objects can be added at a time: ask for fewer, and for more of them later"
+        )
     return counts

@@ -19,6 +19,7 @@ from ..scene import SceneGraph
 from ..scene.categories import FLOOR, STRUCTURE
 from ..spatial.structure import recognise_structure
 from .behaviour import ActionPolicy, Behaviour, add_behaviour, behaviour_path, load_behaviour
+from .counts import MOST_OBJECTS
 from .observe.contract import Contract
 from .observe.placement_order import in_order
 from .place.placement_record import Placement
@@ -30,9 +31,6 @@ from .propose.anchor_proposer import AnchorProposer
 from .propose.cgvae_proposer import CgvaeProposer
 from .propose.proposer import Proposer
 from .propose.trained_model import TrainedModel, load_model
-
-MOST_OBJECTS = 100_000
-"""Objects that are added in one call, at most: at milliseconds each, more would take hours, and are a slip."""
 
 
 @dataclass(frozen=True, eq=False)

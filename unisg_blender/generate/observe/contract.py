@@ -12,7 +12,7 @@ from ...errors import UniSGError, did_you_mean
 from ...poses import FORMS, STRETCH_WIDTH
 from ...runtime.json_records import from_record
 from ...runtime.onnx_session import damaged, metadata_text
-from ..counts import MOST
+from ..counts import MOST_OBJECTS
 from .prior_tables import PriorTables
 from .support_priors import CategoryPriors
 
@@ -99,7 +99,7 @@ class Contract:
             "channels": channels == len(self.scale) == width and set(self.kept) <= set(range(channels)),
             "latent": 0 <= self.latent <= WIDEST,
             "sizes": all(len(size) == 3 and 0 <= min(size) <= max(size) <= FARTHEST for size in priors.sizes.values()),
-            "rooms": all(len(room) == names and min(room) >= 0 and sum(room) <= MOST for room in priors.rooms),
+            "rooms": all(len(room) == names and min(room) >= 0 and sum(room) <= MOST_OBJECTS for room in priors.rooms),
             "gaps": all(abs(prior.gap) <= FARTHEST and prior.count > 0 for prior in found),
             "overlaps": all(0 <= depth <= FARTHEST for depth in priors.overlaps.values()),
         }
