@@ -89,8 +89,9 @@ def test_an_export_leaves_no_reading_process(tmp_path: Path, number: int, delay:
     """Neither one that begins nor one that reads."""
     files = tmp_path / "in"
     files.mkdir()
-    for name in ("a", "b", "c", "d"):
-        (files / f"{name}.obj").write_text("v 0 0 0\n" * 1_000_000 + "f 1 2 3\n")
+    (files / "0.obj").write_text("v 0 0 0\n" * 1_000_000 + "f 1 2 3\n")
+    for number_of_file in range(1, 60):  # work for longer than anyone waits here
+        (files / f"{number_of_file}.obj").hardlink_to(files / "0.obj")
     done = stopped(("export", str(files), "--jobs", "2", "--out", str(tmp_path / "ds"), "-q"), tmp_path, number, delay)
     if number == signal.SIGKILL:
         assert {path.name for path in (tmp_path / "ds").iterdir()} <= {".parts"}

@@ -125,9 +125,10 @@ def test_an_unknown_world_is_misuse(capsys):
 
 
 def test_scenes_made_in_another_process_are_the_same():
+    from unisg_blender.worlds import cubes
     from unisg_blender.worlds.world_batches import make_scenes
 
-    assert digest(make_scenes("cubes", [4])[0]) == digest(make_scenes("cubes", [3, 4])[1])
+    assert digest(make_scenes(cubes, [4])[0]) == digest(make_scenes(cubes, [3, 4])[1])
 
 
 SCRIPT = """
