@@ -103,6 +103,21 @@ def _limit(name: str, default: float) -> dict[str, Any]:
     }
 
 
+def _length(name: str) -> dict[str, Any]:
+    """A limit in metres, shown in the scene's unit as all lengths in Blender are."""
+    return {
+        "get": _reader(lambda action: (getattr(action.thresholds, name) or 0) / _metres(), 0),
+        "set": _writer(lambda action, value: _with_limit(action, name, value * _metres())),
+        "options": set(),
+    }
+
+
+def _metres() -> float:
+    from ..unisg_blender.blender.scene_units import metres_per_unit
+
+    return metres_per_unit(bpy.context.scene)
+
+
 def _asked(name: str, default: float) -> Any:
     read = _reader(lambda action: getattr(action.thresholds, name) is not None, False)
     write = _writer(lambda action, asked: _with_limit(action, name, default if asked else None))
@@ -159,7 +174,7 @@ def _properties() -> dict[str, Any]:
             get=_reader(lambda action: action.mode == "any", False),
             set=_writer(lambda action, value: replace(action, mode="any" if value else "all")),
         ),
-        "distance": props.FloatProperty(name="Distance", min=0, unit="LENGTH", precision=3, **_limit("distance", 0)),
+        "distance": props.FloatProperty(name="Distance", min=0, unit="LENGTH", precision=3, **_length("distance")),
         "angle": props.FloatProperty(name="Angle", min=0, max=3.141593, unit="ROTATION", **_limit("angle", 0)),
         "hold": props.FloatProperty(name="Hold", min=0, description="Seconds that it has to last", **_limit("hold", 0)),
         "hits": props.IntProperty(name="Hits", min=1, description="How many times", **_limit("hits", 1)),

@@ -16,13 +16,14 @@ if TYPE_CHECKING:
 
 
 def read_active(context: bpy.types.Context) -> Mesh:
-    """The active object's mesh as it is seen, modifiers applied, in its own frame."""
+    """The active object's mesh as it is seen, modifiers applied, in its own frame, in metres."""
     from ..unisg_blender.blender.read.mesh_arrays import read_mesh
+    from ..unisg_blender.blender.scene_units import metres_per_unit, scaled_mesh
 
     item = context.active_object
     shown = item.evaluated_get(context.evaluated_depsgraph_get())
     try:
-        return read_mesh(shown.to_mesh(), item.data.name)
+        return scaled_mesh(read_mesh(shown.to_mesh(), item.data.name), metres_per_unit(context.scene))
     finally:
         shown.to_mesh_clear()
 
@@ -74,11 +75,13 @@ class UNISG_OT_decode_mesh(ActiveMesh):
 
     def run(self, context: bpy.types.Context) -> None:
         """Decode into a new, active object."""
+        from ..unisg_blender.blender.scene_units import metres_per_unit, scaled_mesh
         from ..unisg_blender.blender.write.mesh_data import write_mesh
         from ..unisg_blender.meshes import decode_mesh
 
         source = context.active_object
         mesh = decode_mesh(self._feature(context), self.faces, name=f"{source.name} decoded")
+        mesh = scaled_mesh(mesh, 1.0 / metres_per_unit(context.scene))
         made = bpy.data.objects.new(mesh.name, write_mesh(mesh, {}))
         context.collection.objects.link(made)
         made.matrix_world = source.matrix_world

@@ -52,8 +52,9 @@ class MotionOperator(Operator):
 
     def run(self, context: bpy.types.Context) -> set[str]:
         from ..unisg_blender.blender.motion.motor_keys import Tolerance
+        from ..unisg_blender.blender.scene_units import metres_per_unit
 
-        metres = context.scene.unit_settings.scale_length
+        metres = metres_per_unit(context.scene)
         tolerance, reports, done = Tolerance(self.millimetres, self.degrees, metres), [], set()
         for item in _items(context):
             owner = (

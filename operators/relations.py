@@ -22,14 +22,10 @@ class UNISG_OT_relations(Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     gap: bpy.props.FloatProperty(
-        name="Gap", description="Largest distance at which surfaces touch", default=0.01, min=0, subtype="DISTANCE"
+        name="Gap (m)", description="Largest distance in metres at which surfaces touch", default=0.01, min=0
     )
     beside: bpy.props.FloatProperty(
-        name="Beside",
-        description="Largest distance of things beside each other",
-        default=0.5,
-        min=0,
-        subtype="DISTANCE",
+        name="Beside (m)", description="Largest distance in metres of things beside each other", default=0.5, min=0
     )
 
     model: bpy.props.StringProperty(

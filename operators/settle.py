@@ -25,17 +25,20 @@ class UNISG_OT_settle(Operator):
         import mathutils
 
         from ..unisg_blender.blender import objects_by_uid, read_scene
+        from ..unisg_blender.blender.scene_units import metres_per_unit, scale_translations
         from ..unisg_blender.generate.place.settle_existing import settle_rows
         from ..unisg_blender.runtime.wording import grouped
 
         graph = read_scene(context.scene, details=False)
         items = objects_by_uid(context.scene)
         chosen = set(context.selected_objects)
+        units = 1.0 / metres_per_unit(context.scene)
         found = settle_rows(graph, [row for row, uid in enumerate(graph.uid) if items.get(uid) in chosen])
         for settled in found:
             if settled.note:
                 continue
-            items[graph.uid[settled.row]].matrix_world = mathutils.Matrix(settled.world.tolist())
+            place = scale_translations(settled.world, units)
+            items[graph.uid[settled.row]].matrix_world = mathutils.Matrix(place.tolist())
             context.view_layer.update()  # parents come first: the next one is set in the world again
         moved = sum(not settled.note for settled in found)
         self.report({"INFO"}, f"{moved} of {len(found)} objects settled")

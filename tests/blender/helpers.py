@@ -54,8 +54,11 @@ def assert_stands_like_blender(graph: SceneGraph, scene: bpy.types.Scene | None 
             assert relative_gap(world[row], np.array(item.matrix_world)) < TOLERANCE, name
 
 
-def assert_same_scene(first: SceneGraph, second: SceneGraph) -> None:
-    """Two scenegraphs have the same entities, by uid: names, types, parents, categories, world matrices, meshes."""
+def assert_same_scene(first: SceneGraph, second: SceneGraph, points: float = 0.0) -> None:
+    """Two scenegraphs have the same entities, by uid: names, types, parents, categories, world matrices, meshes.
+
+    ``points``: how far apart those of meshes may be, in metres.
+    """
     assert set(first.uid) == set(second.uid)
     worlds = world_matrices(first), world_matrices(second)
     for row, uid in enumerate(first.uid):
@@ -66,12 +69,12 @@ def assert_same_scene(first: SceneGraph, second: SceneGraph) -> None:
         assert relative_gap(worlds[1][other], worlds[0][row]) < TOLERANCE, first.name[row]
         assert (first.mesh[row] >= 0) == (second.mesh[other] >= 0)
         if first.mesh[row] >= 0:
-            _assert_same_mesh(first.meshes[first.mesh[row]], second.meshes[second.mesh[other]])
+            _assert_same_mesh(first.meshes[first.mesh[row]], second.meshes[second.mesh[other]], points)
 
     for name in COMPARED:
         _assert_same_component(first, second, name)
     assert first.frames in (None, second.frames)
-    _assert_same_instances(first, second)
+    _assert_same_instances(first, second, points)
 
 
 def _assert_same_component(first: SceneGraph, second: SceneGraph, name: str) -> None:
@@ -94,21 +97,21 @@ def _texts(values: np.ndarray) -> list[str]:
     return sorted(re.sub(r"\.\d{3}\b", "", str(value)) for value in values)
 
 
-def _assert_same_instances(first: SceneGraph, second: SceneGraph) -> None:
+def _assert_same_instances(first: SceneGraph, second: SceneGraph, points: float) -> None:
     for uid, row in first.row_of_uid.items():
         here, there = first[row].component("instances"), second[second.row_of_uid[uid]].component("instances")
         assert len(here.get("matrix", ())) == len(there.get("matrix", ())), first.name[row]
         for place in range(len(here.get("matrix", ()))):
             assert relative_gap(there["matrix"][place], here["matrix"][place]) < TOLERANCE
-            assert_same_scene(here["prototype"][place], there["prototype"][place])
+            assert_same_scene(here["prototype"][place], there["prototype"][place], points)
 
 
 def _parent_uid(graph: SceneGraph, row: int) -> str:
     return graph.uid[graph.parent[row]] if graph.parent[row] >= 0 else ""
 
 
-def _assert_same_mesh(first, second) -> None:
-    np.testing.assert_array_equal(first.points, second.points)
+def _assert_same_mesh(first, second, points: float) -> None:
+    np.testing.assert_allclose(first.points, second.points, rtol=0, atol=points)
     np.testing.assert_array_equal(first.corners, second.corners)
     np.testing.assert_array_equal(first.offsets, second.offsets)
     assert first.materials == second.materials

@@ -113,7 +113,7 @@ def test_a_motion_without_end_is_read_here_and_there(monkeypatch: pytest.MonkeyP
         ("fps_base", struct.pack("<f", 1.2345678), struct.pack("<f", math.nan), "its frame rate cannot be played"),
         ("frame_end", struct.pack("<i", 987654), struct.pack("<i", 2**31 - 1), "the frames 7 to 2147483647 cannot be"),
         ("frame_end", struct.pack("<i", 987654), struct.pack("<i", -(2**31)), "the frames 7 to -2147483648 cannot be"),
-        ("scale_length", struct.pack("<f", 0.7654321), struct.pack("<f", 0.0), "the unit scale is not applied"),
+        ("scale_length", struct.pack("<f", 0.7654321), struct.pack("<f", 0.0), "the unit scale 0 is not applied"),
     ],
 )
 def test_frames_and_units_of_a_damaged_file(tmp_path: Path, name: str, kept: bytes, damaged: bytes, told: str) -> None:

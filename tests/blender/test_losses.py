@@ -258,7 +258,7 @@ LOST_OF_SCENES: dict[str, tuple[Callable[[], object], str]] = {
     "preview range": (scene_with(use_preview_range=True), "Use Preview Range"),
     "gravity": (scene_with(gravity=(0, 0, -1)), "Gravity"),
     "resolution": (lambda: put(bpy.context.scene.render, resolution_x=99), "render settings"),
-    "units": (lambda: put(bpy.context.scene.unit_settings, scale_length=0.01), "unit scale"),
+    "units": (lambda: put(bpy.context.scene.unit_settings, scale_length=0.01), "its unit of 0.01 m"),
     "exposure": (lambda: put(bpy.context.scene.view_settings, exposure=2.0), "colour management settings"),
     "text blocks": (lambda: bpy.data.texts.new("script.py"), "text blocks"),
     "sequence": (sequence, "video sequence"),

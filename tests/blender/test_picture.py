@@ -90,6 +90,19 @@ def test_a_look_into_a_room(tmp_path: Path) -> None:
     assert len(bpy.data.objects["House"].data.polygons) == count
 
 
+def test_a_look_into_a_room_in_centimetres(tmp_path: Path) -> None:
+    view = house()
+    render_picture(tmp_path / "metres.png", size=(160, 120), room=view)
+    scene = bpy.context.scene
+    scene.unit_settings.scale_length = 0.01
+    for item in scene.objects:
+        item.location, item.scale = item.location * 100, item.scale * 100
+    bpy.context.view_layer.update()
+    render_picture(tmp_path / "centimetres.png", size=(160, 120), room=view)
+    first, second = (pixels(tmp_path / f"{name}.png") for name in ("metres", "centimetres"))
+    assert (np.abs(first - second).max(axis=2) > 0.1).mean() < 0.01
+
+
 def test_ceilings_and_walls_in_front_hide_a_room() -> None:
     view = RoomView(SQUARE, 0.0, 2.5, ())
     over, in_front = [[2.5, 2, 2.5], [2.5, 2, 2.6]], [[5, 2, 1.2], [2.5, 0, 1.2], [2.5, -0.2, 1.2]]

@@ -12,6 +12,7 @@ bpy = pytest.importorskip("bpy")
 from unisg_blender.behaviour import check_scene, prepare, simulate  # noqa: E402
 from unisg_blender.blender import read_scene  # noqa: E402
 from unisg_blender.blender.authoring.stored_behaviour import actions_of, lesson_of, scene_moments  # noqa: E402
+from unisg_blender.blender.viewport.action_lines import action_lines  # noqa: E402
 
 pytestmark = pytest.mark.usefixtures("extension")
 
@@ -66,6 +67,28 @@ def test_an_insert_is_made_with_a_few_clicks():
     bpy.context.view_layer.update()
     bpy.ops.unisg.action_go_to_reference()
     assert np.allclose(scalpel.location, (0, 3, 0.2))
+
+
+def test_reference_poses_and_limits_are_kept_in_metres():
+    bpy.context.scene.unit_settings.scale_length = 0.01
+    scalpel, knee = bpy.data.objects["Scalpel"], bpy.data.objects["Knee"]
+    activate("Scalpel")
+    bpy.ops.unisg.action_add(type="Insert")
+    bpy.context.window_manager.unisg_pick_frame = knee
+    knee.location, scalpel.location = (0, 100, 0), (0, 100, 20)
+    bpy.context.view_layer.update()
+    bpy.ops.unisg.action_reference()
+    scalpel.unisg_action_distance = 5.0
+    action = actions_of(scalpel)[0]
+    assert np.allclose(action.reference_matrix[:3, 3], [0, 0, 0.2])
+    assert action.thresholds.distance == pytest.approx(0.05)
+    assert scalpel.unisg_action_distance == pytest.approx(5.0)
+    lines = [points for points, _ in action_lines(bpy.context.scene, action)]
+    assert any(np.ptp(points, axis=0).max() == pytest.approx(10.0, rel=0.05) for points in lines)  # its sphere
+    knee.location = (0, 300, 0)
+    bpy.context.view_layer.update()
+    bpy.ops.unisg.action_go_to_reference()
+    assert np.allclose(scalpel.location, (0, 300, 20))
 
 
 def test_changing_the_frame_leaves_the_reference_where_it_is():

@@ -155,3 +155,34 @@ def test_a_file_that_is_no_model_is_told_in_the_panel() -> None:
     sys.modules["unisg_extension.operators.generation_settings"].list_categories(settings)
     assert "no ONNX model" in settings.problem
     assert len(settings.counts) == 0
+
+
+def test_a_room_in_centimetres_gets_what_one_in_metres_gets() -> None:
+    places, sizes = [], []
+    for metres in (1.0, 0.01):
+        bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+        bpy.context.scene.unit_settings.scale_length = metres
+        write_scene(operating_room(5), bpy.context.scene)
+        there = set(bpy.context.scene.objects)
+        bpy.ops.unisg.generate(add="Scalpel=2,Monitor=1,Stool=1", seed=4)
+        bpy.context.view_layer.update()
+        added = sorted(set(bpy.context.scene.objects) - there, key=lambda item: item.name)
+        places.append([np.array(item.matrix_world.translation) * metres for item in added])
+        sizes.append([np.array(item.dimensions) * metres for item in added])
+    assert len(places[0]) == 4
+    np.testing.assert_allclose(places[1], places[0], atol=1e-4)
+    np.testing.assert_allclose(sizes[1], sizes[0], atol=1e-5)
+
+
+def test_settling_in_centimetres() -> None:
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    bpy.context.scene.unit_settings.scale_length = 0.01
+    write_scene(operating_room(5), bpy.context.scene)
+    bpy.context.view_layer.update()
+    stool = next(item for item in bpy.context.scene.objects if item.get("unisg_category") == "Stool")
+    before = np.array(stool.matrix_world)
+    stool.location.z += 30
+    bpy.context.view_layer.update()
+    stool.select_set(True)
+    assert bpy.ops.unisg.settle() == {"FINISHED"}
+    np.testing.assert_allclose(stool.matrix_world, before, atol=0.5)  # centimetres

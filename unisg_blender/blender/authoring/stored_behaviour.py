@@ -18,6 +18,7 @@ from ...scene.lesson_node import LessonNode, lesson_from_json, lesson_to_json
 from ...scene.properties import ACTIONS, LSA
 from ..frame_range import frame_rate
 from ..lookup import objects_by_uid
+from ..scene_units import metres_per_unit, scale_translations
 
 TRIGGER = "unisg_trigger"
 FORCE = "unisg_force"
@@ -96,14 +97,16 @@ def why_fixed(item: bpy.types.Object, key: str = ACTIONS) -> str:
     return ""
 
 
-def world_of(graph: SceneGraph, objects: dict[str, bpy.types.Object], last: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Evaluated world matrices (N, 4, 4) of the graph's entities; of what is gone, the ``last`` ones."""
+def world_of(
+    graph: SceneGraph, scene: bpy.types.Scene, objects: dict[str, bpy.types.Object], last: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Evaluated world matrices (N, 4, 4) of the graph's entities, in metres; of what is gone, the ``last`` ones."""
     world = last.copy()
     depsgraph = bpy.context.evaluated_depsgraph_get()
-    for row, uid in enumerate(graph.uid):
-        item = objects.get(uid)
-        if item is not None:
-            world[row] = item.evaluated_get(depsgraph).matrix_world
+    there = [row for row, uid in enumerate(graph.uid) if uid in objects]
+    for row in there:
+        world[row] = objects[graph.uid[row]].evaluated_get(depsgraph).matrix_world
+    world[there] = scale_translations(world[there], metres_per_unit(scene))
     return world
 
 
@@ -131,7 +134,7 @@ def scene_moments(scene: bpy.types.Scene, graph: SceneGraph) -> Iterator[Moment]
     try:
         for frame in range(scene.frame_start, scene.frame_end + 1):
             scene.frame_set(frame)
-            world = world_of(graph, objects, world)
+            world = world_of(graph, scene, objects, world)
             pressed = [uid for uid, item in objects.items() if _number(item, TRIGGER)]
             force = {uid: _number(item, FORCE) for uid, item in objects.items() if FORCE in item}
             answers = _answers(scene, graph, frame)

@@ -22,6 +22,7 @@ from ..lookup import objects_by_uid
 from ..read.object_hierarchy import read_hierarchy
 from ..read.sampled_animation import sample_animation
 from ..read.scene_reader import read_scene
+from ..scene_units import in_scene_units, metres_per_unit, scale_translations
 from ..write.animation_curves import write_animation
 from .event_markers import show_events
 
@@ -41,7 +42,8 @@ class SceneRecorder(PoseRecorder):
         local = read_hierarchy(scene.objects, items, depsgraph).local
         place = {item: row for row, item in enumerate(items)}
         found = objects_by_uid(scene)
-        return self.look(tuple(found), local[[place[item] for item in found.values()]], seconds)
+        local = scale_translations(local[[place[item] for item in found.values()]], metres_per_unit(scene))
+        return self.look(tuple(found), local, seconds)
 
 
 def record_playback(scene: bpy.types.Scene | None = None) -> SceneGraph:
@@ -143,7 +145,9 @@ def replay(graph: SceneGraph, scene: bpy.types.Scene | None = None, report: Read
     moving = {row: objects[row] for row in ([] if found is None else found.rows.tolist()) if row in objects}
     for item in moving.values():
         item.animation_data_clear()
-    write_animation(graph, moving, scene, ReadReport() if report is None else report, RECORDING)
+    if found is not None:
+        moved = in_scene_units(graph.with_component(ANIMATION, found), scene)
+        write_animation(moved, moving, scene, ReadReport() if report is None else report)
     ends = [float(times[-1]) for times in (() if found is None else found.columns["times"])]
     ends.append(show_events(graph, objects, scene))
     scene.frame_end = max(scene.frame_end, math.ceil(max(ends) * frame_rate(scene)))

@@ -16,6 +16,7 @@ from ...scene.graph import SceneGraph
 from ..depsgraph import updated_depsgraph
 from ..frame_range import FRAMES, frame_rate, key_frames
 from ..lookup import objects_by_uid
+from ..scene_units import metres_per_unit, scale_translations
 from .object_hierarchy import read_hierarchy
 
 MOST_FRAMES = 10_000
@@ -124,7 +125,7 @@ def _changes(
 
 
 def _evaluated_locals(scene: bpy.types.Scene, items: Sequence[bpy.types.Object]) -> NDArray[np.float64]:
-    """Local matrices, those of constrained objects from where they and their parents stand."""
+    """Local matrices in metres, those of constrained objects from where they and their parents stand."""
     _, depsgraph = updated_depsgraph(scene)
     hierarchy = read_hierarchy(scene.objects, items, depsgraph)
     local = hierarchy.local
@@ -135,4 +136,4 @@ def _evaluated_locals(scene: bpy.types.Scene, items: Sequence[bpy.types.Object])
         if hierarchy.parent[row] < 0 or abs(np.linalg.det(frame)) < 1e-12:
             frame = np.eye(4)
         local[row] = np.linalg.inv(frame) @ world
-    return local
+    return scale_translations(local, metres_per_unit(scene))

@@ -23,6 +23,7 @@ from ..frame_range import read_frame_range
 from ..helper_objects import HELPER, TYPE, fold
 from ..id_properties import custom_properties
 from ..materials import read_material
+from ..scene_units import in_metres, report_unit
 from ..unsupported.of_objects import report_losses
 from ..unsupported.of_scenes import report_scene_losses
 from .collection_instances import instance_table
@@ -97,7 +98,7 @@ def read_scene(
     Returns
     -------
     SceneGraph
-        All objects of the scene as entities, in canonical order; metres, Z up.
+        All objects of the scene as entities, in canonical order; metres whatever the scene's unit, Z up.
     """
     scene = scene or bpy.context.scene
     losses, report = details and report is not None, ReadReport() if report is None else report
@@ -105,7 +106,8 @@ def read_scene(
     shelf = MeshShelf(depsgraph, geometry == "evaluated", report)
     reader = SceneReader(depsgraph, view_layer, geometry, details, animation, shelf, report, losses)
     graph = read_objects(scene.objects, scene.name, scene.collection, reader)
-    graph = graph.replace(frames=read_frame_range(scene, report))
+    graph = in_metres(graph, scene).replace(frames=read_frame_range(scene, report))
+    report_unit(scene, report)
     if losses:
         report_scene_losses(scene, view_layer, report)
     if animation and may_move(scene):

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from ...errors import MissingPackageError
 from ...scene.graph import SceneGraph
 from ..lookup import objects_by_uid
+from ..scene_units import metres_per_unit, scale_translations
 from .picture import corner_points, render_picture
 
 Frame = tuple[float, NDArray[np.float64], Sequence[tuple[str, str]]]
@@ -41,7 +42,8 @@ class Puppets:
             item.delta_rotation_euler, item.delta_rotation_quaternion = (0, 0, 0), (1, 0, 0, 0)
 
     def pose(self, world: NDArray[np.float64]) -> None:
-        """Put all objects at world matrices (N, 4, 4), in the graph's order."""
+        """Put all objects at world matrices (N, 4, 4) in metres, in the graph's order."""
+        world = scale_translations(world, 1.0 / metres_per_unit(self.scene))
         for row, uid in self.rows:
             self.objects[uid].matrix_world = mathutils.Matrix(world[row])
         bpy.context.view_layer.update()

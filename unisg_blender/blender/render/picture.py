@@ -19,6 +19,7 @@ from ...runtime.atomic_files import replacing
 from ...scene.categories import STRUCTURE
 from ...scene.properties import CATEGORY
 from ..depsgraph import updated_depsgraph
+from ..scene_units import metres_per_unit
 from ..suppress_output import captured_output
 from .room_view import RoomView, opened
 
@@ -61,7 +62,7 @@ def render_picture(
     leave_out
         Categories that are not drawn, such as a ceiling that would hide the room.
     points
-        World points (K, 3) that the picture has to show; the objects when omitted.
+        World points (K, 3), in the scene's unit, that the picture has to show; the objects when omitted.
     room
         The room that the picture looks into: what hides it is left out, and it fills the picture.
 
@@ -78,7 +79,7 @@ def render_picture(
         if item.type in SHOWN and not item.hide_render and category_of(item) not in leave_out
     ]
     if points is None:
-        points = room.points if room is not None else _all_points(scene, items)
+        points = room.points / metres_per_unit(scene) if room is not None else _all_points(scene, items)
     if not len(points):
         raise UniSGError(f"scene {scene.name!r} has nothing to show: add objects with a mesh")
     view_of = nullcontext(items) if room is None else opened(scene, items, room, tuple(_direction(view)))

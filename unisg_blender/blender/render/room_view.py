@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from ...scene.properties import CATEGORY
 from ..depsgraph import updated_depsgraph
+from ..scene_units import metres_per_unit
 
 EYE_HEIGHT, UNDER_CEILING = 2.6, 0.15
 """Metres of walls that are shown at most; and metres under the ceiling from which on faces are left out."""
@@ -70,15 +71,16 @@ def opened(
 ) -> Iterator[list[bpy.types.Object]]:
     """Those objects of a scene that are in a room or near it, its building as copies without the faces that hide it."""
     _, depsgraph = updated_depsgraph(scene)
+    metres = metres_per_unit(scene)
     shown: list[bpy.types.Object] = []
     copies: list[bpy.types.Object] = []
     try:
         for item in items:
             world = np.array(item.matrix_world)
             corners = np.array(item.bound_box) @ world[:3, :3].T + world[:3, 3]
-            middle = (corners.min(axis=0) + corners.max(axis=0)) / 2
+            middle = (corners.min(axis=0) + corners.max(axis=0)) / 2 * metres
             if item.name in room.building and item.type == "MESH":
-                copies.append(_without_hiding(item.evaluated_get(depsgraph), room, np.array(toward)))
+                copies.append(_without_hiding(item.evaluated_get(depsgraph), room, np.array(toward), metres))
                 shown.append(copies[-1])
             elif room.beside(middle[None, :2])[0][0] <= AROUND and middle[2] < room.ceiling:
                 shown.append(item)
@@ -90,7 +92,7 @@ def opened(
             bpy.data.meshes.remove(mesh)
 
 
-def _without_hiding(item: bpy.types.Object, room: RoomView, toward: Points) -> bpy.types.Object:
+def _without_hiding(item: bpy.types.Object, room: RoomView, toward: Points, metres: float) -> bpy.types.Object:
     import bmesh
 
     mesh = bpy.data.meshes.new_from_object(item)
@@ -99,7 +101,7 @@ def _without_hiding(item: bpy.types.Object, room: RoomView, toward: Points) -> b
     work.from_mesh(mesh)
     work.faces.ensure_lookup_table()
     middles = np.array([face.calc_center_median() for face in work.faces]).reshape(-1, 3)
-    hiding = room.hides(middles @ world[:3, :3].T + world[:3, 3], toward)
+    hiding = room.hides((middles @ world[:3, :3].T + world[:3, 3]) * metres, toward)
     bmesh.ops.delete(work, geom=[work.faces[int(face)] for face in np.flatnonzero(hiding)], context="FACES")
     work.to_mesh(mesh)
     work.free()

@@ -44,8 +44,6 @@ def _scene_texts(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> Ite
         yield "keying sets are not read"
     yield from listed("custom properties of the scene are not read", property_names(scene))
     yield from listed("scene settings that are not read", changed_settings(scene, HELD, inner=False))
-    if scene.unit_settings.scale_length != 1.0:
-        yield "the unit scale is not applied: one Blender unit is read as one metre"
     for name, word in GROUPS.items():
         changed = changed_settings(getattr(scene, name), HELD.union(UNREAD_VIEWS), inner=False)
         yield from listed(f"{word} settings that are not read", changed)

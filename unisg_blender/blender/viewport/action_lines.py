@@ -12,6 +12,7 @@ from ...behaviour.playing.guide_lines import Points, box_lines, cone_lines, dash
 from ...errors import UniSGError
 from ...scene.action_data import ActionData
 from ..lookup import objects_by_uid
+from ..scene_units import metres_per_unit, scale_translations
 
 Color = tuple[float, float, float, float]
 WANTED: Color = (1.0, 0.6, 0.1, 0.9)
@@ -25,18 +26,18 @@ Lines = tuple[Points, Color]
 
 
 def action_lines(scene: bpy.types.Scene, action: ActionData, holds: bool = False) -> Iterator[Lines]:
-    """Segments (2K, 3) in the world with their colours, for one action.
+    """Segments (2K, 3) in the world, in the scene's unit, with their colours, for one action.
 
     The hologram of the reference pose, the distance and the angle within which it
     counts, and lines from the target to it, from tools to targets.
     """
-    objects = objects_by_uid(scene)
+    objects, units = objects_by_uid(scene), 1.0 / metres_per_unit(scene)
     targets = [objects[uid] for uid in action.targets if uid in objects]
     tools = [objects[uid] for uid in action.tools if uid in objects]
     posed = tools if action.type == "Tool" else targets
     color = HOLDS if holds else WANTED
     try:
-        place = _reference(scene, action, objects)
+        place = _reference(action, objects, units)
     except UniSGError:
         place = None
     if place is not None and posed:
@@ -44,9 +45,9 @@ def action_lines(scene: bpy.types.Scene, action: ActionData, holds: bool = False
         yield hologram(posed[0], goal), color
         limits = action.thresholds
         if limits.distance:
-            yield sphere_lines(place[:3, 3], limits.distance), LIMIT
+            yield sphere_lines(place[:3, 3], limits.distance * units), LIMIT
         if limits.angle:
-            size = max(0.1, 0.6 * float(max(posed[0].dimensions)))
+            size = max(0.1 * units, 0.6 * float(max(posed[0].dimensions)))
             yield cone_lines(place, min(limits.angle, np.pi), size), LIMIT
         yield from ((dashes(np.array(item.matrix_world)[:3, 3], place[:3, 3]), color) for item in posed)
     elif action.type in ("Insert", "Remove", "Use", "Tool"):
@@ -58,15 +59,13 @@ def action_lines(scene: bpy.types.Scene, action: ActionData, holds: bool = False
                 yield dashes(np.array(tool.matrix_world)[:3, 3], np.array(target.matrix_world)[:3, 3]), LINK
 
 
-def _reference(
-    scene: bpy.types.Scene, action: ActionData, objects: dict[str, bpy.types.Object]
-) -> NDArray[np.float64] | None:
+def _reference(action: ActionData, objects: dict[str, bpy.types.Object], units: float) -> NDArray[np.float64] | None:
     if action.reference_matrix is None:
         return None
     if action.frame and action.frame not in objects:
         raise UniSGError("the frame is not in the scene")
     frame = np.array(objects[action.frame].matrix_world) if action.frame else np.eye(4)
-    return frame @ action.reference_matrix
+    return frame @ scale_translations(action.reference_matrix, units)
 
 
 def _with_scale(place: NDArray[np.float64], own: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -49,7 +49,7 @@ class Session:
         """Look at the scene at a time in seconds and play on; what happened comes back."""
         scene = bpy.data.scenes[self.scene]
         objects = objects_by_uid(scene)
-        self.world = world_of(self.lesson.graph, objects, self.world)
+        self.world = world_of(self.lesson.graph, scene, objects, self.world)
         held = {uid for uid, item in objects.items() if item.get(TRIGGER)} | self.pressed
         force = {uid: float(item[FORCE]) for uid, item in objects.items() if FORCE in item}
         force |= {uid: self.force for uid in self.lesson.graph.uid if uid not in force}

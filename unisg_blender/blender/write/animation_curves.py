@@ -21,15 +21,11 @@ def write_animation(
     objects: Objects,
     scene: bpy.types.Scene,
     report: ReadReport,
-    component: str = ANIMATION,
 ) -> None:
-    """Keyframes for the sampled motion of new objects; rotations become quaternions that never jump.
-
-    ``component`` may also be ``recording``.
-    """
+    """Keyframes for the sampled motion of objects; rotations become quaternions that never jump."""
     rate = frame_rate(scene)
     parts = graph.components.get(PARENTING)
-    for row, item, entry in entries(graph, component, objects):
+    for row, item, entry in entries(graph, ANIMATION, objects):
         above = np.eye(4)
         if parts is not None and item.parent_type != "OBJECT" and row in parts.rows:
             above = parts.of(row)["frame"][0]

@@ -15,6 +15,7 @@ from ...scene.graph import SceneGraph
 from ..frame_range import set_frame_range
 from ..lookup import objects_by_uid
 from ..materials import write_materials
+from ..scene_units import in_scene_units
 from .animation_curves import write_animation
 from .bones import write_bones
 from .instance_collections import write_instances
@@ -71,7 +72,7 @@ def write_scene(
         What to write.
     scene
         Where the new objects go, beside those that are there; a new scene named
-        like the graph when omitted.
+        like the graph, its unit the metre, when omitted.
     report
         Is told what Blender cannot hold.
 
@@ -96,7 +97,7 @@ def write_rows(
     collection: bpy.types.Collection | None = None,
     report: ReadReport | None = None,
 ) -> list[bpy.types.Object]:
-    """Make objects for some rows of a scenegraph whose other rows stand in the scene already.
+    """Make objects for some rows of a scenegraph whose other rows stand in the scene already, in the scene's unit.
 
     Parents are found among the new objects or, by uid, in the scene; a mesh that an
     entity of the scene uses unmodified is shared with it.
@@ -121,6 +122,7 @@ def write_rows(
     """
     rows = [int(row) for row in rows]
     check_graph(graph, rows)
+    graph = in_scene_units(graph, scene)
     standing = _standing_objects(graph, rows, scene)
     writer = SceneWriter(ReadReport() if report is None else report)
     for name in sorted(set(graph.components) - KEPT):
