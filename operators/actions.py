@@ -238,14 +238,12 @@ class UNISG_OT_action_go_to_reference(ActionOperator):
         import mathutils
 
         from ..unisg_blender.blender.authoring.authoring import frame_matrix, posed_object
-        from ..unisg_blender.blender.scene_units import metres_per_unit, scale_translations
 
         action = readable_actions(item)[place]
         if action.reference_matrix is None:
             raise UniSGError("the action has no reference pose yet")
         target = posed_object(context.scene, action)
-        world = frame_matrix(context.scene, action) @ action.reference_matrix
-        target.matrix_world = mathutils.Matrix(scale_translations(world, 1.0 / metres_per_unit(context.scene)))
+        target.matrix_world = mathutils.Matrix(frame_matrix(context.scene, action) @ action.reference_matrix)
 
 
 class UNISG_OT_action_answers(EditOperator):

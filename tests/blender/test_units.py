@@ -11,11 +11,18 @@ import pytest
 
 from tests.blender.helpers import add, assert_same_scene, box
 from unisg_blender.blender import ReadReport, objects_by_uid, read_scene, write_rows, write_scene
-from unisg_blender.blender.authoring.stored_behaviour import world_of
-from unisg_blender.blender.motion.scene_recording import SceneRecorder, record_playback, replay, store_recording
+from unisg_blender.blender.authoring.stored_behaviour import actions_of, world_of
+from unisg_blender.blender.motion.scene_recording import (
+    SceneRecorder,
+    record_playback,
+    replay,
+    scene_recording,
+    store_recording,
+)
 from unisg_blender.blender.render.film import Puppets
 from unisg_blender.formats import read_scene_file, write_scene_file
 from unisg_blender.scene import SceneGraph, world_matrices
+from unisg_blender.worlds import operating_room
 
 UNITS = [("METRIC", 1.0), ("METRIC", 0.01), ("IMPERIAL", 0.0254)]
 POINTS = 1e-6
@@ -118,10 +125,27 @@ def test_new_rows_have_the_size_of_the_scene(in_metres: SceneGraph) -> None:
     assert np.array(new.scale) == pytest.approx([1.0] * 3)
 
 
-def test_recordings_are_in_metres_and_replayed_in_the_unit() -> None:
+def test_actions_come_back_and_are_kept_in_the_unit() -> None:
+    room = operating_room(5)
+    scene = bpy.context.scene
+    scene.unit_settings.scale_length = 0.01
+    write_scene(room, scene)
+    again, kept = read_scene(scene), objects_by_uid(scene)
+    posed = [(row, each) for row, each in room.entries("actions", "data") if each.reference is not None]
+    assert posed
+    for row, action in posed:
+        found = next(each for each in again[again.row_of_uid[room.uid[row]]].actions if each.uid == action.uid)
+        stored = next(each for each in actions_of(kept[room.uid[row]]) if each.uid == action.uid)
+        assert found.reference == pytest.approx(action.reference)
+        assert stored.reference_matrix[:3, 3] == pytest.approx(action.reference_matrix[:3, 3] * 100)
+        assert found.thresholds == stored.thresholds == action.thresholds
+
+
+def test_recordings_are_kept_and_replayed_in_the_unit() -> None:
     scene = furnished("METRIC", 0.01)
     graph = record_playback(scene)
     store_recording(graph, scene)
+    assert scene_recording(scene)["Mark"].matrices[-1][0, 3] == pytest.approx(120)
     again = read_scene(scene)
     for each in (graph, again):
         moved = each["Mark"].component("recording")["matrices"][0]

@@ -69,7 +69,7 @@ def test_an_insert_is_made_with_a_few_clicks():
     assert np.allclose(scalpel.location, (0, 3, 0.2))
 
 
-def test_reference_poses_and_limits_are_kept_in_metres():
+def test_reference_poses_are_in_the_unit_of_the_scene_and_limits_in_metres():
     bpy.context.scene.unit_settings.scale_length = 0.01
     scalpel, knee = bpy.data.objects["Scalpel"], bpy.data.objects["Knee"]
     activate("Scalpel")
@@ -80,8 +80,9 @@ def test_reference_poses_and_limits_are_kept_in_metres():
     bpy.ops.unisg.action_reference()
     scalpel.unisg_action_distance = 5.0
     action = actions_of(scalpel)[0]
-    assert np.allclose(action.reference_matrix[:3, 3], [0, 0, 0.2])
-    assert action.thresholds.distance == pytest.approx(0.05)
+    assert np.allclose(action.reference_matrix[:3, 3], [0, 0, 20])
+    assert np.allclose(read_scene()["Scalpel"].actions[0].reference_matrix[:3, 3], [0, 0, 0.2])
+    assert read_scene()["Scalpel"].actions[0].thresholds.distance == pytest.approx(0.05)
     assert scalpel.unisg_action_distance == pytest.approx(5.0)
     lines = [points for points, _ in action_lines(bpy.context.scene, action)]
     assert any(np.ptp(points, axis=0).max() == pytest.approx(10.0, rel=0.05) for points in lines)  # its sphere

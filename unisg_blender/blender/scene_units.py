@@ -1,7 +1,8 @@
 """The unit of a Blender scene: metres inside, the scene's own unit wherever Blender holds a length.
 
 Only lengths change: translations and points are multiplied, linear parts stay as they are, so an object of scale 1
-keeps scale 1. What custom properties hold (reference poses, thresholds, recordings) is in metres in every scene.
+keeps scale 1. Reference poses and recordings in custom properties are in the scene's unit too, so that they go with the
+objects when somebody gives the scene another unit; thresholds are in metres in every scene.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from numpy.typing import NDArray
 
 from ..runtime.read_report import ReadReport
 from ..scene import components
+from ..scene.action_data import ActionData
 from ..scene.component_table import Table
 from ..scene.graph import SceneGraph
 from ..scene.mesh import Mesh
@@ -110,18 +112,27 @@ class _Scaling:
         return self.meshes[id(mesh)]
 
     def component(self, name: str, found: Table) -> Table:
-        """A component; one that holds no lengths of Blender's stays as it is."""
+        """A component; one that holds no lengths stays as it is."""
         columns = found.columns
         matrices, lengths = ([key for key in each.get(name, ()) if key in columns] for each in (MATRICES, LENGTHS))
         changes: dict[str, NDArray[Any]] = {key: scale_translations(columns[key], self.factor) for key in matrices}
         changes |= {key: columns[key] * self.factor for key in lengths}
         if name == components.INSTANCES:
             changes["prototype"] = _each(found, "prototype", self.prototype)
-        if name == components.ANIMATION:
+        if name in (components.ANIMATION, components.RECORDING):
             changes["matrices"] = _each(found, "matrices", lambda motion: scale_translations(motion, self.factor))
+        if name == components.ACTIONS:
+            changes["data"] = _each(found, "data", self.action)
         if name == components.LIGHT:
             changes["energy"] = columns["energy"] * np.where(_spreads(columns), self.factor**2, 1.0)
         return Table(found.rows, {**columns, **changes}) if changes else found
+
+    def action(self, action: ActionData) -> ActionData:
+        """An action with its reference pose; thresholds are in metres in every scene."""
+        if action.reference_matrix is None:
+            return action
+        reference = scale_translations(action.reference_matrix, self.factor)
+        return replace(action, reference=tuple(reference.ravel().tolist()))
 
     def prototype(self, graph: SceneGraph) -> SceneGraph:
         """An instanced scenegraph, made once."""

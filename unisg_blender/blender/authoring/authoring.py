@@ -15,7 +15,6 @@ from ...scene.action_data import ActionData, Thresholds
 from ...scene.identity import new_uid
 from ...scene.lesson_node import LessonNode
 from ..lookup import objects_by_uid, stored_uid
-from ..scene_units import metres_per_unit, scale_translations
 from .identities import ensure_uid, repair_copies
 from .stored_behaviour import actions_of, lesson_of, store_actions, store_lesson
 
@@ -115,7 +114,7 @@ def reference_from_pose(scene: bpy.types.Scene, item: bpy.types.Object, place: i
 
     def edit(action: ActionData) -> ActionData:
         """The action with the object's pose now, in its frame, as reference."""
-        world = world_matrix(scene, posed_object(scene, action))
+        world = np.array(posed_object(scene, action).matrix_world)
         pose = np.linalg.pinv(frame_matrix(scene, action)) @ world
         return replace(action, reference=(*pose[:3].ravel().tolist(), 0.0, 0.0, 0.0, 1.0))
 
@@ -123,18 +122,13 @@ def reference_from_pose(scene: bpy.types.Scene, item: bpy.types.Object, place: i
 
 
 def frame_matrix(scene: bpy.types.Scene, action: ActionData) -> np.ndarray:
-    """World matrix (4, 4), metres, of the frame in which an action's reference pose is given."""
+    """World matrix (4, 4) of the frame in which an action's reference pose is given."""
     if not action.frame:
         return np.eye(4)
     found = objects_by_uid(scene).get(action.frame)
     if found is None:
         raise UniSGError(f"the frame {action.names.get(action.frame, action.frame)!r} is not in the scene")
-    return world_matrix(scene, found)
-
-
-def world_matrix(scene: bpy.types.Scene, item: bpy.types.Object) -> np.ndarray:
-    """World matrix (4, 4) of an object in metres."""
-    return scale_translations(np.array(item.matrix_world), metres_per_unit(scene))
+    return np.array(found.matrix_world)
 
 
 def set_frame(scene: bpy.types.Scene, item: bpy.types.Object, place: int, frame: bpy.types.Object | None) -> None:

@@ -83,6 +83,7 @@ def store_recording(graph: SceneGraph, scene: bpy.types.Scene, report: ReadRepor
         How many objects have something recorded now; what cannot be kept is told to ``report``.
     """
     clear_recording(scene)
+    graph = in_scene_units(graph, scene)
     objects, count = objects_by_uid(scene), 0
     for row, uid in enumerate(graph.uid):
         recorded, item = recorded_of(graph, row), objects.get(uid)

@@ -12,7 +12,7 @@ from ...behaviour.playing.guide_lines import Points, box_lines, cone_lines, dash
 from ...errors import UniSGError
 from ...scene.action_data import ActionData
 from ..lookup import objects_by_uid
-from ..scene_units import metres_per_unit, scale_translations
+from ..scene_units import metres_per_unit
 
 Color = tuple[float, float, float, float]
 WANTED: Color = (1.0, 0.6, 0.1, 0.9)
@@ -37,7 +37,7 @@ def action_lines(scene: bpy.types.Scene, action: ActionData, holds: bool = False
     posed = tools if action.type == "Tool" else targets
     color = HOLDS if holds else WANTED
     try:
-        place = _reference(action, objects, units)
+        place = _reference(action, objects)
     except UniSGError:
         place = None
     if place is not None and posed:
@@ -59,13 +59,13 @@ def action_lines(scene: bpy.types.Scene, action: ActionData, holds: bool = False
                 yield dashes(np.array(tool.matrix_world)[:3, 3], np.array(target.matrix_world)[:3, 3]), LINK
 
 
-def _reference(action: ActionData, objects: dict[str, bpy.types.Object], units: float) -> NDArray[np.float64] | None:
+def _reference(action: ActionData, objects: dict[str, bpy.types.Object]) -> NDArray[np.float64] | None:
     if action.reference_matrix is None:
         return None
     if action.frame and action.frame not in objects:
         raise UniSGError("the frame is not in the scene")
     frame = np.array(objects[action.frame].matrix_world) if action.frame else np.eye(4)
-    return frame @ scale_translations(action.reference_matrix, units)
+    return frame @ action.reference_matrix
 
 
 def _with_scale(place: NDArray[np.float64], own: NDArray[np.float64]) -> NDArray[np.float64]:
