@@ -16,16 +16,22 @@ if TYPE_CHECKING:
 
 
 def read_active(context: bpy.types.Context) -> Mesh:
-    """The active object's mesh as it is seen, modifiers applied, in its own frame, in metres."""
+    """The active object's mesh as it is seen, modifiers applied, in its own frame and the scene's unit."""
     from ..unisg_blender.blender.read.mesh_arrays import read_mesh
-    from ..unisg_blender.blender.scene_units import metres_per_unit, scaled_mesh
 
     item = context.active_object
     shown = item.evaluated_get(context.evaluated_depsgraph_get())
     try:
-        return scaled_mesh(read_mesh(shown.to_mesh(), item.data.name), metres_per_unit(context.scene))
+        return read_mesh(shown.to_mesh(), item.data.name)
     finally:
         shown.to_mesh_clear()
+
+
+def active_in_metres(context: bpy.types.Context) -> Mesh:
+    """The active object's mesh as :func:`read_active` gives it, to be compared with meshes from elsewhere."""
+    from ..unisg_blender.blender.scene_units import metres_per_unit, scaled_mesh
+
+    return scaled_mesh(read_active(context), metres_per_unit(context.scene))
 
 
 class ActiveMesh(Operator):
@@ -75,13 +81,11 @@ class UNISG_OT_decode_mesh(ActiveMesh):
 
     def run(self, context: bpy.types.Context) -> None:
         """Decode into a new, active object."""
-        from ..unisg_blender.blender.scene_units import metres_per_unit, scaled_mesh
         from ..unisg_blender.blender.write.mesh_data import write_mesh
         from ..unisg_blender.meshes import decode_mesh
 
         source = context.active_object
         mesh = decode_mesh(self._feature(context), self.faces, name=f"{source.name} decoded")
-        mesh = scaled_mesh(mesh, 1.0 / metres_per_unit(context.scene))
         made = bpy.data.objects.new(mesh.name, write_mesh(mesh, {}))
         context.collection.objects.link(made)
         made.matrix_world = source.matrix_world
@@ -132,7 +136,7 @@ class UNISG_OT_find_similar(ActiveMesh):
         from ..unisg_blender.meshes.similar import folder_library
 
         library = folder_library(bpy.path.abspath(self.folder), skipped=lambda reason: self.report({"WARNING"}, reason))
-        return library.nearest(read_active(context), self.count, use_size=self.use_size)
+        return library.nearest(active_in_metres(context), self.count, use_size=self.use_size)
 
     def _search_scene(self, context: bpy.types.Context) -> list[Match]:
         from ..unisg_blender.blender.read.scene_reader import read_scene
@@ -142,7 +146,7 @@ class UNISG_OT_find_similar(ActiveMesh):
         graph = read_scene(context.scene, details=False)
         rows = [row for row in range(len(graph)) if graph.mesh[row] >= 0 and graph.name[row] != active.name]
         library = mesh_library([graph.name[row] for row in rows], [graph.meshes[graph.mesh[row]] for row in rows])
-        found = library.nearest(read_active(context), self.count, use_size=self.use_size) if library.names else []
+        found = library.nearest(active_in_metres(context), self.count, use_size=self.use_size) if library.names else []
         for match in found:
             item = context.scene.objects.get(match.name)
             if item is not None and item.visible_get():

@@ -75,6 +75,20 @@ def test_find_similar_in_the_scene(scene: bpy.types.Scene) -> None:
     assert bpy.data.objects["Crate"].select_get()
 
 
+def test_sizes_are_compared_in_metres_whatever_the_unit(scene: bpy.types.Scene, tmp_path: Path) -> None:
+    corners = [(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]
+    faces = [(1, 2, 4, 3), (5, 7, 8, 6), (1, 5, 6, 2), (3, 4, 8, 7), (1, 3, 7, 5), (2, 6, 8, 4)]
+    (tmp_path / "flat.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 2 3\n")
+    for size, name in ((0.01, "small"), (1.0, "large")):
+        lines = [f"v {size * x} {size * y} {size * z}" for x, y, z in corners]
+        lines += ["f " + " ".join(map(str, face)) for face in faces]
+        (tmp_path / f"{name}.obj").write_text("\n".join(lines) + "\n")
+    for metres, name in ((1.0, "large"), (0.01, "small")):  # the cube of 2 units
+        scene.unit_settings.scale_length = metres
+        assert bpy.ops.unisg.find_similar(folder=str(tmp_path), use_size=True) == {"FINISHED"}
+        assert bpy.context.window_manager.unisg_meshes.matches[0].name.endswith(f"{name}.obj")
+
+
 def test_find_similar_in_a_folder(scene: bpy.types.Scene, tmp_path: Path) -> None:
     with pytest.raises(RuntimeError, match="no mesh files"):
         bpy.ops.unisg.find_similar(folder=str(tmp_path))
