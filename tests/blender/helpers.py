@@ -40,8 +40,9 @@ def relative_gap(first: np.ndarray, second: np.ndarray) -> float:
 
 
 def assert_stands_like_blender(graph: SceneGraph, scene: bpy.types.Scene | None = None) -> None:
-    """Parents are those of the objects, and world matrices are ``matrix_world`` to 1e-5."""
+    """Parents are those of the objects, and world matrices are ``matrix_world``, in metres, to 1e-5."""
     scene = scene or bpy.context.scene
+    metres = 1.0 if scene.unit_settings.system == "NONE" else scene.unit_settings.scale_length
     objects = {item.name: item for item in scene.objects}
     depsgraph = bpy.context.evaluated_depsgraph_get()
     assert sorted(graph.name) == sorted(objects)
@@ -51,7 +52,9 @@ def assert_stands_like_blender(graph: SceneGraph, scene: bpy.types.Scene | None 
         above = graph.parent[row]
         assert (graph.name[above] if above >= 0 else None) == (item.parent.name if item.parent else None)
         if item.evaluated_get(depsgraph).is_evaluated:
-            assert relative_gap(world[row], np.array(item.matrix_world)) < TOLERANCE, name
+            expected = np.array(item.matrix_world)
+            expected[:3, 3] *= metres
+            assert relative_gap(world[row], expected) < TOLERANCE, name
 
 
 def assert_same_scene(first: SceneGraph, second: SceneGraph, points: float = 0.0) -> None:

@@ -1,4 +1,4 @@
-"""Prints the world matrices that Blender itself gives for the objects of some scene files, as JSON."""
+"""Prints the world matrices, in metres, that Blender itself gives for the objects of some scene files, as JSON."""
 
 from __future__ import annotations
 
@@ -37,11 +37,17 @@ def worlds(path: str) -> dict[str, dict[str, list[list[float]]]]:
         layer = scene.view_layers[0]
         layer.update()  # disabled objects are not evaluated: their matrix_world says nothing
         found[scene.name] = {
-            item.name: [list(row) for row in item.matrix_world]
-            for item in layer.depsgraph.objects
-            if item.name in scene.objects
+            item.name: in_metres(item, scene) for item in layer.depsgraph.objects if item.name in scene.objects
         }
     return found
+
+
+def in_metres(item: bpy.types.Object, scene: bpy.types.Scene) -> list[list[float]]:
+    """An object's world matrix."""
+    settings, matrix = scene.unit_settings, item.matrix_world.copy()
+    if settings.system != "NONE":
+        matrix.translation *= settings.scale_length
+    return [list(row) for row in matrix]
 
 
 if __name__ == "__main__":

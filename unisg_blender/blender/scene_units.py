@@ -2,7 +2,7 @@
 
 Only lengths change: translations and points are multiplied, linear parts stay as they are, so an object of scale 1
 keeps scale 1. Reference poses and recordings in custom properties are in the scene's unit too, so that they go with the
-objects when somebody gives the scene another unit; thresholds are in metres in every scene.
+objects when somebody gives the scene another unit; thresholds are in metres in every scene. A new file is in metres.
 """
 
 from __future__ import annotations
