@@ -1,9 +1,10 @@
 """Build the extension's zips, one per platform and Python, with Blender's own builder, and validate them.
 
-    python packaging/build_extension.py [--platform linux-x64] [--python 3.11] [--out build/extension]
+    python packaging/build_extension.py [--platform linux-x64] [--python 3.11] [--blender 4.3.0] [--out build/extension]
 
 Needs the ``bpy`` package for Blender's builder (its files only: Blender is not started) and pip for the wheels. A zip
-has the wheels of one Python: onnxruntime and scipy are nearly all of its weight, and Blender has one Python.
+has the wheels of one Python: onnxruntime and scipy are nearly all of its weight, and Blender has one Python. Linux
+distributions build Blender with a Python of their own: ``--python 3.13 --blender 4.3.0`` is for Debian 13's Blender.
 """
 
 from __future__ import annotations
@@ -31,7 +32,7 @@ def blender_builder() -> Path:
     sys.exit("Blender's extension builder was not found: pip install bpy==4.5.15")
 
 
-def stage(platforms: list[str], python: str, source: Path) -> None:
+def stage(platforms: list[str], python: str, blender: tuple[str, str | None], source: Path) -> None:
     """Lay out the extension's files and its wheels."""
     shutil.rmtree(source, ignore_errors=True)
     source.mkdir(parents=True)
@@ -43,12 +44,12 @@ def stage(platforms: list[str], python: str, source: Path) -> None:
     for platform in platforms:
         download(LOCK, platform, python, source / "wheels")
     wheels = [f"./wheels/{wheel.name}" for wheel in sorted((source / "wheels").glob("*.whl"))]
-    (source / "blender_manifest.toml").write_text(manifest(platforms, python, wheels), "utf-8")
+    (source / "blender_manifest.toml").write_text(manifest(platforms, blender, wheels), "utf-8")
 
 
-def manifest(platforms: list[str], python: str, wheels: list[str]) -> str:
-    """The text of the manifest for some platforms and the Blenders of one Python."""
-    first, end = VERSIONS[python]
+def manifest(platforms: list[str], blender: tuple[str, str | None], wheels: list[str]) -> str:
+    """The text of the manifest for some platforms and versions of Blender: from the first to before the last."""
+    first, end = blender
     text = (ROOT / "blender_manifest.toml").read_text("utf-8")
     limits = f'blender_version_min = "{first}"' + (f'\nblender_version_max = "{end}"' if end else "")
     for old, new in (
@@ -67,14 +68,14 @@ def quoted(words: list[str]) -> str:
     return "[" + ", ".join(f'"{word}"' for word in words) + "]"
 
 
-def build(platforms: list[str], python: str, out: Path) -> list[Path]:
+def build(platforms: list[str], python: str, blender: tuple[str, str | None], out: Path) -> list[Path]:
     """Build and validate the zips for one Python; their names end with the first Blender that takes them."""
     builder, source, fresh = blender_builder(), out / "source", out / "fresh"
-    stage(platforms, python, source)
+    stage(platforms, python, blender, source)
     fresh.mkdir(exist_ok=True)
     words = ["build", "--split-platforms", "--source-dir", str(source), "--output-dir", str(fresh)]
     subprocess.run([sys.executable, str(builder), *words], check=True, timeout=TIME_LIMIT)
-    first = VERSIONS[python][0].removesuffix(".0")
+    first = blender[0].removesuffix(".0")
     zips = [zipped.rename(out / f"{zipped.stem}-blender{first}.zip") for zipped in sorted(fresh.glob("*.zip"))]
     fresh.rmdir()
     for zipped in zips:
@@ -87,13 +88,15 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
     parser.add_argument("--platform", action="append", choices=PLATFORMS, help="only this one (may be repeated)")
     parser.add_argument("--python", action="append", choices=PYTHONS, help="only this one (may be repeated)")
+    parser.add_argument("--blender", help="the first version that takes the zips (default: the first with that Python)")
     parser.add_argument("--out", type=Path, default=ROOT / "build/extension", help="folder for the zips")
     args = parser.parse_args()
     args.out.mkdir(parents=True, exist_ok=True)
     for old in args.out.glob("*.zip"):
         old.unlink()
     for python in args.python or PYTHONS:
-        for zipped in build(args.platform or list(PLATFORMS), python, args.out):
+        blender = (args.blender, None) if args.blender else VERSIONS[python]
+        for zipped in build(args.platform or list(PLATFORMS), python, blender, args.out):
             print(f"{zipped}  {zipped.stat().st_size / 1e6:.0f} MB")
 
 
