@@ -148,3 +148,10 @@ def test_a_file_name_that_is_too_long_is_one_line(ending: str, capsys: pytest.Ca
     told = capsys.readouterr().err.splitlines()
     assert len(told) == 1
     assert told[0].endswith("File name too long")
+
+
+def test_a_path_may_be_text(tmp_path):
+    path = str(tmp_path / "scene.json")
+    graph = WORLDS["cubes"](1)
+    write_scene_file(graph, path)
+    assert_same_graph(read_scene_file(path)[0], graph)

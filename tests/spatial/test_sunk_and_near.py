@@ -5,10 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from unisg_blender.errors import UniSGError
 from unisg_blender.geometry.polygon import convex_gap, convex_hull
 from unisg_blender.geometry.surface_contact import surface_gap
 from unisg_blender.scene import Mesh, SceneBuilder, mesh_from_faces
 from unisg_blender.spatial import find_relations, find_supports
+from unisg_blender.spatial.objects import find_object
 
 FACES = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
 
@@ -130,3 +132,11 @@ def test_surfaces_that_cross_have_no_gap() -> None:
     upright = np.array([[[0, 0, -1], [1, 0, 2], [0, 1, 2]]], float)
     assert surface_gap(floor, upright) == surface_gap(upright, floor) == 0
     assert surface_gap(floor, upright + np.array([0, 0, 1.5])) == pytest.approx(0.5)
+
+
+def test_an_object_that_is_none_of_those_asked_about_is_told() -> None:
+    """A ceiling is an object of the scene, but none of those that hold something."""
+    graph = scene(Roof=(block((0, 0, 0), (1, 1, 1)), at()))
+    assert find_object(graph, graph.uid, "Roof") == 0
+    with pytest.raises(UniSGError, match="holds nothing"):
+        find_object(graph, (), "Roof")

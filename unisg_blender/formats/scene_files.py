@@ -44,7 +44,7 @@ def load_blender() -> None:
 
 
 def read_scene_file(
-    path: Path,
+    path: Path | str,
     progress: Progress | None = None,
     *,
     geometry: Any = "evaluated",
@@ -62,6 +62,7 @@ def read_scene_file(
     UniSGError
         If the file cannot be read.
     """
+    path = Path(path)
     if is_of(path, (*USD, *JSON)):
         if scene:
             raise UniSGError(f"{path}: only a Blender file has several scenes")
@@ -106,7 +107,7 @@ def _of_prim(message: str) -> tuple[str, str]:
     return (found[1], found[2]) if found else ("", message)
 
 
-def write_scene_file(graph: SceneGraph, path: Path, progress: Progress | None = None) -> ReadReport:
+def write_scene_file(graph: SceneGraph, path: Path | str, progress: Progress | None = None) -> ReadReport:
     """Write a scenegraph in the kind that the path's ending names; returns what that kind could not hold.
 
     The file is complete, or is not written at all.
@@ -116,6 +117,7 @@ def write_scene_file(graph: SceneGraph, path: Path, progress: Progress | None = 
     UniSGError
         If the file cannot be written.
     """
+    path = Path(path)
     if is_of(path, USD):
         from ..usd import write_usd
 

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from typing import Literal, NamedTuple
+
 import numpy as np
 
-from .arrays import Bools, Floats
+from .arrays import Bools, Floats, Ints
 
 Triangles = Floats
 """float64 (M, 3, 3): corners of triangles."""
@@ -18,6 +20,9 @@ STEEPEST = 0.5
 
 SAME_HEIGHT = 1e-4
 """Metres within which a surface counts as the first, or the last, that a line meets."""
+
+SIDES: tuple[Literal["left"], Literal["right"]] = ("left", "right")
+"""How numpy names the two ends of equal values in a sorted array."""
 
 AT_ONCE = 20_000
 """Triangles that are looked at together: some hundred places times as many numbers fit into memory."""
@@ -66,36 +71,64 @@ def contact_heights(
     if not len(near_upper) or not len(near_lower):
         return np.zeros(0)
     places = _places(near_upper, near_lower, low, high)
-    above, below = heights(places, near_upper), heights(places, near_lower)
-    touching = _touches(above, below, gap, overlap)
-    met = touching.any(axis=(1, 2))
-    if not met.any():
+    above, below = _hits(places, near_upper), _hits(places, near_lower)
+    met = np.unique(above.place[_touching(above, below, gap, overlap)[0]])
+    if not len(met):
         return np.zeros(0)
-    above = _facing(above[met], near_upper, places[met], upper, down=True)
-    below = _facing(below[met], near_lower, places[met], lower, down=False)
-    touching = _touches(above, below, gap, overlap)
-    place, _, bearer = np.nonzero(touching)
-    _, first = np.unique(place, return_index=True)
-    return below[place[first], bearer[first]]
+    above = _facing(above, met, near_upper, places, upper, down=True)
+    below = _facing(below, met, near_lower, places, lower, down=False)
+    touching, bearer = _touching(above, below, gap, overlap)
+    _, first = np.unique(above.place[touching], return_index=True)
+    return below.height[bearer[first]]
 
 
-def _touches(above: Floats, below: Floats, gap: float, overlap: float) -> Bools:
-    """Where heights (K, M) of one surface touch those (K, N) of another, bool (K, M, N)."""
-    space = above[:, :, None] - below[:, None, :]
-    return (space <= gap) & (space >= -overlap)
+class _Hits(NamedTuple):
+    """Where vertical lines meet triangles, by place and then by triangle: numbers of both and heights, (H,)."""
+
+    place: Ints
+    triangle: Ints
+    height: Floats
+
+    def take(self, chosen: Bools) -> _Hits:
+        """Some of them."""
+        return _Hits(self.place[chosen], self.triangle[chosen], self.height[chosen])
 
 
-def _facing(found: Floats, near: Triangles, places: Floats, whole: Triangles, down: bool) -> Floats:
-    """The heights (K, M) of the triangles ``near`` where the ``whole`` surface looks down, or up; NaN elsewhere.
+def _hits(places: Floats, triangles: Triangles) -> _Hits:
+    found = []
+    for begin in range(0, len(triangles), AT_ONCE):
+        met = heights(places, triangles[begin : begin + AT_ONCE])
+        place, triangle = np.nonzero(np.isfinite(met))
+        found.append((place, triangle + begin, met[place, triangle]))
+    place, triangle, height = (np.concatenate(columns) for columns in zip(*found, strict=True))
+    order = np.argsort(place, kind="stable")
+    return _Hits(place[order], triangle[order], height[order])
+
+
+def _touching(above: _Hits, below: _Hits, gap: float, overlap: float) -> tuple[Ints, Ints]:
+    """The pairs of hits at one place that touch: their numbers in ``above`` and in ``below``, ascending."""
+    start, stop = (np.searchsorted(below.place, above.place, side=side) for side in SIDES)
+    count = stop - start
+    first = np.repeat(np.arange(len(count)), count)
+    second = np.arange(len(first)) - np.repeat(np.cumsum(count) - count - start, count)
+    space = above.height[first] - below.height[second]
+    touches = (space <= gap) & (space >= -overlap)
+    return first[touches], second[touches]
+
+
+def _facing(hits: _Hits, met: Ints, near: Triangles, places: Floats, whole: Triangles, down: bool) -> _Hits:
+    """The hits of the triangles ``near`` at the places ``met`` where the ``whole`` surface looks down, or up.
 
     Where a vertical line meets it first it looks down, and up where last, as one-sided sheets show no other side. Where
     the normals of both ends say the reverse, the mesh is inside out.
     """
-    (up_low, up_high), (down_low, down_high) = column_ends(places, whole)
+    hits = hits.take(np.isin(hits.place, met))
+    (up_low, up_high), (down_low, down_high) = column_ends(places[met], whole)
     inside_out = (down_high > up_high) & (up_low < down_low)
     end = np.minimum(up_low, down_low) if down else np.maximum(up_high, down_high)
-    looks = (looks_up(near) != inside_out[:, None]) != down
-    return np.where(looks | (np.abs(found - end[:, None]) <= SAME_HEIGHT), found, np.nan)
+    row = np.searchsorted(met, hits.place)
+    looks = (looks_up(near)[hits.triangle] != inside_out[row]) != down
+    return hits.take(looks | (np.abs(hits.height - end[row]) <= SAME_HEIGHT))
 
 
 def looks_up(triangles: Triangles) -> Bools:

@@ -98,6 +98,8 @@ def find_object(graph: SceneGraph, uids: Sequence[str], text: str) -> int:
         raise UniSGError(f"{text!r} has neither a mesh nor a category: take another object or assign a category")
     if obj != rows[0]:
         raise UniSGError(f"{text!r} is a part of {graph.name[obj]!r}: take that")
+    if graph.uid[obj] not in uids:
+        raise UniSGError(f"{text!r} is a part of the building that holds nothing: take a floor, a wall or an object")
     return list(uids).index(graph.uid[obj])
 
 

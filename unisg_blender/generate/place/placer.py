@@ -83,7 +83,7 @@ class ObjectPlacer:
             note = f"{note} to hold it"
         else:
             found = self._find(planned, allowed)
-            note = (self._remark(found) or note) if found.fits else "no room was found"
+            note = (self._remark(found) or note) if found.fits else "no free place was found"
         spent = planned.milliseconds + 1e3 * (time.perf_counter() - start)
         if found is None or not found.fits:
             draws = 0 if found is None else found.draws
