@@ -182,7 +182,7 @@ def test_a_full_table_refuses_honestly(generator: Generator) -> None:
     scene = builder.build()
     result = generator.add(scene, {"Table": 3}, seed=0)
     assert len(result.refused) == 3
-    assert all("no room" in placement.note for placement in result.refused)
+    assert all("no free place" in placement.note for placement in result.refused)
     assert len(result.scene) == len(scene)
 
 
