@@ -80,8 +80,9 @@ def test_reference_poses_are_in_the_unit_of_the_scene_and_limits_in_metres():
     bpy.ops.unisg.action_reference()
     scalpel.unisg_action_distance = 5.0
     action = actions_of(scalpel)[0]
-    assert np.allclose(action.reference_matrix[:3, 3], [0, 0, 20])
-    assert np.allclose(read_scene()["Scalpel"].actions[0].reference_matrix[:3, 3], [0, 0, 0.2])
+    micrometre = 1e-4  # centimetres: Blender's matrices are float32, and the scalpel lies 300 of them away
+    assert np.allclose(action.reference_matrix[:3, 3], [0, 0, 20], atol=micrometre)
+    assert np.allclose(read_scene()["Scalpel"].actions[0].reference_matrix[:3, 3], [0, 0, 0.2], atol=micrometre / 100)
     assert read_scene()["Scalpel"].actions[0].thresholds.distance == pytest.approx(0.05)
     assert scalpel.unisg_action_distance == pytest.approx(5.0)
     lines = [points for points, _ in action_lines(bpy.context.scene, action)]
@@ -89,7 +90,7 @@ def test_reference_poses_are_in_the_unit_of_the_scene_and_limits_in_metres():
     knee.location = (0, 300, 0)
     bpy.context.view_layer.update()
     bpy.ops.unisg.action_go_to_reference()
-    assert np.allclose(scalpel.location, (0, 300, 20))
+    assert np.allclose(scalpel.location, (0, 300, 20), atol=micrometre)
 
 
 def test_changing_the_frame_leaves_the_reference_where_it_is():
