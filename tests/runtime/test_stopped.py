@@ -13,6 +13,7 @@ import pytest
 
 from unisg_blender.errors import UniSGError
 from unisg_blender.runtime.folder_lock import folder_lock
+from unisg_blender.runtime.process_end import signals_kept
 from unisg_blender.runtime.process_pool import process_pool
 
 LINUX = pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="looks for processes in /proc")
@@ -150,3 +151,37 @@ def test_a_folder_that_cannot_be_held_is_held_by_a_file(tmp_path: Path, monkeypa
         with pytest.raises(UniSGError, match="another export is writing"), folder_lock(tmp_path):
             pass
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_signal_waits_until_a_library_is_loaded() -> None:
+    before, reached = signal.getsignal(signal.SIGINT), []
+    with pytest.raises(KeyboardInterrupt):  # noqa: PT012 (how far it came is the question)
+        with signals_kept():
+            signal.raise_signal(signal.SIGINT)
+            reached.append("inside")
+        reached.append("after")
+    assert reached == ["inside"]
+    assert signal.getsignal(signal.SIGINT) is before
+
+
+@LINUX
+def test_blender_is_loaded_to_its_end_when_it_is_interrupted() -> None:
+    """Python that is interrupted inside Blender's beginning crashes it, or is not heard."""
+    code = (
+        "import os, signal, sys, threading\n"
+        "class Look:\n"  # asks for the end as soon as Blender's own modules are looked for, a few times
+        "    left = 3\n"
+        "    def find_spec(self, name, path=None, target=None):\n"
+        "        if name.startswith('bpy.') and self.left:\n"
+        "            self.left -= 1\n"
+        "            signal.raise_signal(signal.SIGINT)\n"
+        "sys.meta_path.insert(0, Look())\n"
+        "try:\n"
+        "    import unisg_blender.blender\n"
+        "except KeyboardInterrupt:\n"
+        "    import bpy\n"
+        "    print('stopped', bpy.app.version > (4, 0), Look.left, flush=True)\n"
+        "os._exit(0)\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=SECONDS, check=False)
+    assert done.stdout.split()[:2] == ["stopped", "True"], done.stderr

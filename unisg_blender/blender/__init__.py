@@ -7,10 +7,11 @@ Importing it where Blender is missing raises a
 from __future__ import annotations
 
 from ..errors import MissingPackageError
+from ..runtime.process_end import signals_kept
 from .suppress_output import captured_output
 
 try:
-    with captured_output():  # the bpy package says on stdout what it found while it starts
+    with captured_output(), signals_kept():  # the bpy package says on stdout what it found while it starts
         import bpy as _bpy  # noqa: F401
 except ImportError:
     raise MissingPackageError("bpy", "blender") from None

@@ -10,9 +10,13 @@ import signal
 import sys
 import threading
 import time
+from collections.abc import Iterator
 from multiprocessing import parent_process
 from pathlib import Path
 from typing import NoReturn
+
+ENDS = ("SIGINT", "SIGTERM", "SIGHUP")
+"""Signals that ask a process to end."""
 
 LOOK = 0.5
 """Seconds between two looks whether the parent is still there."""
@@ -20,10 +24,34 @@ LOOK = 0.5
 
 def stop_when_asked() -> None:
     """Let SIGTERM and a closed terminal end the work as Ctrl-C does, so that nothing half-done is left."""
-    for name in ("SIGTERM", "SIGHUP"):
+    for name in ENDS[1:]:
         number = getattr(signal, name, None)  # Windows has only some
         if number is not None and signal.getsignal(number) == signal.SIG_DFL:
             signal.signal(number, signal.default_int_handler)
+
+
+@contextlib.contextmanager
+def signals_kept() -> Iterator[None]:
+    """Answer signals to end only after the block, for libraries that break when Python is interrupted inside them.
+
+    Blender does while it is loaded: it swallows the exception, or crashes.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    asked: list[int] = []
+    before = {
+        number: signal.signal(number, lambda number, frame: asked.append(number))
+        for name in ENDS
+        if callable(signal.getsignal(number := getattr(signal, name, signal.SIGINT)))
+    }
+    try:
+        yield
+    finally:
+        for number, answer in before.items():
+            signal.signal(number, answer)
+    for number in asked[:1]:
+        signal.raise_signal(number)
 
 
 def end_with_parent() -> None:

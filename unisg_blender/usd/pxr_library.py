@@ -7,6 +7,7 @@ from importlib import import_module
 from importlib.util import find_spec
 
 from ..errors import MissingPackageError, UniSGError
+from ..runtime.process_end import signals_kept
 
 
 def missing_pxr() -> str:
@@ -43,6 +44,7 @@ def require_pxr() -> None:
             raise UniSGError("this Blender offers no USD to Python: use Blender 4.4 or newer for USD files")
         bpy.utils.expose_bundled_modules()
     try:
-        from pxr import Usd  # noqa: F401
+        with signals_kept():
+            from pxr import Usd  # noqa: F401
     except ImportError:
         raise MissingPackageError("usd-core", "usd") from None
