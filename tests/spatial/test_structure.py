@@ -170,6 +170,18 @@ def test_a_beam_across_a_room_without_a_ceiling_is_no_roof() -> None:
     only(recognise_structure(scene(room(whole, 0.2) | {"beam": beam})), whole)
 
 
+@pytest.mark.parametrize("land", [False, True])
+def test_a_side_of_glass_to_the_floor_is_no_end_of_the_room(land) -> None:
+    """A shop of 12 x 9 m without a ceiling, one long wall of which is not there; land around it is no part of it."""
+    shop = np.array([[0, 0], [12, 0], [12, 9], [0, 9]], float)
+    parts = dict(zip("abc", walls(shop, 0, 3, 0.2)[1:], strict=True)) | {"floor": slab(shop, -0.1, 0.0)}
+    if land:
+        parts["land"] = slab(np.array([[-60, -60], [60, -60], [60, 60], [-60, 60]], float), -1.1, -0.6)
+    (found,) = recognise_structure(scene(parts)).rooms
+    assert found.indoors
+    assert area(found.outline) == pytest.approx(108, rel=0.01)
+
+
 def test_tables_are_surfaces_and_no_floors() -> None:
     objects = room(SQUARE, 0.1, roof=True)
     objects["desk"] = table(1.5, 1.5, 0.0, 0.4)

@@ -37,6 +37,9 @@ beam or a lamp is no roof."""
 RAY = 2
 """Cells of the grid to a cell of the one in which walls are looked for: what is seen need not be told so finely."""
 
+WALLED = 0.6
+"""Share of the rim of a floor without a roof that is at walls, at least, where all of it is a room."""
+
 HOLE = 4.0
 """Square metres up to which a hole in a floor is what stands there."""
 
@@ -138,8 +141,21 @@ def _look(scan: Scan, spans: FreeSpans, stands: Bools, level: float) -> Look:
     within = (seen >= ROUND) | (roofed & (seen >= MOSTLY))
     within = floor & (_smooth(within) | bool(scan.is_floor.any()))
     barrier = grid.mask(cells_on(cuts[lintel][0], grid)[0])
+    if (floor & roofed).sum() < ROOF_SHARE * floor.sum():
+        within |= _open_sided(floor, barrier)
     standing = grid.mask(spans.cell[here])
     return Look(level, standing, within, barrier, roofed, seen, here, lintel, cuts)
+
+
+def _open_sided(floor: Bools, barrier: Bools) -> Bools:
+    """Whole floors most of whose rim is at walls: the rest of it may be open, or of glass."""
+    from scipy.ndimage import binary_dilation, binary_erosion
+
+    number, count = components(floor & ~barrier)
+    rim = (number > 0) & ~binary_erosion(number > 0)
+    walled = rim & binary_dilation(barrier, iterations=2)
+    length, closed = (np.bincount(number[mask], minlength=count + 1) for mask in (rim, walled))
+    return (number > 0) & (closed > WALLED * length)[number]
 
 
 def _terrace(mask: Bools, roofed: Bools, grid: Grid) -> Bools:
