@@ -14,6 +14,7 @@ from unisg_blender.predict.category_model import LabelModel
 from unisg_blender.predict.category_proposals import accept, beside, propose_categories
 from unisg_blender.predict.name_evidence import name_scores, words
 from unisg_blender.scene import Mesh, SceneBuilder, SceneGraph
+from unisg_blender.usd.pxr_library import missing_pxr
 
 from .shapes import box, sphere
 
@@ -170,7 +171,8 @@ def test_unusable_model_files(tmp_path: Path) -> None:
 
 
 def test_verb_prints_and_writes(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    pytest.importorskip("pxr")
+    if missing_pxr():
+        pytest.skip(missing_pxr())
     from unisg_blender.cli import main
     from unisg_blender.usd import read_usd, write_usd
 

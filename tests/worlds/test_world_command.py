@@ -13,6 +13,7 @@ from unisg_blender.dataset import open_dataset
 from unisg_blender.errors import UniSGError
 from unisg_blender.runtime.process_pool import process_pool
 from unisg_blender.scene import world_matrices
+from unisg_blender.usd.pxr_library import missing_pxr
 from unisg_blender.worlds import living_room, operating_room
 
 from .digest import digest
@@ -78,7 +79,8 @@ def middle(mesh):
 
 
 def test_usd_holds_the_whole_room(tmp_path):
-    pytest.importorskip("pxr")
+    if missing_pxr():
+        pytest.skip(missing_pxr())
     from unisg_blender.usd import read_usd
 
     assert main(["world", "operating-room", "--out", str(tmp_path), "--format", "usda", "--seed", "2", "-q"]) == 0

@@ -16,8 +16,8 @@ from ..runtime.file_endings import BLENDER, USD
 from ..runtime.read_report import ReadReport
 from ..runtime.wording import some_of
 from ..scene.graph import SceneGraph
-from .frame_range import cover_keys, set_frame_range
 from .read.scene_reader import Geometry, read_scene, read_scenes
+from .scene_frames import cover_keys, set_frame_range
 from .suppress_output import captured_output, heard
 from .write.scene_writer import write_scene
 

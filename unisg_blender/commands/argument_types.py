@@ -4,6 +4,10 @@ from __future__ import annotations
 
 from argparse import ArgumentTypeError
 from collections.abc import Callable
+from functools import partial
+from typing import TypeVar
+
+N = TypeVar("N", int, float)
 
 LARGEST_SEED = 2**32 - 1
 """What every generator of random numbers takes, torch's and scikit-learn's too."""
@@ -14,32 +18,22 @@ LONGEST_SHOWN = 40
 
 def whole(least: int, most: int) -> Callable[[str], int]:
     """A whole number from ``least`` to ``most``."""
-
-    def convert(text: str) -> int:
-        try:
-            value = int(text)
-        except ValueError:
-            raise _refused("a whole number", least, most, text) from None
-        if not least <= value <= most:
-            raise _refused("a whole number", least, most, text)
-        return value
-
-    return convert
+    return partial(_within, int, "a whole number", least, most)
 
 
 def number(least: float, most: float) -> Callable[[str], float]:
     """A finite number from ``least`` to ``most``."""
+    return partial(_within, float, "a number", least, most)
 
-    def convert(text: str) -> float:
-        try:
-            value = float(text)
-        except ValueError:
-            raise _refused("a number", least, most, text) from None
-        if not least <= value <= most:  # false for nan, too
-            raise _refused("a number", least, most, text)
-        return value
 
-    return convert
+def _within(convert: Callable[[str], N], kind: str, least: float, most: float, text: str) -> N:
+    try:
+        value = convert(text)
+    except ValueError:
+        raise _refused(kind, least, most, text) from None
+    if not least <= value <= most:  # false for nan, too
+        raise _refused(kind, least, most, text)
+    return value
 
 
 def _refused(kind: str, least: float, most: float, text: str) -> ArgumentTypeError:

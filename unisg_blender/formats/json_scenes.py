@@ -75,6 +75,7 @@ class _SceneWriter:
         self._numbers: dict[SceneGraph, int] = {}
 
     def scene(self, graph: SceneGraph) -> dict[str, Any]:
+        """A scene, its meshes by their numbers in the file."""
         numbers = [self.meshes.setdefault(mesh, len(self.meshes)) for mesh in graph.meshes]
         entities = [
             record | {"mesh": numbers[mesh] if mesh >= 0 else None}
@@ -91,6 +92,7 @@ class _SceneWriter:
         }
 
     def mesh(self, mesh: Mesh) -> dict[str, Any]:
+        """A mesh with all its arrays."""
         arrays = {name: getattr(mesh, name) for name in ARRAYS}
         record: dict[str, Any] = {"name": mesh.name, "materials": mesh.materials}
         record |= {name: values.tolist() for name, values in arrays.items() if values is not None}
@@ -141,6 +143,7 @@ class _SceneReader:
         self._prototypes.extend(map(self.scene, record["prototypes"]))
 
     def scene(self, record: Mapping[str, Any]) -> SceneGraph:
+        """The scene of a record, with the meshes and prototypes of the file."""
         entities, vocabulary = record["entities"], tuple(record["vocabulary"])
         rows = {entity["uid"]: row for row, entity in enumerate(entities)}
         parent = [-1 if (uid := each["parent"]) is None else rows[uid] for each in entities]

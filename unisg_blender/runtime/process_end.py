@@ -59,6 +59,7 @@ def end_with_parent() -> None:
     parent, number = parent_process(), os.getppid()
 
     def wait() -> None:
+        """Wait for the parent's end, for ever if need be."""
         if parent is not None:
             parent.join()
         while parent is None and os.getppid() == number:

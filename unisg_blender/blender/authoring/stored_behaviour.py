@@ -16,8 +16,8 @@ from ...scene.graph import SceneGraph
 from ...scene.hierarchy import world_matrices
 from ...scene.lesson_node import LessonNode, lesson_from_json, lesson_to_json
 from ...scene.properties import ACTIONS, LSA
-from ..frame_range import frame_rate
 from ..lookup import objects_by_uid
+from ..scene_frames import frame_rate
 from ..scene_units import metres_per_unit, scale_translations
 
 TRIGGER = "unisg_trigger"

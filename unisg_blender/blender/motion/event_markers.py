@@ -11,7 +11,7 @@ from ...scene.components import EVENTS
 from ...scene.graph import SceneGraph
 from ..authoring.stored_behaviour import FORCE, TRIGGER
 from ..fcurves import curves_of
-from ..frame_range import frame_rate
+from ..scene_frames import frame_rate
 
 SHOWN = {"performed": "done", "early": "too early", "failed": "wrong"}
 """Words of a recording that become markers, and what these say."""

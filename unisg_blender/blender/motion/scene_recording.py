@@ -17,11 +17,11 @@ from ...scene.graph import SceneGraph
 from ...scene.recording_tables import KEY, Recorded, recorded_from_json, recorded_of, recorded_to_json
 from ..authoring.stored_behaviour import scene_moments, why_fixed
 from ..depsgraph import updated_depsgraph
-from ..frame_range import frame_rate
 from ..lookup import objects_by_uid
 from ..read.object_hierarchy import read_hierarchy
 from ..read.sampled_animation import sample_animation
 from ..read.scene_reader import read_scene
+from ..scene_frames import frame_rate
 from ..scene_units import in_scene_units, metres_per_unit, scale_translations
 from ..write.animation_curves import write_animation
 from .event_markers import show_events

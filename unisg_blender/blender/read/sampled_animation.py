@@ -14,8 +14,8 @@ from ...scene.component_table import table
 from ...scene.components import ANIMATION
 from ...scene.graph import SceneGraph
 from ..depsgraph import updated_depsgraph
-from ..frame_range import FRAMES, frame_rate, key_frames
 from ..lookup import objects_by_uid
+from ..scene_frames import FRAMES, frame_rate, key_frames
 from ..scene_units import metres_per_unit, scale_translations
 from .object_hierarchy import read_hierarchy
 

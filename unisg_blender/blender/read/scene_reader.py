@@ -19,10 +19,10 @@ from ...scene.mesh import Material
 from ...scene.properties import ObjectProperties, decode_properties
 from ...scene.realize_instances import realize
 from ..depsgraph import updated_depsgraph
-from ..frame_range import read_frame_range
 from ..helper_objects import HELPER, TYPE, fold
 from ..id_properties import custom_properties
 from ..materials import read_material
+from ..scene_frames import read_frame_range
 from ..scene_units import in_metres, report_unit
 from ..unsupported.of_objects import report_losses
 from ..unsupported.of_scenes import report_scene_losses

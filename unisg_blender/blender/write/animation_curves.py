@@ -11,7 +11,7 @@ from ...runtime.read_report import ReadReport
 from ...scene.components import ANIMATION, PARENTING
 from ...scene.graph import SceneGraph
 from ..fcurves import continuous_signs, new_curves
-from ..frame_range import frame_rate
+from ..scene_frames import frame_rate
 from ..trs import split
 from .component_entries import Objects, entries
 

@@ -12,9 +12,9 @@ from ...runtime.read_report import ReadReport
 from ...scene import components
 from ...scene.components import INSTANCES, MATERIALS
 from ...scene.graph import SceneGraph
-from ..frame_range import set_frame_range
 from ..lookup import objects_by_uid
 from ..materials import write_materials
+from ..scene_frames import set_frame_range
 from ..scene_units import in_scene_units
 from .animation_curves import write_animation
 from .bones import write_bones

@@ -77,6 +77,7 @@ def _xml_depth(data: bytes) -> int:
     depths, depth = [0], 0
 
     def start(name: str, attributes: dict[str, str]) -> None:
+        """One deeper."""
         nonlocal depth
         depth += 1
         depths.append(depth)
