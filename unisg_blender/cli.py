@@ -15,7 +15,7 @@ from collections.abc import Sequence
 from typing import NoReturn
 
 from . import __version__
-from .errors import MISUSE, UNUSABLE_INPUT, UniSGError, one_line
+from .errors import UNUSABLE_INPUT, UniSGError, one_line
 from .runtime.helpful_parser import HelpfulParser
 from .runtime.process_end import end_process, stop_when_asked
 
@@ -77,8 +77,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         _overview().parse_args(words[:1])
         parser, module = _verb_parser(words[0])
         args = parser.parse_args(words[1:])
-    except SystemExit as stop:  # argparse: --help and --version stop with 0, misuse with 2
-        return MISUSE if stop.code not in (0, None) else 0
+    except SystemExit as stop:  # --help and --version stop with 0
+        return int(stop.code or 0)
     try:
         return int(module.run(args))  # type: ignore[attr-defined]
     except UniSGError as error:

@@ -86,4 +86,4 @@ def test_alike_refusals_of_a_generator_are_one_line(tmp_path: Path, run: Run) ->
 
 def test_a_negative_limit_is_refused(scene: Path, run: Run) -> None:
     for verb in ("relations", "inspect", "label"):
-        assert "--limit: must be a whole number from 0" in run(verb, scene, "--limit", "-1", status=2)[1]
+        assert "--limit: must be a whole number from 0" in run(verb, scene, "--limit", "-1", status=1)[1]
