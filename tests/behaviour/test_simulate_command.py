@@ -73,7 +73,7 @@ def test_a_recording_in_the_file_is_played(graph, tmp_path, capsys):
         (["--lesson", "Zzz", "--rehearse"], 1, "has no lesson 'Zzz'; it has: 'Knee'"),
         (["--motion", "missing.json"], 1, "cannot read missing.json"),
         (["--render", "--rehearse"], 2, "--render needs --out"),
-        (["--rate", "0", "--rehearse"], 2, "--rate: must be"),
+        (["--rate", "0", "--rehearse"], 1, "--rate: must be"),
         (["--rehearse", "--motion", "x.json"], 2, "not allowed with"),
     ],
 )

@@ -343,7 +343,7 @@ def test_command_line(
     report = json.loads(shown.out)
     assert (report["files"], report["failed"], report["scenes"]) == (3, 1, 2)
     assert main(["export", str(tmp_path / "in"), "--out", "x", "--form", "euler"]) == MISUSE
-    assert main(["export", str(tmp_path / "in"), "--out", "x", "--jobs", "0"]) == MISUSE
+    assert main(["export", str(tmp_path / "in"), "--out", "x", "--jobs", "0"]) == UNUSABLE_INPUT
     unreachable = ["--scheduler", "tcp://127.0.0.1:1"]
     assert main(["export", str(tmp_path / "in"), "--out", str(tmp_path / "y"), *unreachable]) == UNUSABLE_INPUT
     assert not (tmp_path / "y").exists()
