@@ -17,8 +17,8 @@ import bpy
 import numpy as np
 
 from unisg_blender.blender import ReadReport, new_file, read_scene
-from unisg_blender.blender.suppress_output import captured_output
 from unisg_blender.experiments.reports import machine, write_csv, write_json
+from unisg_blender.runtime.output_capture import captured_output
 
 SHARED_LIMIT, DISTINCT_LIMIT = 1 / 30, 1 / 10
 CHILDREN = 10

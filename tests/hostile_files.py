@@ -20,6 +20,10 @@ import numpy as np
 
 LIMIT = 10
 """Seconds that one file may take."""
+GUARDED = "guarded, "
+"""Starts the outcome of a file over which Blender or USD crash or hang, which the command line tells."""
+OF_A_CRASH = ("blender_", "st_python")
+"""Starts of what Blender and USD leave of a process that crashed; where the command line reads, it is removed."""
 NUMBERS = (
     "0", "-1", "nan", "inf", "-inf", "1e308", "-1e308", "1e-308", "2147483648", "-2147483649", "99999999999", "1e39",
     "9" * 400, '"x"', "[]", "{}", "null", "true",
@@ -78,7 +82,10 @@ def _byte_damage(data: bytes, rng: np.random.Generator) -> bytes:
 
 
 def outcomes(files: Sequence[Path]) -> dict[Path, str]:
-    """What comes of reading each file in other processes: "scene", "refused: ...", or what should not be."""
+    """What comes of reading each file in other processes: "scene", "refused: ...", or what should not be.
+
+    A file over which such a process ends is read again by the command line, whose guard answers for it.
+    """
     found: dict[Path, str] = {}
     with tempfile.TemporaryDirectory() as scratch:
         while waiting := [file for file in files if file not in found]:
@@ -90,15 +97,34 @@ def outcomes(files: Sequence[Path]) -> dict[Path, str]:
             told = [json.loads(line) for line in done.stdout.splitlines() if line.startswith('["')]
             found |= {Path(name): outcome for name, outcome in told}
             if len(told) < len(waiting):
-                file = waiting[len(told)]
-                found[file] = "hang" if done.returncode == -signal.SIGALRM else f"crash: status {done.returncode}"
-        left = sorted(path.name for path in Path(scratch).iterdir() if not path.name.startswith("blender_"))
+                found[waiting[len(told)]] = guarded_outcome(waiting[len(told)])
+        left = sorted(path.name for path in Path(scratch).iterdir() if not path.name.startswith(OF_A_CRASH))
     return found | ({Path("leftovers"): f"left behind: {left}"} if left else {})
+
+
+def guarded_outcome(file: Path) -> str:
+    """What comes of a file that crashed a process, or did not end, where the command line reads it."""
+    with tempfile.TemporaryDirectory() as out, tempfile.TemporaryDirectory() as scratch:
+        command = [sys.executable, "-m", "unisg_blender", "convert", str(file), str(Path(out, "again.json")), "-q"]
+        try:
+            done = subprocess.run(
+                command, capture_output=True, text=True, errors="replace", env=os.environ | {"TMPDIR": scratch},
+                timeout=6 * LIMIT, check=False,
+            )  # fmt: skip
+        except subprocess.TimeoutExpired:
+            return "hang"
+        left = sorted(path.name for folder in (out, scratch) for path in Path(folder).iterdir())
+    lines = done.stderr.splitlines()
+    if done.returncode == 0 and left == ["again.json"]:
+        return "scene"
+    if done.returncode != 1 or done.stdout or len(lines) != 1 or left:
+        return f"status {done.returncode}, {lines}, left behind: {left}"
+    return f"{GUARDED if 'crashed with' in lines[0] or 'nothing came' in lines[0] else ''}refused: {lines[0]}"
 
 
 def is_fault(outcome: str) -> bool:
     """Whether that should not come of a file."""
-    return outcome != "scene" and not outcome.startswith("refused: ")
+    return outcome != "scene" and not outcome.removeprefix(GUARDED).startswith("refused: ")
 
 
 def read_one(file: Path) -> str:

@@ -16,6 +16,7 @@ from typing import NoReturn
 
 from . import __version__
 from .errors import UNUSABLE_INPUT, UniSGError, one_line
+from .runtime.guarded_work import run_guarded
 from .runtime.helpful_parser import HelpfulParser
 from .runtime.process_end import end_process, stop_when_asked
 
@@ -97,6 +98,10 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def program() -> NoReturn:
-    """Run the verb that the words after the program's name ask for, and end the process."""
+    """Run the verb that the words after the program's name ask for, guarded, and end the process."""
+    run_guarded(_work, " ".join(["unisg", *sys.argv[1:2]]))
+
+
+def _work() -> NoReturn:
     stop_when_asked()
     end_process(main())

@@ -7,8 +7,8 @@ Importing it where Blender is missing raises a
 from __future__ import annotations
 
 from ..errors import MissingPackageError
+from ..runtime.output_capture import captured_output
 from ..runtime.process_end import signals_kept
-from .suppress_output import captured_output
 
 try:
     with captured_output(), signals_kept():  # the bpy package says on stdout what it found while it starts

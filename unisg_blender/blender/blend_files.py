@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import addon_utils
@@ -13,12 +14,13 @@ import bpy
 from ..errors import UniSGError, did_you_mean
 from ..runtime.atomic_files import replacing
 from ..runtime.file_endings import BLENDER, USD
+from ..runtime.guarded_work import EVALUATED, still_reading
+from ..runtime.output_capture import captured_output, heard
 from ..runtime.read_report import ReadReport
 from ..runtime.wording import some_of
 from ..scene.graph import SceneGraph
 from .read.scene_reader import Geometry, read_scene, read_scenes
 from .scene_frames import cover_keys, set_frame_range
-from .suppress_output import captured_output, heard
 from .write.scene_writer import write_scene
 
 SUFFIXES = (*BLENDER, *USD)
@@ -58,6 +60,7 @@ def open_file(path: str | os.PathLike[str], report: ReadReport | None = None) ->
         names = "|".join(re.escape(name) for name in sorted({str(path), str(path.absolute())}, key=len, reverse=True))
         reason = re.sub(rf"""\s*(?:in file )?['"]?(?:{names})['"]?""", "", error)
         raise UniSGError(f"cannot read {path}: {reason}; is it damaged, or of another kind?")
+    still_reading(EVALUATED)
     if report is not None:
         for line in _warnings(printed):
             report.add("", line)
@@ -96,7 +99,7 @@ def read_file(
         there = some_of(map(repr, names), 9)
         raise UniSGError(f"{path}: there is no scene {scene!r}{did_you_mean(scene, names)}; there are {there}")
     tell = None if progress is None else heard(progress)
-    with captured_output():
+    with captured_output(), _text_expected(path):
         graph = read_scene(found, geometry=geometry, details=details, animation=animation, report=report, progress=tell)
     others = [each.name for each in bpy.data.scenes if each != found]
     if others:
@@ -108,8 +111,17 @@ def read_all_scenes(path: str | os.PathLike[str]) -> tuple[list[SceneGraph], Rea
     """Open a file and read all its scenes; errors are those of :func:`open_file`."""
     report = ReadReport()
     open_file(path, report)
-    with captured_output():
+    with captured_output(), _text_expected(path):
         return list(read_scenes(report=report).values()), report
+
+
+@contextlib.contextmanager
+def _text_expected(path: str | os.PathLike[str]) -> Iterator[None]:
+    """Refuse a file in which names are no text."""
+    try:
+        yield
+    except UnicodeDecodeError:
+        raise UniSGError(f"cannot read {path}: names in it are no text; is it damaged?") from None
 
 
 def current_scene() -> bpy.types.Scene:

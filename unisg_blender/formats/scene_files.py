@@ -13,6 +13,8 @@ from typing import Any
 
 from ..errors import UniSGError
 from ..runtime.file_endings import BLENDER, JSON, READABLE, USD, WRITABLE, is_of
+from ..runtime.guarded_work import reading, still_reading
+from ..runtime.output_capture import captured_output, heard
 from ..runtime.read_report import Loss, ReadReport
 from ..scene.graph import SceneGraph
 from .json_scenes import read_json, write_json
@@ -69,7 +71,8 @@ def read_scene_file(
         return _read_directly(path, progress)
     from ..blender.blend_files import read_file
 
-    return read_file(path, geometry=geometry, animation=animation, scene=scene, progress=progress)
+    with reading(path):
+        return read_file(path, geometry=geometry, animation=animation, scene=scene, progress=_alive(progress))
 
 
 def read_all_scenes(path: Path) -> tuple[list[SceneGraph], str]:
@@ -79,7 +82,8 @@ def read_all_scenes(path: Path) -> tuple[list[SceneGraph], str]:
         return [graph] if len(graph) else [], lost.summary()
     from ..blender.blend_files import read_all_scenes
 
-    graphs, report = read_all_scenes(path)
+    with reading(path):
+        graphs, report = read_all_scenes(path)
     return [graph for graph in graphs if len(graph)], report.summary()
 
 
@@ -87,10 +91,12 @@ def _read_directly(path: Path, progress: Progress | None) -> tuple[SceneGraph, R
     if is_of(path, JSON):
         return read_json(path), ReadReport()
     from ..usd import read_usd
+    from ..usd.pxr_library import require_pxr
 
-    with warnings.catch_warnings(record=True) as caught:
+    require_pxr()
+    with warnings.catch_warnings(record=True) as caught, reading(path), captured_output():
         warnings.simplefilter("always", UserWarning)
-        graph = read_usd(path, progress)
+        graph = read_usd(path, _alive(progress and heard(progress)))
     report = ReadReport()
     for item in caught:
         if isinstance(item.message, Loss):
@@ -99,6 +105,18 @@ def _read_directly(path: Path, progress: Progress | None) -> tuple[SceneGraph, R
         elif isinstance(item.message, UserWarning):
             report.add(*_of_prim(str(item.message)))
     return graph, report
+
+
+def _alive(progress: Progress | None) -> Progress:
+    """Progress that also tells who waits for this process that the reading goes on."""
+
+    def tell(done: int, total: int) -> None:
+        """Tell both."""
+        still_reading()
+        if progress is not None:
+            progress(done, total)
+
+    return tell
 
 
 def _of_prim(message: str) -> tuple[str, str]:

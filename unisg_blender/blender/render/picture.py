@@ -16,11 +16,11 @@ from numpy.typing import NDArray
 
 from ...errors import UniSGError
 from ...runtime.atomic_files import replacing
+from ...runtime.output_capture import captured_output
 from ...scene.categories import STRUCTURE
 from ...scene.properties import CATEGORY
 from ..depsgraph import updated_depsgraph
 from ..scene_units import metres_per_unit
-from ..suppress_output import captured_output
 from .room_view import RoomView, opened
 
 View = Literal["perspective", "top"]

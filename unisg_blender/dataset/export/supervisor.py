@@ -7,7 +7,6 @@ import hashlib
 import json
 import os
 import queue
-import signal
 import subprocess
 import sys
 import tempfile
@@ -21,6 +20,7 @@ from typing import Any
 import numpy as np
 
 from ...runtime.atomic_files import DamagedError, check_plain, checksum, checksum_of
+from ...runtime.process_end import ended_by
 from ...runtime.process_pool import blender_program
 from ..assets.asset_file import Arrays, Assets
 from ..format.columns import Columns
@@ -93,8 +93,7 @@ class Child:
         lines = [line.strip() for line in self._errors.read().decode("utf-8", "replace").splitlines() if line.strip()]
         last = f": {lines[-1]}" if lines else ""
         if code < 0:
-            hint = " (out of memory?)" if -code == signal.SIGKILL else ""
-            return f"the reading process crashed with {signal.Signals(-code).name}{hint}{last}"
+            return f"the reading process {ended_by(code)}{last}"
         return f"the reading process ended with status {code}{last}"
 
     @property

@@ -1,4 +1,4 @@
-"""Keep Blender's chatter out of our own output."""
+"""Keep what Blender, USD and their importers print out of our own output."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _kept: list[list[int]] = []  # true stdout and stderr, while they are caught
 
 @contextlib.contextmanager
 def captured_output() -> Iterator[list[str]]:
-    """Catch everything that Blender and its importers print to stdout and stderr, Python's and C's alike.
+    """Catch everything that Blender, USD and importers print to stdout and stderr, Python's and C's alike.
 
     Yields a list that holds the printed lines after the block.
     """
