@@ -22,6 +22,8 @@ LIMIT = 10
 """Seconds that one file may take."""
 GUARDED = "guarded, "
 """Starts the outcome of a file over which Blender or USD crash or hang, which the command line tells."""
+UNFORESEEN = "refused: unforeseen, "
+"""Starts the outcome of a file that some part of the reading stumbled over."""
 OF_A_CRASH = ("blender_", "st_python")
 """Starts of what Blender and USD leave of a process that crashed; where the command line reads, it is removed."""
 NUMBERS = (
@@ -139,7 +141,8 @@ def read_one(file: Path) -> str:
                 write_scene_file(graph, Path(folder, f"again.{ending}"))
     except UniSGError as error:
         lines = str(error).splitlines()
-        return f"refused: {error}" if len(lines) == 1 else f"several lines: {lines}"
+        known = "refused: " if error.__cause__ is None else UNFORESEEN
+        return f"{known}{error}" if len(lines) == 1 else f"several lines: {lines}"
     except Exception:
         return traceback.format_exc()
     return "scene"

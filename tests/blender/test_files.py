@@ -176,3 +176,27 @@ def test_paths_are_those_of_the_process(tmp_path: Path, monkeypatch: pytest.Monk
     save_blend("again.blend")
     assert sorted(path.name for path in Path().iterdir()) == ["again.blend", "scene.blend"]
     assert [path.name for path in (tmp_path / "elsewhere").iterdir()] == ["scene.blend"]
+
+
+@pytest.mark.parametrize("value", [-1, 24, 2**31 - 1])
+@pytest.mark.parametrize("name", [".corner_edge", ".corner_vert"])
+def test_a_mesh_whose_numbers_do_not_fit_is_refused(tmp_path: Path, name: str, value: int) -> None:
+    mesh = box("Broken")  # of 8 points, 12 edges and 24 corners
+    add("Box", mesh)
+    mesh.attributes[name].data[3].value = value
+    save_blend(tmp_path / "broken.blend")
+    with pytest.raises(UniSGError, match=r"cannot read .*broken\.blend: the mesh 'Broken' is damaged"):
+        read_file(tmp_path / "broken.blend", geometry="original")
+
+
+def test_what_stumbles_over_a_file_is_told_in_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from unisg_blender.blender import blend_files
+
+    def stumbles(*args, **options):
+        return {}["colour"]
+
+    add("Box", box())
+    save_blend(tmp_path / "box.blend")
+    monkeypatch.setattr(blend_files, "read_scene", stumbles)
+    with pytest.raises(UniSGError, match=r"box\.blend: is it damaged\? .*report this: KeyError: 'colour'"):
+        read_file(tmp_path / "box.blend")

@@ -11,7 +11,7 @@ from pathlib import Path
 import addon_utils
 import bpy
 
-from ..errors import UniSGError, did_you_mean
+from ..errors import UniSGError, did_you_mean, one_line
 from ..runtime.atomic_files import replacing
 from ..runtime.file_endings import BLENDER, USD
 from ..runtime.guarded_work import EVALUATED, still_reading
@@ -99,7 +99,7 @@ def read_file(
         there = some_of(map(repr, names), 9)
         raise UniSGError(f"{path}: there is no scene {scene!r}{did_you_mean(scene, names)}; there are {there}")
     tell = None if progress is None else heard(progress)
-    with captured_output(), _text_expected(path):
+    with captured_output(), _expected_sound(path):
         graph = read_scene(found, geometry=geometry, details=details, animation=animation, report=report, progress=tell)
     others = [each.name for each in bpy.data.scenes if each != found]
     if others:
@@ -111,17 +111,22 @@ def read_all_scenes(path: str | os.PathLike[str]) -> tuple[list[SceneGraph], Rea
     """Open a file and read all its scenes; errors are those of :func:`open_file`."""
     report = ReadReport()
     open_file(path, report)
-    with captured_output(), _text_expected(path):
+    with captured_output(), _expected_sound(path):
         return list(read_scenes(report=report).values()), report
 
 
 @contextlib.contextmanager
-def _text_expected(path: str | os.PathLike[str]) -> Iterator[None]:
-    """Refuse a file in which names are no text."""
+def _expected_sound(path: str | os.PathLike[str]) -> Iterator[None]:
+    """Refuse a file of which parts do not fit together, as in no file that Blender itself has saved."""
     try:
         yield
-    except UnicodeDecodeError:
-        raise UniSGError(f"cannot read {path}: names in it are no text; is it damaged?") from None
+    except UniSGError as error:
+        raise UniSGError(f"cannot read {path}: {error}") from None
+    except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
+        what = f"{type(error).__name__}: {one_line(error)[:200]}"
+        raise UniSGError(
+            f"cannot read {path}: is it damaged? If Blender shows it, please report this: {what}"
+        ) from error
 
 
 def current_scene() -> bpy.types.Scene:

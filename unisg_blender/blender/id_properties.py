@@ -7,6 +7,8 @@ from typing import Any
 
 import bpy
 
+from ..errors import UniSGError
+
 LARGEST_INT = 2**31 - 1
 OWN = "unisg_"
 
@@ -52,8 +54,10 @@ def _is_set(value: Any) -> bool:
 
 
 def _plain(value: Any) -> Any:
-    if isinstance(value, bool | int | float | str):
+    if isinstance(value, bool | int | float):
         return value
+    if isinstance(value, str):
+        return _checked(value)
     if isinstance(value, bytes):
         return value.decode("utf-8", "backslashreplace")
     if isinstance(value, bpy.types.ID):
@@ -65,6 +69,16 @@ def _plain(value: Any) -> Any:
     if isinstance(value, list | tuple):
         return [plain for item in value if (plain := _plain(item)) is not None]
     return None
+
+
+def _checked(text: str) -> str:
+    """The text, if it is one: of a damaged file Blender makes texts with characters that cannot be."""
+    try:
+        if not text.isascii():
+            text.encode("utf-8", "surrogatepass")
+    except ValueError:
+        raise UniSGError("a custom property is damaged: it holds what is no text") from None
+    return text
 
 
 def set_custom_properties(owner: bpy.types.ID, values: Mapping[str, Any]) -> list[str]:

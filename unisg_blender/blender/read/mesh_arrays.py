@@ -6,11 +6,35 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+from ...errors import UniSGError
 from ...scene.mesh import Mesh
 
 
 def read_mesh(mesh: bpy.types.Mesh, name: str = "") -> Mesh:
-    """Points, faces, loose edges, corner normals (None where all faces are flat), UVs and material slots."""
+    """Points, faces, loose edges, corner normals (None where all faces are flat), UVs and material slots.
+
+    Raises
+    ------
+    UniSGError
+        If its numbers do not fit together, as those of a damaged file.
+    """
+    try:
+        found = _read_arrays(mesh, name)
+    except (LookupError, TypeError):  # attributes that are missing, or shorter than what they are of
+        found = None
+    if found is None or not _is_sound(found):
+        raise UniSGError(f"the mesh {mesh.name!r} is damaged: its faces and edges do not fit its points")
+    return found
+
+
+def _is_sound(mesh: Mesh) -> bool:
+    """Whether all points and corners that are referred to are there."""
+    used = max((part.view(np.uint32).max(initial=0) for part in (mesh.corners, mesh.edges)), default=0)
+    empty = not len(mesh.corners) and not len(mesh.edges)
+    return (empty or int(used) < len(mesh.points)) and bool((np.diff(mesh.offsets) >= 0).all() and mesh.offsets[0] == 0)
+
+
+def _read_arrays(mesh: bpy.types.Mesh, name: str) -> Mesh:
     attributes = mesh.attributes
     points, corners, faces = len(mesh.vertices), len(mesh.loops), len(mesh.polygons)
     offsets = np.full(faces + 1, corners, np.int32)
@@ -49,7 +73,8 @@ def _loose_edges(mesh: bpy.types.Mesh) -> NDArray[np.int32]:
     count, corners = len(mesh.edges), len(mesh.loops)
     used = np.zeros(count, bool)
     if corners:
-        used[_values(mesh.attributes, ".corner_edge", "value", corners, 1, np.int32).ravel()] = True
+        edge = _values(mesh.attributes, ".corner_edge", "value", corners, 1, np.int32).ravel()
+        used[edge.view(np.uint32)] = True  # -1 is no edge either
     if used.all():
         return np.zeros((0, 2), np.int32)
     return _edge_points(mesh, count)[~used]

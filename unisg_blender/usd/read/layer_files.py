@@ -44,7 +44,7 @@ def open_layers(path: Path) -> dict[str, Any]:
         if layer is None:
             continue
         variables = dict(getattr(layer, "expressionVariables", {})) | variables
-        for asset in filter(None, layer.GetCompositionAssetDependencies()):
+        for asset in filter(None, _dependencies(layer)):
             waiting.append((layer.ComputeAbsolutePath(_evaluated(asset, variables)), variables))
     return layers
 
@@ -90,6 +90,14 @@ def _open(name: str) -> Any:
             return known or Sdf.Layer.FindOrOpen(name)
     except Tf.ErrorException:
         return None
+
+
+def _dependencies(layer: Any) -> list[str]:
+    """What a layer refers to; nothing where that is damaged, which composing tells."""
+    try:
+        return layer.GetCompositionAssetDependencies()
+    except Tf.ErrorException:
+        return []
 
 
 def _evaluated(asset: str, variables: Mapping[str, Any]) -> str:
