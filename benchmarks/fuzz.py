@@ -26,6 +26,7 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
 from benchmarks import fuzz_data, fuzz_words  # noqa: E402 (they import the library beside this folder)
+from benchmarks.hostile_results import keep  # noqa: E402
 from unisg_blender.errors import UniSGError  # noqa: E402
 
 Case = Callable[[], object]
@@ -34,10 +35,18 @@ Case = Callable[[], object]
 Kind = Callable[[Path], Callable[[np.random.Generator], Case]]
 """Prepares a folder; gives what makes a case of random numbers."""
 
+
+def _prepare_properties(folder: Path) -> Callable[[np.random.Generator], Case]:
+    from benchmarks import fuzz_properties  # needs Blender
+
+    return fuzz_properties.prepare(folder)
+
+
 KINDS: dict[str, Kind] = {
     "words": fuzz_words.prepare,
     "models": fuzz_data.prepare_models,
     "datasets": fuzz_data.prepare_datasets,
+    "properties": _prepare_properties,
 }
 LONGEST = 10.0
 """Seconds that an input may take."""
@@ -116,9 +125,14 @@ def main() -> int:
     parser.add_argument("--count", type=int, default=2000)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--only", type=int)
+    parser.add_argument("--results", type=Path, help="a .csv file whose row of this kind is replaced")
     args = parser.parse_args()
     tally = run(args.kind, args.count, args.seed, args.only)
     print("\n".join(tally.lines()))
+    if args.results:
+        faults = sum(map(len, tally.faults.values()))
+        told = {"read": tally.read, "refused": tally.refused, "faults": faults, "seed": args.seed}
+        keep(args.results, {"kind": args.kind, "inputs": args.count, **told})
     return int(bool(tally.faults))
 
 

@@ -2,23 +2,27 @@
 
     python benchmarks/hostile_files.py --kind usda --count 2000 --seed 1 --out build/hostile
 
-Files that make a fault are kept in the folder.
+Files that make a fault are kept in the folder. ``--results FILE`` keeps how many were read and refused.
 """
 
 from __future__ import annotations
 
 import argparse
 import sys
+from collections import Counter
 from pathlib import Path
 
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
-from tests.hostile_files import damaged, is_fault, make_sound_files, outcomes
+from benchmarks.hostile_results import keep
+from tests.hostile_files import GUARDED, UNFORESEEN, damaged, is_fault, make_sound_files, outcomes
 
 KINDS = ("usda", "usdc", "usdz", "blend", "glb", "gltf", "json")
 AT_ONCE = 100
+KEPT = (GUARDED, UNFORESEEN)
+"""What is kept beside faults, to look at."""
 
 
 def main() -> int:
@@ -28,22 +32,26 @@ def main() -> int:
     parser.add_argument("--count", type=int, default=2000, help="files of each kind (2000)")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--out", type=Path, default=Path("build/hostile"))
+    parser.add_argument("--results", type=Path, help="a .csv file whose rows of these kinds are replaced")
     args = parser.parse_args()
     args.out.mkdir(parents=True, exist_ok=True)
     make_sound_files(args.out)
     bad = 0
     for kind in args.kind or KINDS:
-        faults = try_kind(kind, args.count, args.seed, args.out)
+        told, faults = try_kind(kind, args.count, args.seed, args.out)
         bad += bool(faults)
-        print(f"{kind}: {args.count} files, {len(faults)} faults", flush=True)
+        print(f"{kind}: {dict(told)}", flush=True)
+        if args.results:
+            keep(args.results, {"kind": kind, "seed": args.seed, **told})
         for name, outcome in faults.items():
             print(f"  {name}: {outcome.strip().splitlines()[-1][:200]}", flush=True)
     return bad
 
 
-def try_kind(kind: str, count: int, seed: int, folder: Path) -> dict[str, str]:
-    """Faults by file name among ``count`` damaged files of a kind."""
+def try_kind(kind: str, count: int, seed: int, folder: Path) -> tuple[Counter[str], dict[str, str]]:
+    """What came of ``count`` damaged files of a kind: how often what, and faults by file name."""
     sound = (folder / f"sound.{kind}").read_bytes()
+    told: Counter[str] = Counter(inputs=count)
     faults: dict[str, str] = {}
     for start in range(0, count, AT_ONCE):
         files = []
@@ -52,13 +60,23 @@ def try_kind(kind: str, count: int, seed: int, folder: Path) -> dict[str, str]:
             files.append(folder / f"{kind}_{seed}_{number}.{kind}")
             files[-1].write_bytes(damaged(sound, kind in ("usda", "gltf", "json"), rng))
         found = outcomes(files)
+        faults |= {path.name: outcome for path, outcome in found.items() if is_fault(outcome)}
         for file in files:
-            if is_fault(found[file]):
-                faults[file.name] = found[file]
-            else:
+            outcome = found[file]
+            told.update(words_of(outcome))
+            if not is_fault(outcome) and not outcome.startswith(KEPT):
                 file.unlink()
-        faults |= {str(path): outcome for path, outcome in found.items() if path not in files}
-    return faults
+    told["faults"] = len(faults)
+    return told, faults
+
+
+def words_of(outcome: str) -> list[str]:
+    """The columns that count an outcome."""
+    if is_fault(outcome):
+        return []
+    if outcome == "scene":
+        return ["read"]
+    return ["refused", *["by_guard"] * outcome.startswith(GUARDED), *["unforeseen"] * outcome.startswith(UNFORESEEN)]
 
 
 if __name__ == "__main__":

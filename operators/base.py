@@ -8,7 +8,7 @@ from typing import TypeAlias
 
 import bpy
 
-from ..unisg_blender.errors import UniSGError
+from ..unisg_blender.errors import UniSGError, system_reason
 
 Steps: TypeAlias = Generator[tuple[float, str], None, None]
 """Work that yields how much is done, 0 to 1, and in words."""
@@ -40,7 +40,7 @@ class Operator(bpy.types.Operator):
         return not reason
 
     def run(self, context: bpy.types.Context) -> set[str] | None:
-        """The work; a :class:`UniSGError` is reported. None means that it is finished."""
+        """The work; a :class:`UniSGError`, or what the system refuses, is reported. None means that it is finished."""
         raise NotImplementedError
 
     def execute(self, context: bpy.types.Context) -> set[str]:
@@ -52,7 +52,9 @@ class Operator(bpy.types.Operator):
             return work(*about) or {"FINISHED"}
         except UniSGError as error:
             self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+        except OSError as error:
+            self.report({"ERROR"}, system_reason(error))
+        return {"CANCELLED"}
 
 
 class FileOperator(Operator):
@@ -117,7 +119,7 @@ class SteppedOperator(Operator):
     def _advance(self, context: bpy.types.Context) -> set[str] | None:
         try:
             done = self._slice()
-        except UniSGError:
+        except Exception:
             self._end(context)
             raise
         if done is None:

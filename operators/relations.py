@@ -22,7 +22,7 @@ class UNISG_OT_relations(Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     gap: bpy.props.FloatProperty(
-        name="Gap (m)", description="Largest distance in metres at which surfaces touch", default=0.01, min=0
+        name="Gap (m)", description="Largest distance in metres at which surfaces touch", default=0.01, min=0, max=0.5
     )
     beside: bpy.props.FloatProperty(
         name="Beside (m)", description="Largest distance in metres of things beside each other", default=0.5, min=0

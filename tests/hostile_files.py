@@ -30,6 +30,7 @@ NUMBERS = (
     "0", "-1", "nan", "inf", "-inf", "1e308", "-1e308", "1e-308", "2147483648", "-2147483649", "99999999999", "1e39",
     "9" * 400, '"x"', "[]", "{}", "null", "true",
 )  # fmt: skip
+NUMBER = re.compile(rb"-?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?")
 WORDS = re.compile(rb'-?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?|"[^"\n]*"|[A-Za-z_:]+|[\[\](){}<>,=]')
 MAKE = """
 import sys
@@ -55,18 +56,24 @@ def make_sound_files(folder: Path) -> None:
 def damaged(data: bytes, text: bool, rng: np.random.Generator) -> bytes:
     """The bytes of a file with one to three damages."""
     for _ in range(int(rng.integers(1, 4))):
-        data = _word_damage(data, rng) if text and rng.random() < 0.8 else _byte_damage(data, rng)
+        data = _word_damage(data, rng) if text and rng.random() < 0.9 else _byte_damage(data, rng)
     return data
 
 
 def _word_damage(data: bytes, rng: np.random.Generator) -> bytes:
-    """A word taken out, doubled, or replaced by a number or by another word."""
+    """A word taken out, doubled, or replaced: half of the time by what the grammar allows as well."""
     words = list(WORDS.finditer(data))
     if not words:
         return data
-    found, other = (words[int(rng.integers(len(words)))] for _ in range(2))
+    found = words[int(rng.integers(len(words)))]
     number = NUMBERS[int(rng.integers(len(NUMBERS)))].encode()
-    new = (b"", found[0] * 2, number, number, other[0])[int(rng.integers(5))]
+    if rng.random() < 0.5:
+        is_number = NUMBER.fullmatch(found[0])
+        alike = [word[0] for word in words if word[0][:1] == found[0][:1]]
+        new = number if is_number and rng.random() < 0.7 else alike[int(rng.integers(len(alike)))]
+    else:
+        other = words[int(rng.integers(len(words)))][0]
+        new = (b"", found[0] * 2, number, other)[int(rng.integers(4))]
     return data[: found.start()] + new + data[found.end() :]
 
 

@@ -15,7 +15,7 @@ from collections.abc import Sequence
 from typing import NoReturn
 
 from . import __version__
-from .errors import UNUSABLE_INPUT, UniSGError, one_line
+from .errors import UNUSABLE_INPUT, UniSGError, one_line, system_reason
 from .runtime.guarded_work import run_guarded
 from .runtime.helpful_parser import HelpfulParser
 from .runtime.process_end import end_process, stop_when_asked
@@ -88,9 +88,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     except BrokenPipeError:  # the reader of our output (head, less) has gone: that is its right
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
-    except OSError as error:  # a name too long, a disk that fails: what no reader has put into words
-        name = "" if error.filename is None else f"{str(error.filename)[:200]}: "
-        print(f"unisg {words[0]}: {one_line(f'{name}{error.strerror or error}')}", file=sys.stderr)
+    except OSError as error:
+        print(f"unisg {words[0]}: {system_reason(error)}", file=sys.stderr)
         return UNUSABLE_INPUT
     except KeyboardInterrupt:
         print(f"unisg {words[0]}: stopped", file=sys.stderr)

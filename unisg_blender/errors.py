@@ -30,6 +30,12 @@ def one_line(message: object) -> str:
     return " ".join(str(message).split())
 
 
+def system_reason(error: OSError) -> str:
+    """What the system says, in one line: a name too long, a disk that fails, what no reader has put into words."""
+    name = "" if error.filename is None else f"{str(error.filename)[:200]}: "
+    return one_line(f"{name}{error.strerror or error}")
+
+
 def did_you_mean(word: str, known: Iterable[str]) -> str:
     """The end of a message about a word that nothing has: " (did you mean 'Cup'?)", or "" if no name is near it."""
     names = {name.casefold(): name for name in known}

@@ -20,7 +20,9 @@ from .outputs import check_file
 
 HELP = "Tell which thing stands on, in, above or beside which other, from geometry, or what is on what by a network."
 CONVERSE = OPPOSITE | {kind: other for other, kind in OPPOSITE.items()} | {"connected_to": "connected_to"}
+TOUCHING = 0.5
 FARTHEST = 1e6
+LIMITS = {"gap": (0, TOUCHING), "overlap": (0, TOUCHING), "heading": (-FARTHEST, FARTHEST)}
 LENGTHS = {
     "gap": "largest distance at which surfaces touch, metres",
     "overlap": "largest depth at which surfaces touch, metres",
@@ -44,8 +46,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_limit(parser, "relations, each pair of objects once")
     parser.add_argument("--out", type=Path, metavar="FILE", help="write the scene with its relations to this file")
     for name, text in LENGTHS.items():
-        default, limits = getattr(RelationTolerances(), name), (-FARTHEST if name == "heading" else 0, FARTHEST)
-        parser.add_argument(f"--{name}", type=number(*limits), default=default, metavar="X", help=f"{text} ({default})")
+        default, kind = getattr(RelationTolerances(), name), number(*LIMITS.get(name, (0, FARTHEST)))
+        parser.add_argument(f"--{name}", type=kind, default=default, metavar="X", help=f"{text} ({default})")
 
 
 def run(args: argparse.Namespace) -> int:

@@ -18,6 +18,9 @@ PLACES = re.compile(
     r"(?:\(?\w*\)? ?Error in '\S+' at line \d+ in file \S+ : )|(?: \((?:instantiating|recomposing)\b.*)|(?: <0x\w+>)"
 )
 """Where something happened in USD's own source, and in memory."""
+RULE = re.compile(r"^.*?:(\d+):(\d+): parse error matching .+?(?= at ')")
+"""Where text is not as it should be, with the rule of USD's grammar that it breaks."""
+QUOTED = re.compile(r"(?<= at ')(.{40}).*")
 
 
 def open_layers(path: Path) -> dict[str, Any]:
@@ -112,4 +115,5 @@ def _evaluated(asset: str, variables: Mapping[str, Any]) -> str:
 
 def plain(message: str) -> str:
     """What USD says, in one line without places in its own source and in memory."""
-    return PLACES.sub("", " ".join(message.split())).strip(" '")[:300]
+    line = RULE.sub(r"line \1, column \2 is no USD", " ".join(message.split()))
+    return PLACES.sub("", QUOTED.sub(r"\1 ...", line)).strip(" '")[:300]
