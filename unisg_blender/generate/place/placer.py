@@ -21,6 +21,7 @@ from ..propose.requests import Beside, On
 from .growing_scene import GrowingScene, Target
 from .placement_record import Placement
 from .proposal_selection import FoundPlace, first_fitting
+from .refusal_reason import why_not
 from .scene_extension import Names, UidMaker
 from .shape_library import Library
 from .spanning_objects import reaches
@@ -28,6 +29,9 @@ from .support_planner import Planned, Planner
 
 BATCHES = (8, 24, 28)
 """Proposals asked for at a time, until one fits: first on the candidate that was planned, then on any."""
+
+TRIED = 3
+"""So often is a category tried while nothing else is placed: then nothing of it is, until something is."""
 
 OTHER_SHAPES = 2
 """Further shapes to try when the first one finds no place."""
@@ -51,6 +55,7 @@ class ObjectPlacer:
             Target(category, left[category].pop(0), True) if left.get(category) else self._target(category)
             for category in wanted
         ]
+        self.in_vain: dict[int, list[str]] = {}  # by category the notes since something was placed
         self.on: On | None = None
         self.beside: Beside | None = None
 
@@ -81,12 +86,15 @@ class ObjectPlacer:
         found = None
         if note and next(iter(self.scene.tables.supports[category].values())).contact != RESTS:
             note = f"{note} to hold it"
+        elif len(before := self.in_vain.get(category, [])) >= TRIED and not self.targets[planned.number].chosen:
+            note = before[-1]
         else:
             found = self._find(planned, allowed)
-            note = (self._remark(found) or note) if found.fits else "no free place was found"
+            note = (self._remark(found) or note) if found.fits else self._why_not(found)
         spent = planned.milliseconds + 1e3 * (time.perf_counter() - start)
         if found is None or not found.fits:
             draws = 0 if found is None else found.draws
+            self.in_vain.setdefault(category, []).append(note)
             return Placement(self.scene.vocabulary[category], draws=draws, milliseconds=spent, note=note)
         return self._add(found, names, make_uid, note, spent)
 
@@ -139,7 +147,14 @@ class ObjectPlacer:
         near = self.beside.has(self.scene.observed, found.target.placeable.half, found.place)
         return "" if near else f"no room beside {self.scene.labels[self.beside.obj].name}"
 
+    def _why_not(self, found: FoundPlace) -> str:
+        """Why nothing fits."""
+        target, name = found.target, self.scene.labels[found.support].name if found.support >= 0 else ""
+        support = self.scene.support(target.category, found.support)
+        return why_not(target.placeable, found.place, target.category, support, name, self.scene.space)
+
     def _add(self, found: FoundPlace, names: Names, make_uid: UidMaker, note: str, spent: float) -> Placement:
+        self.in_vain.clear()
         target, support, place = found.target, found.support, found.place
         depth = 0.0
         if not self.settle:

@@ -20,6 +20,7 @@ from ..observe.placeable import Placeable
 from ..observe.prior_tables import PriorTables
 from ..observe.support_priors import AT_SIDE, HANGS, RESTS, CategoryPriors, SupportPrior, contact
 from .free_space import NOBODY, FreeSpace
+from .refusal_reason import why_not
 from .settle_geometry import Support, fitting, rest, search
 
 NEAREST, FARTHEST, STEPS, DIRECTIONS = 0.02, 0.6, 16, 16
@@ -64,7 +65,10 @@ def settle_rows(graph: SceneGraph, rows: Iterable[int]) -> list[Settled]:
         row = int(objects.row[obj])
         placeable = Placeable(object_graph(graph, row))
         now = np.array([*objects.center[obj, :2], objects.bottom[obj], objects.yaw[obj]])
-        place = _settled(placeable, now, _support_of(objects, obj, names, space), space)
+        support = _support_of(objects, obj, names, space)
+        place = _settled(placeable, now, support, space)
+        name = names[support.obj] if support.obj >= 0 else ""
+        note = "" if place is not None else why_not(placeable, now, -1, support, name, space)
         held = _held_by(objects, obj)
         if place is not None:
             objects = _moved(objects, [obj, *held], now, place)
@@ -73,7 +77,7 @@ def settle_rows(graph: SceneGraph, rows: Iterable[int]) -> list[Settled]:
             if other not in mine:
                 space.take_up(objects.parts_of(other), other)
         here = now if place is None else place
-        found.append(Settled(row, placeable.world(here), "" if place is not None else "no free place was found"))
+        found.append(Settled(row, placeable.world(here), note))
     return found
 
 
