@@ -174,3 +174,32 @@ def test_the_command_line_takes_requests(model_file: Path, tmp_path: Path, capsy
     assert main(["generate", "--add", "Cup=1", "--on", name, "--out", str(tmp_path / "no.json")]) == 1
     assert "--on and --beside need a --scene" in capsys.readouterr().err
     assert not (tmp_path / "no.json").exists()
+
+
+def desk_of_parts() -> SceneGraph:
+    """A floor, and a group without a mesh of its own whose parts are a top and two legs, as USD files have them."""
+    builder = SceneBuilder("Office")
+    builder.add("Floor", uid="floor", local=at(0, 0, -0.1), mesh=box("Floor", 5, 5, 0.1), category="Floor")
+    desk = builder.add("Desk", uid="desk", local=at(0.5, 0.3, 0))
+    builder.add("Top", uid="top", parent=desk, local=at(0, 0, 0.7), mesh=box("Top", 1.4, 0.7, 0.05))
+    for side in (-0.6, 0.6):
+        builder.add(
+            f"Leg {side}", uid=f"leg {side}", parent=desk, local=at(side, 0, 0), mesh=box("Leg", 0.05, 0.6, 0.7)
+        )
+    builder.add("Nothing", uid="nothing", local=at(0, 0, 0))
+    return builder.build()
+
+
+def test_a_group_is_meant_as_a_whole(generator: Generator) -> None:
+    scene = desk_of_parts()
+    result = generator.add(scene, {"Cup": 2}, seed=1, on="Desk")
+    assert result.added == 2
+    assert {placement.support for placement in result.objects} == {"Desk"}
+    np.testing.assert_allclose([world[2, 3] for world in world_matrices(result.scene)[result.rows]], 0.75, atol=1e-6)
+    assert result.scene.category_name(result.scene.row_of_uid["desk"]) == ""  # only for the placing
+    assert generator.add(scene, {"Cup": 1}, seed=1, beside="desk").added == 1
+
+
+def test_an_empty_that_holds_nothing_is_no_group(generator: Generator) -> None:
+    with pytest.raises(UniSGError, match="'Nothing' has neither a mesh nor a category"):
+        generator.add(desk_of_parts(), {"Cup": 1}, seed=1, on="Nothing")

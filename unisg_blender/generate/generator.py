@@ -17,6 +17,7 @@ from ..geometry.arrays import Ints
 from ..runtime.steps import at_once
 from ..scene import SceneGraph
 from ..scene.categories import FLOOR, STRUCTURE
+from ..spatial.objects import as_whole
 from ..spatial.structure import recognise_structure
 from .behaviour import ActionPolicy, Behaviour, add_behaviour, behaviour_path, load_behaviour
 from .counts import MOST_OBJECTS
@@ -125,7 +126,7 @@ class Generator:
             lies beside this one.
         on, beside
             uid or name of an object of the scene on which, or beside which, all objects are wanted. What finds
-            no room there is refused (on), or stands as near as there is room (beside).
+            no room there is refused (on), or stands as near as there is room (beside). A group is meant as a whole.
 
         Raises
         ------
@@ -145,7 +146,8 @@ class Generator:
             yield from placements
         shapes = {self.categories.index(name): given for name, given in (assets or {}).items() if name in counts}
         numbers = [self.categories.index(name) for name in wanted]
-        work = ObjectPlacer(self.proposer, self.library, scene, rng, settle, numbers, shapes, on or beside)
+        seen = as_whole(as_whole(scene, on), beside)
+        work = ObjectPlacer(self.proposer, self.library, seen, rng, settle, numbers, shapes, on or beside)
         work.request(on, beside)
         for planned in work.order(bulk):
             placements.append(work.place(planned, names, make_uid))

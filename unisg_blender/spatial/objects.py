@@ -11,6 +11,7 @@ from ..errors import UniSGError, did_you_mean
 from ..geometry.arrays import Floats, Ints
 from ..geometry.boxes import Boxes, world_bounds
 from ..scene import SceneGraph, subtree
+from ..scene.assembly import index_categories
 from ..scene.categories import category_numbers
 from .entity_boxes import oriented_boxes
 from .object_rows import object_rows
@@ -101,6 +102,21 @@ def find_object(graph: SceneGraph, uids: Sequence[str], text: str) -> int:
     if graph.uid[obj] not in uids:
         raise UniSGError(f"{text!r} is a part of the building that holds nothing: take a floor, a wall or an object")
     return list(uids).index(graph.uid[obj])
+
+
+def as_whole(graph: SceneGraph, text: str) -> SceneGraph:
+    """The scenegraph with the group of that uid or name as one object, all that has no category below it being its parts.
+
+    A group is an entity that has neither mesh nor category, such as an Xform of a USD file; its name becomes its category.
+    Anything else stays as it is.
+    """
+    rows = [row for row, uid in enumerate(graph.uid) if text in (uid, graph.name[row])]
+    if len(rows) != 1 or object_rows(graph)[rows[0]] >= 0 or not (graph.mesh[subtree(graph, rows[0])] >= 0).any():
+        return graph
+    names = [graph.category_name(row) for row in range(len(graph))]
+    names[rows[0]] = graph.name[rows[0]]
+    category, vocabulary = index_categories(names)
+    return graph.replace(category=category, vocabulary=vocabulary)
 
 
 def middle_of(graph: SceneGraph, text: str) -> Floats | None:
