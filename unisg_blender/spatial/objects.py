@@ -105,10 +105,10 @@ def find_object(graph: SceneGraph, uids: Sequence[str], text: str) -> int:
 
 
 def as_whole(graph: SceneGraph, text: str) -> SceneGraph:
-    """The scenegraph with the group of that uid or name as one object, all that has no category below it being its parts.
+    """The scenegraph with the group of that uid or name as one object; its parts are what has no category below it.
 
-    A group is an entity that has neither mesh nor category, such as an Xform of a USD file; its name becomes its category.
-    Anything else stays as it is.
+    A group is an entity that has neither mesh nor category, such as an Xform of a USD file; its name
+    becomes its category. Anything else stays as it is.
     """
     rows = [row for row, uid in enumerate(graph.uid) if text in (uid, graph.name[row])]
     if len(rows) != 1 or object_rows(graph)[rows[0]] >= 0 or not (graph.mesh[subtree(graph, rows[0])] >= 0).any():
