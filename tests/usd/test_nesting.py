@@ -143,3 +143,20 @@ def test_instances_are_counted_before_they_are_made(tmp_path: Path) -> None:
 def test_instancers_without_end_are_refused(tmp_path: Path) -> None:
     with pytest.raises(UniSGError, match="its instances nest too deeply to be read"):
         read_usd(written(tmp_path / "deep.usda", instancers(240, 1)))
+
+
+@pytest.mark.parametrize("depth", [DEEPEST - 100, DEEPEST + 1])
+def test_deep_binary_files_are_refused(tmp_path: Path, depth: int) -> None:
+    from pxr import Sdf
+
+    layer = Sdf.Layer.CreateNew(str(tmp_path / "deep.usdc"))
+    path = Sdf.Path("/a")
+    for _ in range(depth):
+        prim = Sdf.CreatePrimInLayer(layer, path)
+        prim.specifier, prim.typeName, path = Sdf.SpecifierDef, "Xform", path.AppendChild("a")
+    layer.Save()
+    if depth < DEEPEST:
+        assert len(read_usd(tmp_path / "deep.usdc")) == depth
+        return
+    with pytest.raises(UniSGError, match=f"prims nest deeper than the {DEEPEST} that can be read"):
+        read_usd(tmp_path / "deep.usdc")

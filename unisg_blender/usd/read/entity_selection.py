@@ -8,7 +8,9 @@ from typing import Any
 
 from pxr import Usd, UsdGeom, UsdLux, UsdSkel
 
+from ...errors import UniSGError
 from .. import schema
+from .nesting import DEEPEST
 
 SEEN = Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)
 ALL = Usd.TraverseInstanceProxies(Usd.PrimIsActive & Usd.PrimIsLoaded)
@@ -57,6 +59,11 @@ def find_entities(tops: Iterable[Any], nested: bool = False) -> Entities:
         The prims to begin with.
     nested
         True reads prims that a stage does not show by itself (classes, overs), as prototypes may be.
+
+    Raises
+    ------
+    UniSGError
+        If prims nest deeper than :data:`~.nesting.DEEPEST`: binary files are not looked at before USD reads them.
     """
     found = Entities()
     rows: dict[Any, int] = {}
@@ -67,6 +74,8 @@ def find_entities(tops: Iterable[Any], nested: bool = False) -> Entities:
             name = prim.GetTypeName()
             kind = kinds.get(name) or kinds.setdefault(name, _kind(prim))
             path = prim.GetPath()
+            if path.pathElementCount > DEEPEST:
+                raise UniSGError(f"{str(path)[:60]} ...: prims nest deeper than the {DEEPEST} that can be read")
             above = rows.get(path.GetParentPath(), -1)
             purpose = "" if kind == "SKIP" else _purpose(prim)
             if kind == "SKIP" or _is_own_scope(prim, kind) or purpose in ("guide", "proxy"):
