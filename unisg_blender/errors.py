@@ -30,6 +30,16 @@ def one_line(message: object) -> str:
     return " ".join(str(message).split())
 
 
+UNFORESEEN = (ArithmeticError, AttributeError, LookupError, TypeError, ValueError)
+"""What reading stumbles with over a file whose parts do not fit together."""
+
+
+def unforeseen(path: object, program: str, error: Exception) -> UniSGError:
+    """The error for a file over which the reading of a ``program``'s files stumbled: its fault, or ours."""
+    what = f"{type(error).__name__}: {one_line(error)[:200]}"
+    return UniSGError(f"cannot read {path}: is it damaged? If {program} shows it, please report this: {what}")
+
+
 def system_reason(error: OSError) -> str:
     """What the system says, in one line: a name too long, a disk that fails, what no reader has put into words."""
     name = "" if error.filename is None else f"{str(error.filename)[:200]}: "

@@ -274,3 +274,40 @@ def Mesh "Box"
 }
 """)
     assert read_usd(path)["Box"].mesh.materials == ("one", "two")
+
+
+@pytest.mark.parametrize("old", ["int[] faceVertexIndices", "int[] faceVertexCounts", "point3f[] points"])
+def test_a_mesh_whose_numbers_have_a_type_that_is_none_loses_its_faces(tmp_path: Path, old: str) -> None:
+    path = tmp_path / "scene.usda"
+    write_usd(small_scene().build(), path)
+    path.write_text(path.read_text().replace(old, "nothing[] " + old.split()[1]))
+    graph, told = read_quietly(path)
+    assert graph.name == ("A",)
+    assert not any(len(mesh.corners) for mesh in graph.meshes)
+    assert [text for text in told if "faces are left out" in text]
+
+
+def test_a_category_that_is_no_text_is_told(tmp_path: Path) -> None:
+    builder = SceneBuilder("Room")
+    builder.add("A", uid="a", category="Cup")
+    path = tmp_path / "scene.usda"
+    write_usd(builder.build(), path)
+    text = path.read_text()
+    assert 'string unisg:category = "Cup"' in text
+    path.write_text(text.replace("string unisg:category", "nothing unisg:category"))
+    graph, told = read_quietly(path)
+    assert graph.category_name(0) == ""
+    assert [text for text in told if "unisg_category must be a string" in text]
+
+
+def test_what_stumbles_over_a_file_is_told_in_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from unisg_blender.usd.read import stage_reader
+
+    def stumbles(*args, **options):
+        return [][1]
+
+    path = tmp_path / "scene.usda"
+    write_usd(small_scene().build(), path)
+    monkeypatch.setattr(stage_reader, "find_entities", stumbles)
+    with pytest.raises(UniSGError, match=r"scene\.usda: is it damaged\? .*report this: IndexError"):
+        read_usd(path)

@@ -86,7 +86,8 @@ def instances(tmp_path: Path, nested: bool) -> Path:
     (tmp_path / "rig.usda").write_text(RIG)
     place = "(\n prepend references = @{0}@\n instanceable = true\n)\n{{\n double3 xformOp:translate = ({1}, 0, 0)\n"
     place += ' uniform token[] xformOpOrder = ["xformOp:translate"]\n}}\n'
-    head = '#usda 1.0\n(\n defaultPrim = "Two"\n startTimeCode = 10\n upAxis = "Z"\n metersPerUnit = 1\n)\ndef Xform "Two"\n{\n'
+    head = '#usda 1.0\n(\n defaultPrim = "Two"\n startTimeCode = 10\n upAxis = "Z"\n metersPerUnit = 1\n)\n'
+    head += 'def Xform "Two"\n{\n'
     two = [f'def "{name}" {place.format("rig.usda", x)}' for name, x in (("A", 0), ("B", 7))]
     (tmp_path / "two.usda").write_text(head + "".join(two) + "}\n")
     pair = [f'def "{name}" {place.format("two.usda", x)}' for name, x in (("Near", 0), ("Far", 100))]

@@ -11,7 +11,7 @@ from pathlib import Path
 import addon_utils
 import bpy
 
-from ..errors import UniSGError, did_you_mean, one_line
+from ..errors import UNFORESEEN, UniSGError, did_you_mean, unforeseen
 from ..runtime.atomic_files import replacing
 from ..runtime.file_endings import BLENDER, USD
 from ..runtime.guarded_work import EVALUATED, still_reading
@@ -122,11 +122,8 @@ def _expected_sound(path: str | os.PathLike[str]) -> Iterator[None]:
         yield
     except UniSGError as error:
         raise UniSGError(f"cannot read {path}: {error}") from None
-    except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
-        what = f"{type(error).__name__}: {one_line(error)[:200]}"
-        raise UniSGError(
-            f"cannot read {path}: is it damaged? If Blender shows it, please report this: {what}"
-        ) from error
+    except UNFORESEEN as error:
+        raise unforeseen(path, "Blender", error) from error
 
 
 def current_scene() -> bpy.types.Scene:

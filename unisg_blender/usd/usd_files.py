@@ -7,7 +7,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
-from ..errors import UniSGError
+from ..errors import UNFORESEEN, UniSGError, unforeseen
 from ..runtime.atomic_files import replacing
 from ..runtime.file_endings import USD, is_of
 from ..scene.parents import depths
@@ -93,7 +93,10 @@ def read_usd(path: str | os.PathLike[str], progress: Progress | None = None) -> 
     from .read.stage import open_stage
     from .read.stage_reader import read_stage
 
-    return read_stage(open_stage(path), path.stem, progress)
+    try:
+        return read_stage(open_stage(path), path.stem, progress)
+    except UNFORESEEN as error:
+        raise unforeseen(path, "usdview", error) from error
 
 
 def _package(layer: Path, path: Path) -> None:

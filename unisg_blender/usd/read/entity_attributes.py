@@ -79,7 +79,7 @@ def _entry(prim: Any, shape: Any) -> Entry:
     values |= _custom_values(prim, authored)
     for item in authored:
         if item in _OWN:
-            values[_OWN[item]] = prim.GetAttribute(item).Get()
+            values[_OWN[item]] = plain(prim.GetAttribute(item).Get())
         elif item == schema.TYPE:
             kind = str(prim.GetAttribute(item).Get())
         elif item == schema.PROPERTIES:

@@ -29,11 +29,17 @@ class Topology:
 
 
 def array(attribute: Any, dtype: Any, width: int = 1) -> NDArray[Any]:
-    """An attribute's value, at the default time or the first sample, as (K, width), or (K,) for width 1."""
+    """An attribute's value, at the default time or the first sample, as (K, width), or (K,) for width 1.
+
+    Nothing where the file gives it a type that holds no numbers.
+    """
     value = attribute.Get() if attribute else None
     if value is None and attribute:
         value = attribute.Get(NOW)
-    found = np.array(() if value is None else value, dtype)
+    try:
+        found = np.array(() if value is None else value, dtype)
+    except (TypeError, ValueError):
+        found = np.zeros(0, dtype)
     return found.reshape(-1, width) if width > 1 else found.reshape(-1)
 
 
