@@ -25,7 +25,7 @@ WHOLE = (0, -1, 1, 2**31 - 1, -(2**31))
 TEXTS = (
     "", " ", "x", "x" * 300, "x" * 100_000, "a\nb", "ä🦊", "\udcff", "nan", "-1", "{}", "[" * 2000, '{"unisg": 1}',
     "Cup=1", "Cup=-1", "Cup=nan", "Cup=1000000000", "Cup=1,Cup=2", "=1", "Cup", "Cup.001", "/", "//", "//x.usdc",
-    "//none/x.usdc", "x.usdc", "x.json", "room.blend", "x.onnx", ".", "..", "/dev/null", "%s%n", "motor", "on",
+    "//none/x.usdc", "x.usdc", "x.json", "room.blend", "x.onnx", ".", "../none", "/dev/null", "%s%n", "motor", "on",
 )  # fmt: skip
 MODES = ("OBJECT", "OBJECT", "OBJECT", "EDIT")
 

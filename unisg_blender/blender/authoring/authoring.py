@@ -63,6 +63,10 @@ def change_action(item: bpy.types.Object, place: int, edit: Callable[[ActionData
     store_actions(item, actions)
 
 
+LISTS = ("targets", "tools", "members")
+"""What an action names several of."""
+
+
 def link_objects(
     scene: bpy.types.Scene, item: bpy.types.Object, place: int, slot: str, others: Iterable[bpy.types.Object]
 ) -> None:
@@ -74,10 +78,16 @@ def link_objects(
         known = {**action.names, **named}
         if slot == "frame":
             return replace(action, frame=next(iter(named), ""), names=known)
-        changes: dict[str, Any] = {slot: tuple(dict.fromkeys((*getattr(action, slot), *named)))}
+        changes: dict[str, Any] = {slot: tuple(dict.fromkeys((*_listed(action, slot), *named)))}
         return replace(action, names=known, **changes)
 
     change_action(item, place, edit)
+
+
+def _listed(action: ActionData, slot: str) -> tuple[str, ...]:
+    if slot not in LISTS:
+        raise UniSGError(f"an action has no {slot[:50]!r}: it has {', '.join(LISTS)} and a frame")
+    return getattr(action, slot)
 
 
 def unlink_object(item: bpy.types.Object, place: int, slot: str, uid: str) -> None:
@@ -87,7 +97,7 @@ def unlink_object(item: bpy.types.Object, place: int, slot: str, uid: str) -> No
         """The action without the object in its slot."""
         if slot == "frame":
             return replace(action, frame="")
-        changes: dict[str, Any] = {slot: tuple(each for each in getattr(action, slot) if each != uid)}
+        changes: dict[str, Any] = {slot: tuple(each for each in _listed(action, slot) if each != uid)}
         return replace(action, **changes)
 
     change_action(item, place, edit)
