@@ -25,6 +25,6 @@ def test_what_is_linked_is_unlinked() -> None:
 def test_a_slot_that_is_none_is_refused(slot: str) -> None:
     item = add("A")
     add_action(bpy.context.scene, item, "Reference")
-    with pytest.raises(UniSGError, match="an action has no .*: it has targets, tools, members and a frame"):
+    with pytest.raises(UniSGError, match=r"an action has no .*: it has targets, tools, members and a frame"):
         unlink_object(item, 0, slot, "u")
     assert actions_of(item)[0].type == "Reference"
