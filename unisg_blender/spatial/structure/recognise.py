@@ -12,8 +12,9 @@ from ...geometry.column_raster import cells_on
 from ...geometry.mask_outline import components, outlines, simplified, snapped
 from ...geometry.polygon import area
 from ...scene.graph import SceneGraph
+from .looks import FARTHEST, LEVEL
 from .scan import FINEST, HEADROOM, Scan
-from .storeys import FARTHEST, LEAST_OPEN, LEVEL, Region, find_regions
+from .storeys import LEAST_OPEN, Region, find_regions
 from .structure import Room, Structure
 from .surfaces import holding_surfaces
 from .walls import openings_in, walls_along
@@ -57,9 +58,7 @@ def _recognised(graph: SceneGraph) -> Structure:
     scan = Scan.of(graph)
     if scan is None:
         return Structure((), (), FINEST, ("the scene has no faces: there is no floor to be found",))
-    regions = find_regions(scan)
-    if scan.grid.cell > COARSE * FINEST:
-        scan, regions = _closer(graph, scan, regions)
+    scan, regions = _closer(graph, scan) if scan.grid.cell > COARSE * FINEST else (scan, find_regions(scan))
     rooms = [_room(scan, region) for region in regions]
     heights = sorted({room.floor for room in rooms})
     storeys = np.cumsum(np.diff(heights, prepend=-np.inf) >= HEADROOM) - 1
@@ -70,15 +69,15 @@ def _recognised(graph: SceneGraph) -> Structure:
     return Structure(tuple(rooms[number] for number in order), tuple(surfaces), scan.grid.cell, _notes(scan, rooms))
 
 
-def _closer(graph: SceneGraph, scan: Scan, regions: list[Region]) -> tuple[Scan, list[Region]]:
-    """A finer scan of where a large scene is built up, with the rooms found there; the same where that finds none."""
+def _closer(graph: SceneGraph, scan: Scan) -> tuple[Scan, list[Region]]:
+    """A finer scan of where a large scene is built up, with the rooms found there; the whole where that finds none."""
     for low, high in _built_up(scan):
         finer = Scan.of(graph, (low, high))
         if finer is not None and finer.grid.cell < scan.grid.cell / COARSE:
             found = find_regions(finer)
             if any(region.indoors for region in found):
                 return finer, found
-    return scan, regions
+    return scan, find_regions(scan)
 
 
 def _built_up(scan: Scan) -> list[tuple[Floats, Floats]]:
@@ -101,7 +100,7 @@ def _built_up(scan: Scan) -> list[tuple[Floats, Floats]]:
 
 
 def _room(scan: Scan, region: Region) -> Room:
-    grid = scan.grid
+    grid = region.grid
     traced = outlines(region.mask, grid)
     low, high = traced[0].min(axis=0) - BEHIND, traced[0].max(axis=0) + BEHIND
     cuts = {}

@@ -33,7 +33,7 @@ def holding_surfaces(scan: Scan, regions: list[Region]) -> list[HoldingSurface]:
     found: list[HoldingSurface] = []
     for number, region in enumerate(regions):
         over = low - region.floor
-        mine = np.flatnonzero((over >= LOWEST) & (over <= HIGHEST) & region.mask.reshape(-1)[cell])
+        mine = np.flatnonzero((over >= LOWEST) & (over <= HIGHEST) & region.over(cell, grid.shape[1]))
         for group in _groups(row[mine], low[mine]):
             for part in _connected(mine[group], cell, grid):
                 if len(part) * grid.cell**2 >= SMALLEST:

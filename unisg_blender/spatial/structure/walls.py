@@ -7,7 +7,8 @@ from itertools import pairwise
 import numpy as np
 
 from ...geometry.arrays import Bools, Floats, Ints
-from .storeys import EYE, Region
+from .looks import EYE
+from .storeys import Region
 from .structure import Opening, WallPiece
 
 BESIDE = 0.12

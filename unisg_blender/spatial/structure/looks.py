@@ -1,0 +1,155 @@
+"""What is seen from a level at which people can stand: where its floor is, and which walls are around it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...geometry.arrays import Bools, Floats, Ints
+from ...geometry.column_raster import Grid, cells_on, enclosure
+from ...geometry.mask_outline import components
+from .scan import FreeSpans, Scan
+from .structure import TALLEST
+
+LEVEL = 0.12
+"""Metres of height within which surfaces are one floor: rugs, thresholds, a little slope."""
+
+EYE, ROUND, MOSTLY, FARTHEST = 1.4, 13, 10, 30.0
+"""Walls are looked for at this height in metres in 16 directions: inside is where so many of them meet one, or so many
+under a roof, within so many metres."""
+
+RAY = 3
+"""Cells of the grid to a cell of the one in which walls are looked for: what is seen need not be told so finely."""
+
+BESIDE = 3.0
+"""Metres around all walls within which a floor is looked at: what is farther out is outside."""
+
+WALLED = 0.6
+"""Share of the rim of a floor without a roof that is at walls, at least, where all of it is a room."""
+
+ROOF_SHARE = 0.2
+"""Share of a place that is roofed, at least, where the rest is a terrace: a beam or a lamp is no roof."""
+
+
+@dataclass(frozen=True, eq=False)
+class Look:
+    """What is seen from a level: bool masks of the shape of a part of the grid, which begins at ``first``.
+
+    Where one can stand on its floor (``standing``); where its floor, under furniture too, is ``within`` walls; what
+    walls and lintels part (``barrier``). ``here`` are the numbers of its free spans, ``seen`` counts in how many
+    directions there is a wall.
+    """
+
+    level: float
+    first: tuple[int, int]
+    standing: Bools
+    within: Bools
+    barrier: Bools
+    roofed: Bools
+    seen: Ints
+    here: Ints
+    lintel: float
+    cuts: dict[float, tuple[Floats, Ints]]
+
+
+def look_from(scan: Scan, spans: FreeSpans, stands: Bools, level: float) -> Look | None:
+    """What is seen from a level; None where no walls are around it."""
+    near = np.flatnonzero(np.abs(spans.low - level) <= LEVEL)
+    here = near[stands[near]]
+    cuts, lintel = walls_around(scan, level, spans.high[here])
+    around = np.concatenate([cuts[EYE][0], cuts[lintel][0]])
+    named = bool(scan.is_floor.any())
+    under = near[scan.is_floor[spans.triangle[near]]] if named else near
+    first, shape = _part(scan.grid, spans.cell[under], None if named else around)
+    if 0 in shape:
+        return None
+    grid = scan.grid.window(first, shape)
+    floor, standing, roofed = (
+        cells_as_mask(spans.cell[some], scan.grid, first, shape)
+        for some in (under, here, here[spans.high[here] <= level + TALLEST])
+    )
+    seen = _seen(floor, grid, around)
+    within = (seen >= ROUND) | (roofed & (seen >= MOSTLY))
+    within = floor & (smooth(within) | named)
+    barrier = grid.mask(cells_on(cuts[lintel][0], grid)[0])
+    if (floor & roofed).sum() < ROOF_SHARE * floor.sum():
+        within |= _open_sided(floor, barrier)
+    return Look(level, first, standing, within, barrier, roofed, seen, here, lintel, cuts)
+
+
+def _part(grid: Grid, cells: Ints, walls: Floats | None) -> tuple[tuple[int, int], tuple[int, int]]:
+    """First cell and shape of the part of a grid that holds some cells, not far from walls (S, 2, 2), if given."""
+    if not len(cells) or (walls is not None and not len(walls)):
+        return (0, 0), (0, 0)
+    i, j = np.divmod(cells, grid.shape[1])
+    low, high = np.array([i.min(), j.min()]) - 1, np.array([i.max(), j.max()]) + 2
+    if walls is not None:
+        ends = walls.reshape(-1, 2)
+        low = np.maximum(low, np.floor((ends.min(axis=0) - BESIDE - grid.origin) / grid.cell))
+        high = np.minimum(high, np.ceil((ends.max(axis=0) + BESIDE - grid.origin) / grid.cell))
+    low, high = np.maximum(low, 0).astype(int), np.minimum(high, grid.shape).astype(int)
+    size = np.maximum(high - low, 0)
+    return (int(low[0]), int(low[1])), (int(size[0]), int(size[1]))
+
+
+def cells_as_mask(cells: Ints, grid: Grid, first: tuple[int, int], shape: tuple[int, int]) -> Bools:
+    """Cells of a grid as a mask of a part of it."""
+    i, j = np.divmod(cells, grid.shape[1])
+    i, j = i - first[0], j - first[1]
+    near = (i >= 0) & (j >= 0) & (i < shape[0]) & (j < shape[1])
+    found = np.zeros(shape, bool)
+    found[i[near], j[near]] = True
+    return found
+
+
+def slices(first: tuple[int, int], shape: tuple[int, ...]) -> tuple[slice, slice]:
+    return slice(first[0], first[0] + shape[0]), slice(first[1], first[1] + shape[1])
+
+
+def _seen(floor: Bools, grid: Grid, walls: Floats) -> Ints:
+    """In how many directions walls are seen, told every few cells."""
+    padded = np.pad(floor, [(0, -size % RAY) for size in floor.shape])
+    coarse = padded.reshape(padded.shape[0] // RAY, RAY, -1, RAY).any(axis=(1, 3))
+    i, j = np.nonzero(coarse)
+    points = (np.stack([i, j], axis=1) * RAY + RAY / 2) * grid.cell + grid.origin
+    count = np.zeros(coarse.shape, np.int64)
+    count[i, j] = enclosure(walls, points, RAY * grid.cell, FARTHEST)
+    return count.repeat(RAY, axis=0).repeat(RAY, axis=1)[: floor.shape[0], : floor.shape[1]]
+
+
+def _open_sided(floor: Bools, barrier: Bools) -> Bools:
+    """Whole floors most of whose rim is at walls: the rest of it may be open, or of glass."""
+    from scipy.ndimage import binary_dilation, binary_erosion
+
+    number, count = components(floor & ~barrier)
+    rim = (number > 0) & ~binary_erosion(number > 0)
+    walled = rim & binary_dilation(barrier, iterations=2)
+    length, closed = (np.bincount(number[mask], minlength=count + 1) for mask in (rim, walled))
+    edge = np.concatenate([number[[0, -1]].reshape(-1), number[:, [0, -1]].reshape(-1)])
+    whole = ~np.isin(np.arange(count + 1), edge)
+    return (number > 0) & (whole & (closed > WALLED * length))[number]
+
+
+def walls_around(scan: Scan, level: float, ceilings: Floats) -> tuple[dict[float, tuple[Floats, Ints]], float]:
+    """The cuts at some heights over a floor, and at which of them doors are closed by what is over them."""
+    ceilings = ceilings[np.isfinite(ceilings)]
+    room = float(np.median(ceilings)) - level if len(ceilings) else 4.0
+    cuts = {height: scan.cut(level + height) for height in (0.25, 1.0, EYE, 1.8)}
+    wall = _length(cuts[EYE][0])
+    for height in np.arange(min(room - 0.12, 3.5), 1.85, -0.15).round(3).tolist():
+        cut = scan.cut(level + height)
+        if _length(cut[0]) >= 0.6 * wall > 0:
+            cuts[height] = cut
+            return cuts, height
+    return cuts, 1.8
+
+
+def _length(segments: Floats) -> float:
+    return float(np.linalg.norm(segments[:, 1] - segments[:, 0], axis=1).sum())
+
+
+def smooth(mask: Bools) -> Bools:
+    from scipy.ndimage import uniform_filter
+
+    return np.asarray(uniform_filter(mask.astype(np.float32), 5) > 0.5)
