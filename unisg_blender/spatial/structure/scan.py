@@ -21,6 +21,9 @@ FINEST, MOST_CELLS = 0.05, 1_500_000
 HEADROOM = 1.8
 """Metres that must be free over a floor where people stand."""
 
+HOLLOW = 1.0
+"""Square metres at least of what may be a room seen from outside."""
+
 SAME = 0.002
 """Metres within which what a column meets counts as one surface."""
 
@@ -111,15 +114,16 @@ class Scan:
 
 def world_triangles(graph: SceneGraph) -> tuple[Triangles, Ints]:
     """The triangles (M, 3, 3) of a scene in the world, metres, and the row (M,) of each; what is no number left out."""
-    world, parts, rows = world_matrices(graph), [np.zeros((0, 3, 3))], [np.zeros(0, np.int64)]
-    for row in np.flatnonzero(shown(graph)).tolist():
+    world, parts, seen = world_matrices(graph), [np.zeros((0, 3, 3))], np.flatnonzero(shown(graph))
+    mirrored = np.linalg.det(world[:, :3, :3]) < 0
+    for row in seen.tolist():
         mesh, matrix = graph.meshes[graph.mesh[row]], world[row]
         corners = (mesh.points.astype(np.float64) @ matrix[:3, :3].T + matrix[:3, 3])[mesh.triangles]
-        if np.linalg.det(matrix[:3, :3]) < 0:
-            corners = corners[:, ::-1]
-        parts.append(corners[np.isfinite(corners).all(axis=(1, 2))])
-        rows.append(np.full(len(parts[-1]), row))
-    return np.concatenate(parts), np.concatenate(rows)
+        parts.append(corners[:, ::-1] if mirrored[row] else corners)
+    triangles = np.concatenate(parts)
+    rows = np.repeat(seen, [len(part) for part in parts[1:]]).astype(np.int64)
+    sound = np.isfinite(triangles).all(axis=(1, 2))
+    return (triangles, rows) if sound.all() else (triangles[sound], rows[sound])
 
 
 @dataclass(frozen=True, eq=False)
@@ -150,20 +154,28 @@ def free_spans(found: Crossings, up: Bools) -> FreeSpans:
 def _inside_out(scan: Scan) -> list[int]:
     """Rows of closed meshes whose faces look out of rooms: more lies inside them than where their faces say is air."""
     found, (low, high) = [], scan.ends
-    columns_of = scan.all_columns
-    middle = scan.triangles.mean(axis=1)
-    cell = scan.grid.at(middle[:, :2])
+    crossings = scan.all_columns
+    owner = scan.row[crossings.triangle]
+    tall = np.full(int(scan.row.max()) + 1, np.inf), np.full(int(scan.row.max()) + 1, -np.inf)
+    np.minimum.at(tall[0], owner, crossings.height)
+    np.maximum.at(tall[1], owner, crossings.height)
+    built = np.zeros(len(tall[0]), bool)
+    built[scan.row[scan.building]] = True
+    many = np.bincount(owner, minlength=len(built)) * scan.grid.cell**2 >= 2 * HOLLOW
+    rows = np.flatnonzero(built & many & (tall[1] - tall[0] >= HEADROOM))
     looks_up = scan.slope > 0
-    rows, first = np.unique(scan.row, return_index=True)
-    height = np.maximum.reduceat(high, first) - np.minimum.reduceat(low, first)
-    for row in rows[scan.building[first] & (height >= HEADROOM)].tolist():
-        mine = columns_of.take(scan.row[columns_of.triangle] == row)
+    middle: Floats | None = None
+    for row in rows.tolist():
+        mine = crossings.take(owner == row)
         solid = _spans_of(mine, looks_up, solid=True)
-        tall = mine.height[solid + 1] - mine.height[solid] >= HEADROOM
-        if tall.sum() * scan.grid.cell**2 < 1.0:
+        solid = solid[mine.height[solid + 1] - mine.height[solid] >= HEADROOM]
+        if len(solid) * scan.grid.cell**2 < HOLLOW:
             continue
+        if middle is None:
+            middle = scan.triangles.mean(axis=1)
+            cell = scan.grid.at(middle[:, :2])
         other = np.flatnonzero((scan.row != row) & (cell >= 0) & (high < mine.height.max()) & (low > mine.height.min()))
-        inside = _held(mine, solid[tall], cell[other], middle[other, 2])
+        inside = _held(mine, solid, cell[other], middle[other, 2])
         air = _held(mine, _spans_of(mine, looks_up, solid=False), cell[other], middle[other, 2])
         if inside > air:
             found.append(row)

@@ -6,8 +6,8 @@ import numpy as np
 
 from ...geometry.arrays import Floats, Ints
 from ...geometry.column_raster import Grid
-from ...geometry.mask_outline import components, outlines, simplified
-from .scan import Scan, free_spans
+from ...geometry.traced_outlines import outlines_of, simplified_all
+from .scan import FreeSpans, Scan, free_spans
 from .storeys import Region
 from .structure import HoldingSurface
 
@@ -26,39 +26,70 @@ SMALLEST = 0.04
 
 def holding_surfaces(scan: Scan, regions: list[Region]) -> list[HoldingSurface]:
     """The surfaces in some rooms, room by room from below."""
-    grid, spans = scan.grid, free_spans(scan.all_columns, scan.up)
+    spans = free_spans(scan.all_columns, scan.up)
     clear = np.flatnonzero(spans.high - spans.low >= CLEAR)
-    row, low, cell = scan.row[spans.triangle[clear]], spans.low[clear], spans.cell[clear]
-    headroom = spans.high[clear] - low
+    columns = scan.grid.shape[1]
     found: list[HoldingSurface] = []
     for number, region in enumerate(regions):
-        over = low - region.floor
-        mine = np.flatnonzero((over >= LOWEST) & (over <= HIGHEST) & region.over(cell, grid.shape[1]))
-        for group in _groups(row[mine], low[mine]):
-            for part in _connected(mine[group], cell, grid):
-                if len(part) * grid.cell**2 >= SMALLEST:
-                    outline = simplified(outlines(grid.mask(cell[part]), grid)[0], 1.5 * grid.cell)
-                    height, free = float(np.median(low[part])), float(np.median(headroom[part]))
-                    found.append(HoldingSurface(int(row[part[0]]), outline, height, free, number))
+        rows = np.array([region.first[0], region.first[0] + region.mask.shape[0]]) * columns
+        first, last = np.searchsorted(spans.cell[clear], rows)
+        near = clear[first:last]
+        over = spans.low[near] - region.floor
+        near = near[(over >= LOWEST) & (over <= HIGHEST)]
+        found += _surfaces_of(scan, spans, near[region.over(spans.cell[near], columns)], number)
     return sorted(found, key=lambda surface: (surface.room, surface.row, surface.height))
 
 
-def _groups(row: Ints, low: Floats) -> list[Ints]:
-    """Numbers of cells of the same entity at the same height."""
+def _surfaces_of(scan: Scan, spans: FreeSpans, mine: Ints, room: int) -> list[HoldingSurface]:
+    """The surfaces that some spans stand on, by entity, height and what is connected."""
+    if not len(mine):
+        return []
+    row, low = scan.row[spans.triangle[mine]], spans.low[mine]
     order = np.lexsort((low, row))
+    group = np.cumsum((np.diff(row[order], prepend=-1) != 0) | (np.diff(low[order], prepend=-np.inf) > SAME_HEIGHT))
+    large = np.bincount(group) * scan.grid.cell**2 >= SMALLEST
+    order, group = order[large[group]], group[large[group]]
+    part, size = _connected(group, spans.cell[mine[order]], scan.grid)
+    large = size * scan.grid.cell**2 >= SMALLEST
+    number = np.cumsum(large) - 1
+    order, part = order[large[part]], number[part[large[part]]]
     if not len(order):
         return []
-    new = (np.diff(row[order]) != 0) | (np.diff(low[order]) > SAME_HEIGHT)
-    return np.split(order, np.flatnonzero(new) + 1)
+    once = np.unique(part * scan.grid.size + spans.cell[mine[order]], return_index=True)[1]
+    order, part = order[once], part[once]
+    i, j = np.divmod(spans.cell[mine[order]], scan.grid.shape[1])
+    around = [loops[0] for loops in outlines_of(part, i, j, scan.grid)]
+    heights = _medians(part, low[order])
+    free = _medians(part, (spans.high - spans.low)[mine[order]])
+    rows = row[order[np.unique(part, return_index=True)[1]]]
+    return [
+        HoldingSurface(int(row), outline, float(height), float(above), room)
+        for row, outline, height, above in zip(
+            rows, simplified_all(around, 1.5 * scan.grid.cell), heights, free, strict=True
+        )
+    ]
 
 
-def _connected(group: Ints, cell: Ints, grid: Grid) -> list[Ints]:
-    """A group of cells, parted where they do not share sides."""
-    if len(group) * grid.cell**2 < SMALLEST:
-        return []
-    i, j = np.divmod(cell[group], grid.shape[1])
-    i, j = i - i.min(), j - j.min()
-    mask = np.zeros((i.max() + 1, j.max() + 1), bool)
-    mask[i, j] = True
-    number, count = components(mask)
-    return [group[number[i, j] == part] for part in range(1, count + 1)]
+def _connected(group: Ints, cell: Ints, grid: Grid) -> tuple[Ints, Ints]:
+    """Numbers of the parts of groups of cells that share sides, from 0, and the number of cells of each."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    key, place = np.unique(group * grid.size + cell, return_inverse=True)
+    pairs = []
+    for step in (1, grid.shape[1]):
+        after = np.searchsorted(key, key + step).clip(max=len(key) - 1)
+        pairs.append(np.stack([np.arange(len(key)), after])[:, key[after] == key + step])
+    one, two = np.concatenate(pairs, axis=1)
+    links = coo_array((np.ones(len(one), bool), (one, two)), shape=(len(key), len(key)))
+    part = np.asarray(connected_components(links, directed=False)[1], np.int64)
+    return part[place], np.bincount(part)
+
+
+def _medians(part: Ints, values: Floats) -> Floats:
+    """The median of the values of each part, of parts numbered from 0; inf where most are."""
+    order = np.lexsort((values, part))
+    count = np.bincount(part)
+    first = np.cumsum(count) - count
+    ordered = values[order]
+    return (ordered[first + (count - 1) // 2] + ordered[first + count // 2]) / 2
