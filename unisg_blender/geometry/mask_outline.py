@@ -127,3 +127,13 @@ def components(mask: Bools) -> tuple[Ints, int]:
 
     labelled: Any = label(mask)
     return labelled[0].astype(np.int64), int(labelled[1])
+
+
+def grown(mask: Bools) -> Bools:
+    """A mask with the cells that share a side with it."""
+    found = mask.copy()
+    found[1:] |= mask[:-1]
+    found[:-1] |= mask[1:]
+    found[:, 1:] |= mask[:, :-1]
+    found[:, :-1] |= mask[:, 1:]
+    return found

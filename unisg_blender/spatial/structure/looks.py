@@ -8,12 +8,9 @@ import numpy as np
 
 from ...geometry.arrays import Bools, Floats, Ints
 from ...geometry.column_raster import Grid, cells_on, enclosure
-from ...geometry.mask_outline import components
-from .scan import FreeSpans, Scan
+from ...geometry.mask_outline import components, grown
+from .scan import LEAST, LEVEL, FreeSpans, Scan
 from .structure import TALLEST
-
-LEVEL = 0.12
-"""Metres of height within which surfaces are one floor: rugs, thresholds, a little slope."""
 
 EYE, ROUND, MOSTLY, FARTHEST = 1.4, 13, 10, 30.0
 """Walls are looked for at this height in metres in 16 directions: inside is where so many of them meet one, or so many
@@ -54,7 +51,7 @@ class Look:
 
 
 def look_from(scan: Scan, spans: FreeSpans, stands: Bools, level: float) -> Look | None:
-    """What is seen from a level; None where no walls are around it."""
+    """What is seen from a level; None where no walls are around it, or it is too small to be a room."""
     near = np.flatnonzero(np.abs(spans.low - level) <= LEVEL)
     here = near[stands[near]]
     cuts, lintel = walls_around(scan, level, spans.high[here])
@@ -69,6 +66,8 @@ def look_from(scan: Scan, spans: FreeSpans, stands: Bools, level: float) -> Look
         cells_as_mask(spans.cell[some], scan.grid, first, shape)
         for some in (under, here, here[spans.high[here] <= level + TALLEST])
     )
+    if np.bincount(components(standing)[0].reshape(-1), minlength=2)[1:].max() * grid.cell**2 < LEAST:
+        return None
     seen = _seen(floor, grid, around)
     within = (seen >= ROUND) | (roofed & (seen >= MOSTLY))
     within = floor & (smooth(within) | named)
@@ -120,11 +119,9 @@ def _seen(floor: Bools, grid: Grid, walls: Floats) -> Ints:
 
 def _open_sided(floor: Bools, barrier: Bools) -> Bools:
     """Whole floors most of whose rim is at walls: the rest of it may be open, or of glass."""
-    from scipy.ndimage import binary_dilation, binary_erosion
-
     number, count = components(floor & ~barrier)
-    rim = (number > 0) & ~binary_erosion(number > 0)
-    walled = rim & binary_dilation(barrier, iterations=2)
+    rim = (number > 0) & grown(number == 0)
+    walled = rim & grown(grown(barrier))
     length, closed = (np.bincount(number[mask], minlength=count + 1) for mask in (rim, walled))
     edge = np.concatenate([number[[0, -1]].reshape(-1), number[:, [0, -1]].reshape(-1)])
     whole = ~np.isin(np.arange(count + 1), edge)

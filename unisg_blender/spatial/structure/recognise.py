@@ -7,20 +7,21 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from ...geometry.arrays import Bools, Floats
+from ...geometry.arrays import Floats
 from ...geometry.column_raster import cells_on
-from ...geometry.mask_outline import components, outlines, simplified, snapped
+from ...geometry.mask_outline import components, outlines, snapped
 from ...geometry.polygon import area
+from ...geometry.traced_outlines import simplified_all
 from ...scene.graph import SceneGraph
-from .looks import FARTHEST, LEVEL
-from .scan import FINEST, HEADROOM, Scan
+from .looks import FARTHEST
+from .scan import FINEST, HEADROOM, LEVEL, Scan
 from .storeys import LEAST_OPEN, Region, find_regions
 from .structure import Room, Structure
 from .surfaces import holding_surfaces
-from .walls import openings_in, walls_along
+from .walls import Cuts, openings_in, reach_into, walls_along
 
-COARSE = 1.5
-"""Times the finest cell from which on the rooms that were found are scanned again."""
+COARSE, FINER = 3.0, 1.5
+"""Times the finest cell from which on the rooms that were found are scanned again, and how much finer that must be."""
 
 AROUND, MOST_PLACES = 3.0, 4
 """Of a large scene places where walls stand are scanned again, so many metres around them, and so many of them."""
@@ -73,7 +74,7 @@ def _closer(graph: SceneGraph, scan: Scan) -> tuple[Scan, list[Region]]:
     """A finer scan of where a large scene is built up, with the rooms found there; the whole where that finds none."""
     for low, high in _built_up(scan):
         finer = Scan.of(graph, (low, high))
-        if finer is not None and finer.grid.cell < scan.grid.cell / COARSE:
+        if finer is not None and finer.grid.cell < scan.grid.cell / FINER:
             found = find_regions(finer)
             if any(region.indoors for region in found):
                 return finer, found
@@ -103,34 +104,25 @@ def _room(scan: Scan, region: Region) -> Room:
     grid = region.grid
     traced = outlines(region.mask, grid)
     low, high = traced[0].min(axis=0) - BEHIND, traced[0].max(axis=0) + BEHIND
-    cuts = {}
-    for height, (segments, rows) in region.cuts.items():
-        near = _reach_into(segments, low, high)
-        cuts[height] = segments[near], rows[near]
+    cuts = Cuts.around(region.cuts, low, high)
     edges = _floor_edges(scan, region)
-    region = replace(region, cuts=cuts)
-    lines = np.concatenate([edges[_reach_into(edges, low, high)], *(segments for segments, _ in cuts.values())])
-    fitted = [snapped(simplified(loop, SIMPLER * grid.cell), lines, grid.cell) for loop in traced]
+    lines = np.concatenate([edges[reach_into(edges, low, high)], cuts.segments])
+    fitted = [snapped(loop, lines, grid.cell) for loop in simplified_all(traced, SIMPLER * grid.cell)]
     outline = fitted[0] if area(fitted[0]) > 0 else traced[0]
     holes = tuple(loop for loop in fitted[1:] if len(loop) > 2 and area(loop) < 0)
-    walls = walls_along(outline, region)
-    openings = tuple(opening for wall in walls for opening in openings_in(wall, region))
+    walls = walls_along(outline, region, cuts)
+    openings = tuple(opening for wall in walls for opening in openings_in(wall, region, cuts))
     return Room(
         outline, holes, region.floor, region.ceiling, 0, region.indoors, region.floor_row, region.ceiling_row, walls,
         openings,
     )  # fmt: skip
 
 
-def _reach_into(segments: Floats, low: Floats, high: Floats) -> Bools:
-    """Which segments (S, 2, 2) reach into a rectangle, as far as their boxes tell."""
-    start, stop = segments[:, 0], segments[:, 1]
-    return ((np.minimum(start, stop) <= high) & (np.maximum(start, stop) >= low)).all(axis=1)
-
-
 def _floor_edges(scan: Scan, region: Region) -> Floats:
     """Edges (S, 2, 2) of the floor's triangles, seen from above."""
     low, high = scan.ends
-    level = scan.triangles[(np.abs(low - region.floor) <= LEVEL) & (np.abs(high - region.floor) <= LEVEL), :, :2]
+    flat = scan.flat[(low[scan.flat] >= region.floor - LEVEL) & (high[scan.flat] <= region.floor + LEVEL)]
+    level = scan.triangles[flat, :, :2]
     edges = np.concatenate([level[:, [0, 1]], level[:, [1, 2]], level[:, [2, 0]]])
     return edges[np.linalg.norm(edges[:, 1] - edges[:, 0], axis=1) > 2 * scan.grid.cell]
 

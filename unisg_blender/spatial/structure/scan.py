@@ -15,14 +15,23 @@ from ...scene.graph import SceneGraph
 from ...scene.hierarchy import world_matrices
 from ..object_rows import object_rows, shown
 
-FINEST, MOST_CELLS = 0.05, 1_500_000
+FINEST, MOST_CELLS = 0.05, 150_000
 """Metres of a cell, at least; and cells at most: larger scenes are scanned more coarsely."""
 
 HEADROOM = 1.8
 """Metres that must be free over a floor where people stand."""
 
+SAMPLE = 4000
+"""Triangles at most that are asked whether they are in a room seen from outside."""
+
 HOLLOW = 1.0
 """Square metres at least of what may be a room seen from outside."""
+
+LEAST = 1.0
+"""Square metres of a room, at least."""
+
+LEVEL = 0.12
+"""Metres of height within which surfaces are one floor: rugs, thresholds, a little slope."""
 
 SAME = 0.002
 """Metres within which what a column meets counts as one surface."""
@@ -90,6 +99,12 @@ class Scan:
         """Heights of the lowest and highest corner of each triangle, (M,) each."""
         first, second, third = self.triangles[:, :, 2].T
         return np.minimum(np.minimum(first, second), third), np.maximum(np.maximum(first, second), third)
+
+    @cached_property
+    def flat(self) -> Ints:
+        """Numbers of the triangles that are about level: all their corners within what counts as one floor."""
+        low, high = self.ends
+        return np.flatnonzero(high - low <= 2 * LEVEL)
 
     @cached_property
     def all_columns(self) -> Crossings:
@@ -164,19 +179,22 @@ def _inside_out(scan: Scan) -> list[int]:
     many = np.bincount(owner, minlength=len(built)) * scan.grid.cell**2 >= 2 * HOLLOW
     rows = np.flatnonzero(built & many & (tall[1] - tall[0] >= HEADROOM))
     looks_up = scan.slope > 0
-    middle: Floats | None = None
     for row in rows.tolist():
         mine = crossings.take(owner == row)
         solid = _spans_of(mine, looks_up, solid=True)
         solid = solid[mine.height[solid + 1] - mine.height[solid] >= HEADROOM]
         if len(solid) * scan.grid.cell**2 < HOLLOW:
             continue
-        if middle is None:
-            middle = scan.triangles.mean(axis=1)
-            cell = scan.grid.at(middle[:, :2])
-        other = np.flatnonzero((scan.row != row) & (cell >= 0) & (high < mine.height.max()) & (low > mine.height.min()))
-        inside = _held(mine, solid, cell[other], middle[other, 2])
-        air = _held(mine, _spans_of(mine, looks_up, solid=False), cell[other], middle[other, 2])
+        sample = np.arange(0, len(low), max(len(low) // SAMPLE, 1))
+        sample = sample[
+            (scan.row[sample] != row) & (high[sample] < mine.height.max()) & (low[sample] > mine.height.min())
+        ]  # fmt: skip
+        middle = scan.triangles[sample].mean(axis=1)
+        cell = scan.grid.at(middle[:, :2])
+        inside, air = (
+            _held(mine, some, cell[cell >= 0], middle[cell >= 0, 2])
+            for some in (solid, _spans_of(mine, looks_up, solid=False))
+        )
         if inside > air:
             found.append(row)
     return found

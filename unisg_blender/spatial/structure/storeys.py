@@ -11,12 +11,12 @@ import numpy as np
 from ...geometry.arrays import Bools, Floats, Ints
 from ...geometry.column_raster import Grid
 from ...geometry.mask_outline import components
-from .looks import LEVEL, MOSTLY, ROOF_SHARE, Look, look_from, slices, smooth, walls_around
-from .scan import HEADROOM, FreeSpans, Scan, free_spans
+from .looks import MOSTLY, ROOF_SHARE, Look, look_from, slices, smooth, walls_around
+from .scan import HEADROOM, LEAST, LEVEL, FreeSpans, Scan, free_spans
 from .structure import TALLEST
 
-LEAST, LEAST_OPEN = 1.0, 4.0
-"""Square metres of a room, and of an open place, at least."""
+LEAST_OPEN = 4.0
+"""Square metres of an open place, at least."""
 
 NARROW = 0.3
 """Half the width in metres of a room, at least: what is narrower is the inside of a wall."""
@@ -42,7 +42,7 @@ PLATFORM = 6.0
 LEVEL_SHARE = 0.2
 """Share of all ground that an open place has, at least: flat spots of hills are no floor."""
 
-MOST_LEVELS = 12
+MOST_LEVELS = 24
 
 
 @dataclass(frozen=True, eq=False)
