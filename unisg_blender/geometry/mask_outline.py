@@ -75,11 +75,13 @@ def _followed(start: Floats, stop: Floats, segments: Floats, cell: float) -> tup
     normal = np.array([-along[1], along[0]])
     offset = (segments - start) @ normal
     place = (segments - start) @ along
-    low, high = place.min(axis=1).clip(0, length), place.max(axis=1).clip(0, length)
-    size = np.linalg.norm(segments[:, 1] - segments[:, 0], axis=1)
+    low, high = ordered(place.clip(0, length))
     beside = _offset_beside(offset, place, (low + high) / 2)
     near = (beside >= -BEYOND * cell) & (beside <= BEFORE * cell) & (high - low > 0)
-    chosen = np.flatnonzero(near & (np.abs(offset[:, 1] - offset[:, 0]) <= PARALLEL * size))
+    chosen = np.flatnonzero(near)
+    way = segments[chosen, 1] - segments[chosen, 0]
+    slanted = np.abs(offset[chosen, 1] - offset[chosen, 0])
+    chosen = chosen[slanted <= PARALLEL * np.hypot(way[:, 0], way[:, 1])]
     if not len(chosen):
         return start, along
     chosen = chosen[np.argsort(beside[chosen], kind="stable")]
@@ -137,3 +139,8 @@ def grown(mask: Bools) -> Bools:
     found[:, 1:] |= mask[:, :-1]
     found[:, :-1] |= mask[:, 1:]
     return found
+
+
+def ordered(pairs: Floats) -> tuple[Floats, Floats]:
+    """The smaller and the larger of pairs (N, 2)."""
+    return np.minimum(pairs[:, 0], pairs[:, 1]), np.maximum(pairs[:, 0], pairs[:, 1])

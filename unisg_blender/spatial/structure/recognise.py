@@ -105,8 +105,9 @@ def _room(scan: Scan, region: Region) -> Room:
     traced = outlines(region.mask, grid)
     low, high = traced[0].min(axis=0) - BEHIND, traced[0].max(axis=0) + BEHIND
     cuts = Cuts.around(region.cuts, low, high)
-    edges = _floor_edges(scan, region)
-    lines = np.concatenate([edges[reach_into(edges, low, high)], cuts.segments])
+    lines = np.concatenate([_floor_edges(scan, region.floor, low, high), cuts.segments])
+    way = lines[:, 1] - lines[:, 0]
+    lines = lines[np.hypot(way[:, 0], way[:, 1]) > grid.cell]
     fitted = [snapped(loop, lines, grid.cell) for loop in simplified_all(traced, SIMPLER * grid.cell)]
     outline = fitted[0] if area(fitted[0]) > 0 else traced[0]
     holes = tuple(loop for loop in fitted[1:] if len(loop) > 2 and area(loop) < 0)
@@ -118,13 +119,13 @@ def _room(scan: Scan, region: Region) -> Room:
     )  # fmt: skip
 
 
-def _floor_edges(scan: Scan, region: Region) -> Floats:
-    """Edges (S, 2, 2) of the floor's triangles, seen from above."""
-    low, high = scan.ends
-    flat = scan.flat[(low[scan.flat] >= region.floor - LEVEL) & (high[scan.flat] <= region.floor + LEVEL)]
-    level = scan.triangles[flat, :, :2]
-    edges = np.concatenate([level[:, [0, 1]], level[:, [1, 2]], level[:, [2, 0]]])
-    return edges[np.linalg.norm(edges[:, 1] - edges[:, 0], axis=1) > 2 * scan.grid.cell]
+def _floor_edges(scan: Scan, floor: float, low: Floats, high: Floats) -> Floats:
+    """Edges (S, 2, 2) of a floor's triangles that reach into a rectangle, seen from above."""
+    flat, (first, last) = scan.flat, scan.ends
+    level = flat[(first[flat] >= floor - LEVEL) & (last[flat] <= floor + LEVEL)]
+    corners = scan.triangles[level, :, :2]
+    edges = np.concatenate([corners[:, [0, 1]], corners[:, [1, 2]], corners[:, [2, 0]]])
+    return edges[reach_into(edges, low, high)]
 
 
 def _notes(scan: Scan, rooms: list[Room]) -> tuple[str, ...]:

@@ -9,6 +9,7 @@ from itertools import pairwise
 import numpy as np
 
 from ...geometry.arrays import Bools, Floats, Ints
+from ...geometry.mask_outline import ordered
 from .looks import EYE
 from .storeys import Region
 from .structure import Opening, WallPiece
@@ -56,7 +57,8 @@ class Cuts:
         """Those that may be of a wall along an edge."""
         along = (stop - start) / np.linalg.norm(stop - start)
         offset = (self.segments - start) @ np.array([-along[1], along[0]])
-        near = (offset.max(axis=1) >= -BESIDE - THICKEST) & (offset.min(axis=1) <= BESIDE)
+        low, high = ordered(offset)
+        near = (high >= -BESIDE - THICKEST) & (low <= BESIDE)
         return Cuts(self.heights, self.segments[near], self.row[near], self.level[near])
 
     def nearest(self, height: float) -> int:
@@ -67,7 +69,8 @@ class Cuts:
 def reach_into(segments: Floats, low: Floats, high: Floats) -> Bools:
     """Which segments (S, 2, 2) reach into a rectangle, as far as their boxes tell."""
     start, stop = segments[:, 0], segments[:, 1]
-    return np.asarray(((np.minimum(start, stop) <= high) & (np.maximum(start, stop) >= low)).all(axis=1))
+    reached = (np.minimum(start, stop) <= high) & (np.maximum(start, stop) >= low)
+    return np.asarray(reached[:, 0] & reached[:, 1])
 
 
 def walls_along(outline: Floats, region: Region, cuts: Cuts) -> tuple[WallPiece, ...]:
@@ -121,10 +124,11 @@ def _closed(start: Floats, stop: Floats, cuts: Cuts, depth: float) -> Bools:
     length = float(np.linalg.norm(stop - start))
     steps = max(round(length / STEP), 1)
     place, offset = _seen_along(start, stop, cuts.segments)
-    low, high = offset.min(axis=1), offset.max(axis=1)
+    low, high = ordered(offset)
     near = (high >= -depth) & (low <= BESIDE) & (high - low <= PARALLEL * _size(cuts.segments))
-    first = np.ceil(place[near].min(axis=1) / length * steps - 0.5).clip(0, steps).astype(int)
-    last = (np.floor(place[near].max(axis=1) / length * steps - 0.5) + 1).clip(0, steps).astype(int)
+    begin, end = ordered(place[near] / length * steps - 0.5)
+    first = np.ceil(begin).clip(0, steps).astype(int)
+    last = (np.floor(end) + 1).clip(0, steps).astype(int)
     count = np.zeros((len(cuts.heights), steps + 1), int)
     np.add.at(count, (cuts.level[near], first), 1)
     np.add.at(count, (cuts.level[near], np.maximum(first, last)), -1)
@@ -135,8 +139,8 @@ def _thickness_and_row(start: Floats, stop: Floats, cuts: Cuts) -> tuple[float, 
     """How far behind an edge the far side of its wall is (0 if there is none), and whose the near side is."""
     length = float(np.linalg.norm(stop - start))
     place, offset = _seen_along(start, stop, cuts.segments)
-    shared = place.max(axis=1).clip(0, length) - place.min(axis=1).clip(0, length)
-    middle = offset.mean(axis=1)
+    first, last = ordered(place.clip(0, length))
+    shared, middle = last - first, (offset[:, 0] + offset[:, 1]) / 2
     mine = (shared > STEP) & (np.abs(offset[:, 1] - offset[:, 0]) <= PARALLEL * _size(cuts.segments))
     mine &= (middle <= BESIDE) & (middle >= -THICKEST)
     near = mine & (middle >= -BESIDE)
@@ -157,4 +161,5 @@ def _seen_along(start: Floats, stop: Floats, segments: Floats) -> tuple[Floats, 
 
 
 def _size(segments: Floats) -> Floats:
-    return np.asarray(np.linalg.norm(segments[:, 1] - segments[:, 0], axis=1))
+    way = segments[:, 1] - segments[:, 0]
+    return np.asarray(np.hypot(way[:, 0], way[:, 1]))
