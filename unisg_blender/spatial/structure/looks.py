@@ -9,12 +9,22 @@ import numpy as np
 from ...geometry.arrays import Bools, Floats, Ints
 from ...geometry.column_raster import Grid, cells_on, enclosure
 from ...geometry.mask_outline import components, grown
+from .beams import is_beam
 from .scan import LEAST, LEVEL, FreeSpans, Scan
 from .structure import TALLEST
 
 EYE, ROUND, MOSTLY, FARTHEST = 1.4, 13, 10, 30.0
 """Walls are looked for at this height in metres in 16 directions: inside is where so many of them meet one, or so many
 under a roof, within so many metres."""
+
+LEANING = -0.6
+"""Upward part of the unit normal of what parts rooms over doors, at least: the underside of a roof does not."""
+
+LONGER = 1.1
+"""Times the length of a cut from which on the one below it is taken: the top of walls may be uneven."""
+
+LOW = 0.25
+"""Metres over a floor at which parapets are cut."""
 
 RAY = 3
 """Cells of the grid to a cell of the one in which walls are looked for: what is seen need not be told so finely."""
@@ -33,16 +43,18 @@ ROOF_SHARE = 0.2
 class Look:
     """What is seen from a level: bool masks of the shape of a part of the grid, which begins at ``first``.
 
-    Where one can stand on its floor (``standing``); where its floor, under furniture too, is ``within`` walls; what
-    walls and lintels part (``barrier``). ``here`` are the numbers of its free spans, ``seen`` counts in how many
-    directions there is a wall.
+    Where its ``floor`` is, and where one can stand on it (``standing``); where it is ``within`` walls, under furniture
+    too; what walls and lintels part (``barrier``), with the ``walls`` at the height of eyes. ``here`` are the numbers
+    of its free spans, ``seen`` counts in how many directions there is a wall.
     """
 
     level: float
     first: tuple[int, int]
+    floor: Bools
     standing: Bools
     within: Bools
     barrier: Bools
+    walls: Bools
     roofed: Bools
     seen: Ints
     here: Ints
@@ -54,7 +66,7 @@ def look_from(scan: Scan, spans: FreeSpans, stands: Bools, level: float) -> Look
     """What is seen from a level; None where no walls are around it, or it is too small to be a room."""
     near = np.flatnonzero(np.abs(spans.low - level) <= LEVEL)
     here = near[stands[near]]
-    cuts, lintel = walls_around(scan, level, spans.high[here])
+    cuts, lintel = walls_around(scan, spans, here, level)
     around = np.concatenate([cuts[EYE][0], cuts[lintel][0]])
     named = bool(scan.is_floor.any())
     under = near[scan.is_floor[spans.triangle[near]]] if named else near
@@ -71,10 +83,12 @@ def look_from(scan: Scan, spans: FreeSpans, stands: Bools, level: float) -> Look
     seen = _seen(floor, grid, around)
     within = (seen >= ROUND) | (roofed & (seen >= MOSTLY))
     within = floor & (smooth(within) | named)
-    barrier = grid.mask(cells_on(cuts[lintel][0], grid)[0])
+    over = cuts[lintel][0]
+    barrier = grid.mask(cells_on(over[~is_beam(over, cuts[EYE][0])], grid)[0])
+    walls = barrier | grid.mask(cells_on(cuts[EYE][0], grid)[0])
     if (floor & roofed).sum() < ROOF_SHARE * floor.sum():
         within |= _open_sided(floor, barrier)
-    return Look(level, first, standing, within, barrier, roofed, seen, here, lintel, cuts)
+    return Look(level, first, floor, standing, within, barrier, walls, roofed, seen, here, lintel, cuts)
 
 
 def _part(grid: Grid, cells: Ints, walls: Floats | None) -> tuple[tuple[int, int], tuple[int, int]]:
@@ -128,18 +142,32 @@ def _open_sided(floor: Bools, barrier: Bools) -> Bools:
     return (number > 0) & (whole & (closed > WALLED * length))[number]
 
 
-def walls_around(scan: Scan, level: float, ceilings: Floats) -> tuple[dict[float, tuple[Floats, Ints]], float]:
+def walls_around(
+    scan: Scan, spans: FreeSpans, here: Ints, level: float
+) -> tuple[dict[float, tuple[Floats, Ints]], float]:
     """The cuts at some heights over a floor, and at which of them doors are closed by what is over them."""
-    ceilings = ceilings[np.isfinite(ceilings)]
-    room = float(np.median(ceilings)) - level if len(ceilings) else 4.0
-    cuts = {height: scan.cut(level + height) for height in (0.25, 1.0, EYE, 1.8)}
-    wall = _length(cuts[EYE][0])
+    cuts = {height: scan.cut(level + height) for height in (LOW, 1.0, EYE, 1.8)}
+    room, wall = _height(scan, spans, here, cuts[EYE][0]) - level, _length(cuts[EYE][0])
+    best, lintel = 1.8, cuts[1.8]
     for height in np.arange(min(room - 0.12, 3.5), 1.85, -0.15).round(3).tolist():
-        cut = scan.cut(level + height)
+        cut = scan.cut(level + height, LEANING)
+        if best > 1.8 and _length(cut[0]) < LONGER * _length(lintel[0]):
+            break
         if _length(cut[0]) >= 0.6 * wall > 0:
-            cuts[height] = cut
-            return cuts, height
-    return cuts, 1.8
+            best, lintel = height, cut
+    return (cuts | {best: lintel} if best > 1.8 else cuts), best
+
+
+def _height(scan: Scan, spans: FreeSpans, here: Ints, walls: Floats) -> float:
+    """The height of the ceiling that is over most of what walls are around; inf where hardly any of it has one."""
+    if not len(here) or not len(walls):
+        return np.inf
+    low, high = walls.min(axis=(0, 1)), walls.max(axis=(0, 1))
+    i, j = np.divmod(spans.cell[here], scan.grid.shape[1])
+    x, y = ((axis + 0.5) * scan.grid.cell + start for axis, start in zip((i, j), scan.grid.origin, strict=True))
+    over = spans.high[here[(x >= low[0]) & (x <= high[0]) & (y >= low[1]) & (y <= high[1])]]
+    roofed = over[np.isfinite(over)]
+    return float(np.median(roofed)) if len(roofed) > ROOF_SHARE * len(over) else np.inf
 
 
 def _length(segments: Floats) -> float:

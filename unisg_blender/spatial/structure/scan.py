@@ -120,10 +120,15 @@ class Scan:
         again = (np.diff(found.cell, prepend=-1) == 0) & (np.diff(found.height, prepend=-np.inf) < SAME)
         return found.take(~again)
 
-    def cut(self, height: float) -> tuple[Floats, Ints]:
-        """Segments (S, 2, 2) where a level plane cuts what may be walls, no slopes of land, and the rows (S,)."""
+    def cut(self, height: float, hanging: float = -1.0) -> tuple[Floats, Ints]:
+        """Segments (S, 2, 2) where a level plane cuts what may be walls, no slopes of land, and the rows (S,).
+
+        ``hanging`` is the upward part of the unit normal of what is cut, at least: -1 is a ceiling.
+        """
         low, high = self.ends
-        cut = np.flatnonzero(self.building & (low <= height) & (high > height) & (self.slope <= STEEPEST))
+        cut = np.flatnonzero(
+            self.building & (low <= height) & (high > height) & (self.slope <= STEEPEST) & (self.slope >= hanging)
+        )
         return slice_at(self.triangles[cut], height), self.row[cut]
 
 

@@ -12,6 +12,7 @@ from ...geometry.arrays import Bools, Floats, Ints
 from ...geometry.column_raster import Grid
 from ...geometry.mask_outline import components
 from .looks import MOSTLY, ROOF_SHARE, Look, look_from, slices, smooth, walls_around
+from .open_sides import closed_off, walled_share
 from .scan import HEADROOM, LEAST, LEVEL, FreeSpans, Scan, free_spans
 from .structure import TALLEST
 
@@ -26,6 +27,10 @@ CLEAR_SHARE = 0.3
 
 FINE = 0.002
 """Metres to which heights are told apart where levels are counted."""
+
+WALLED_ROOM, WALLED_SMALL = 0.5, 0.8
+"""Share of the rim of a room that is at walls, at least, and of one that is smaller than an open place: others are
+balconies, and what lies between trees."""
 
 ROOF_WIDTH = 1.0
 """Half the width in metres of a roof, at least, that makes a terrace of the rest."""
@@ -138,17 +143,27 @@ def _rooms_at(scan: Scan, spans: FreeSpans, look: Look, taken: Floats) -> list[R
     """The rooms on a level, apart from what is over or under a floor that is known already."""
     free = np.abs(taken[slices(look.first, look.within.shape)] - look.level) >= HEADROOM
     found = []
-    for at, mask in _rooms(look.within & free & ~look.barrier, scan.grid):
-        part = slices(at, mask.shape)
-        if look.standing[part][mask].mean() < CLEAR_SHARE:
-            continue
-        terrace = _terrace(mask & look.standing[part], look.roofed[part], scan.grid)
-        inner = _rooms(mask & ~terrace, scan.grid) if terrace.any() else [((0, 0), mask)]
-        for parts, outdoors in ((inner, False), (_rooms(mask & terrace, scan.grid), True)):
-            for (i, j), own in parts:
-                corner = at[0] + i, at[1] + j
-                enclosed = (look.seen[slices(corner, own.shape)][own] >= MOSTLY).mean() > 0.5
-                found.append(_region(scan, spans, look, corner, own, bool(enclosed) and not outdoors))
+    for where, ragged in _rooms(look.within & free & ~look.barrier, scan.grid):
+        for at, mask in closed_off(look, where, ragged, scan.grid):
+            found += _parts_of(scan, spans, look, at, mask)
+    return found
+
+
+def _parts_of(scan: Scan, spans: FreeSpans, look: Look, at: tuple[int, int], mask: Bools) -> list[Region]:
+    """A place that begins at the cell ``at`` as a room, or as one with its terraces; none where nobody can stand."""
+    part, found = slices(at, mask.shape), []
+    if look.standing[part][mask].mean() < CLEAR_SHARE:
+        return []
+    terrace = _terrace(mask & look.standing[part], look.roofed[part], scan.grid)
+    inner = _rooms(mask & ~terrace, scan.grid) if terrace.any() else [((0, 0), mask)]
+    for parts, outdoors in ((inner, False), (_rooms(mask & terrace, scan.grid), True)):
+        for (i, j), own in parts:
+            corner, large = (at[0] + i, at[1] + j), own.sum() * scan.grid.cell**2 >= LEAST_OPEN
+            enclosed = (look.seen[slices(corner, own.shape)][own] >= MOSTLY).mean() > 0.5
+            walled = walled_share(look, corner, own) >= (WALLED_ROOM if large else WALLED_SMALL)
+            indoors = bool(enclosed) and not outdoors and walled
+            if indoors or large:
+                found.append(_region(scan, spans, look, corner, own, indoors))
     return found
 
 
@@ -231,7 +246,7 @@ def _open_place(scan: Scan, spans: FreeSpans, stands: Bools, levels: list[float]
     if size < max(LEAST_OPEN / scan.grid.cell**2, LEVEL_SHARE * ground):
         return []
     here = np.flatnonzero(stands & (np.abs(spans.low - level) <= LEVEL))
-    cuts, lintel = walls_around(scan, level, spans.high[here])
+    cuts, lintel = walls_around(scan, spans, here, level)
     empty = np.zeros((0, 0), bool)
-    look = Look(level, (0, 0), empty, empty, empty, empty, np.zeros((0, 0), np.int64), here, lintel, cuts)
+    look = Look(level, (0, 0), empty, empty, empty, empty, empty, empty, np.zeros((0, 0), np.int64), here, lintel, cuts)
     return [_region(scan, spans, look, at, mask, False)]
