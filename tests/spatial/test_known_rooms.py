@@ -1,4 +1,4 @@
-"""Small scenes whose structure is known exactly: floor, outline, area, rooms and openings are what they were drawn as."""
+"""Small scenes whose structure is known exactly: floors, outlines, rooms and openings are what was drawn."""
 
 from __future__ import annotations
 
@@ -158,9 +158,8 @@ def with_stairs() -> Known:
     sides = walls(SQUARE, 2.7, 5.2, 0.2)
     top = slab(around, 5.2, 5.3)
     upper = np.array([[0, 0], [5, 0], [5, 4], [4.25, 4], [4.25, 3], [0, 3]], float)
-    return Known(
-        scene({"house": joined([lower, *steps, *above, *sides, top])}), [(SQUARE, 0.0), (upper, 2.7)], 1, 0, least=0.985
-    )
+    rooms = [(SQUARE, 0.0), (upper, 2.7)]
+    return Known(scene({"house": joined([lower, *steps, *above, *sides, top])}), rooms, 1, 0, least=0.985)
 
 
 def terrace() -> Known:

@@ -175,21 +175,21 @@ def _along(segments: Floats, cell: float) -> tuple[Floats, Ints]:
     return segments[entry, 0] + share[:, None] * (segments[entry, 1] - segments[entry, 0]), entry
 
 
-def enclosure(segments: Floats, points: Floats, cell: float, farthest: float, directions: int = 16) -> Ints:
+def enclosure(segments: Floats, points: Floats, cell: float, farthest: Floats, directions: int = 16) -> Ints:
     """In how many of so many level directions each point (N, 2) sees one of the segments (S, 2, 2), int64 (N,).
 
     Segments and points are entered in lines of cells that are turned, and seen along them both ways; what is farther
-    away than ``farthest`` metres is not seen.
+    away from a point than ``farthest`` (N,) metres is not seen.
     """
     seen = np.zeros(len(points), np.int64)
     if not len(segments) or not len(points):
         return seen
     walls, _ = _along(segments, cell)
-    middle, reach = points.mean(axis=0), int(farthest / cell)
+    middle, reach = points.mean(axis=0), (farthest / cell).astype(np.int64)
     for angle in np.arange(directions // 2) * 2 * np.pi / directions:
         turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
         wall, place = (np.floor((ends - middle) @ turn / cell).astype(np.int64) for ends in (walls, points))
-        span = np.ptp(np.concatenate([wall[:, 0], place[:, 0]])) + reach + 2
+        span = np.ptp(np.concatenate([wall[:, 0], place[:, 0]])) + reach.max() + 2
         hits = np.unique(wall[:, 1] * span + wall[:, 0])
         home = place[:, 1] * span + place[:, 0]
         after = np.searchsorted(hits, home)

@@ -13,9 +13,9 @@ from .beams import is_beam
 from .scan import LEAST, LEVEL, FreeSpans, Scan
 from .structure import TALLEST
 
-EYE, ROUND, MOSTLY, FARTHEST = 1.4, 13, 10, 30.0
+EYE, ROUND, MOSTLY, FARTHEST, FAR_ROOFED = 1.4, 13, 10, 30.0, 150.0
 """Walls are looked for at this height in metres in 16 directions: inside is where so many of them meet one, or so many
-under a roof, within so many metres."""
+under a roof, within so many metres, and under a roof within so many more."""
 
 LEANING = -0.6
 """Upward part of the unit normal of what parts rooms over doors, at least: the underside of a roof does not."""
@@ -80,7 +80,7 @@ def look_from(scan: Scan, spans: FreeSpans, stands: Bools, level: float) -> Look
     )
     if np.bincount(components(standing)[0].reshape(-1), minlength=2)[1:].max() * grid.cell**2 < LEAST:
         return None
-    seen = _seen(floor, grid, around)
+    seen = _seen(floor, roofed, grid, around)
     within = (seen >= ROUND) | (roofed & (seen >= MOSTLY))
     within = floor & (smooth(within) | named)
     over = cuts[lintel][0]
@@ -120,14 +120,16 @@ def slices(first: tuple[int, int], shape: tuple[int, ...]) -> tuple[slice, slice
     return slice(first[0], first[0] + shape[0]), slice(first[1], first[1] + shape[1])
 
 
-def _seen(floor: Bools, grid: Grid, walls: Floats) -> Ints:
+def _seen(floor: Bools, roofed: Bools, grid: Grid, walls: Floats) -> Ints:
     """In how many directions walls are seen, told every few cells."""
-    padded = np.pad(floor, [(0, -size % RAY) for size in floor.shape])
-    coarse = padded.reshape(padded.shape[0] // RAY, RAY, -1, RAY).any(axis=(1, 3))
+    coarse, under = (
+        padded.reshape(padded.shape[0] // RAY, RAY, -1, RAY).any(axis=(1, 3))
+        for padded in (np.pad(mask, [(0, -size % RAY) for size in mask.shape]) for mask in (floor, roofed))
+    )
     i, j = np.nonzero(coarse)
     points = (np.stack([i, j], axis=1) * RAY + RAY / 2) * grid.cell + grid.origin
     count = np.zeros(coarse.shape, np.int64)
-    count[i, j] = enclosure(walls, points, RAY * grid.cell, FARTHEST)
+    count[i, j] = enclosure(walls, points, RAY * grid.cell, np.where(under[i, j], FAR_ROOFED, FARTHEST))
     return count.repeat(RAY, axis=0).repeat(RAY, axis=1)[: floor.shape[0], : floor.shape[1]]
 
 

@@ -13,7 +13,7 @@ from ...geometry.mask_outline import components, outlines, snapped
 from ...geometry.polygon import area
 from ...geometry.traced_outlines import simplified_all
 from ...scene.graph import SceneGraph
-from .looks import FARTHEST
+from .looks import FAR_ROOFED, FARTHEST
 from .scan import FINEST, HEADROOM, LEVEL, Scan
 from .storeys import LEAST_OPEN, Region, find_regions
 from .structure import Room, Structure
@@ -28,6 +28,12 @@ AROUND, MOST_PLACES = 3.0, 4
 
 UPRIGHT = 0.2
 """Upward part of the unit normal of a wall at most."""
+
+FEW_WALLS = 4
+"""Upright triangles as high as people of which a scene without a floor has so many, at least, where it has walls."""
+
+LARGEST = 500.0
+"""Metres of a scene from which on its unit is asked for."""
 
 BEHIND = 1.0
 """Metres around a room in which lines are looked for: the far sides of its walls are there."""
@@ -131,14 +137,26 @@ def _floor_edges(scan: Scan, floor: float, low: Floats, high: Floats) -> Floats:
 def _notes(scan: Scan, rooms: list[Room]) -> tuple[str, ...]:
     size = np.ptp(scan.triangles.reshape(-1, 3), axis=0)
     notes = []
-    if not rooms and size[:2].prod() < LEAST_OPEN:
-        notes.append(f"the scene is {size[0]:.2f} x {size[1]:.2f} m: no room, but a thing; is its unit right?")
-    elif not rooms:
-        notes.append(f"no floor was found: nowhere are {LEAST_OPEN:.0f} m2 level with {HEADROOM} m free above")
+    if not rooms:
+        notes.append(_why_nothing(scan, size))
     elif not any(room.indoors for room in rooms):
-        notes.append(f"no room was found: the floor has no walls around it within {FARTHEST:.0f} m")
-    if scan.grid.cell > COARSE * FINEST:
         notes.append(
-            f"the scene is {size[0]:.0f} x {size[1]:.0f} m: it was looked at every {scan.grid.cell:.2f} m only"
+            f"no room was found, only open ground: no walls are around it within {FARTHEST:.0f} m, or under a roof "
+            f"within {FAR_ROOFED:.0f} m"
+        )
+    if scan.grid.cell > COARSE * FINEST:
+        unit = "; is its unit right?" if size.max() > LARGEST else ""
+        notes.append(
+            f"the scene is {size[0]:.0f} x {size[1]:.0f} m: it was looked at every {scan.grid.cell:.2f} m only{unit}"
         )
     return tuple(notes)
+
+
+def _why_nothing(scan: Scan, size: Floats) -> str:
+    """Why there is no floor, in a sentence."""
+    low, high = scan.ends
+    if size[:2].prod() < LEAST_OPEN:
+        return f"the scene is {size[0]:.2f} x {size[1]:.2f} m: no room, but a thing; is its unit right?"
+    if (np.abs(scan.slope) < UPRIGHT)[high - low > HEADROOM].sum() >= FEW_WALLS:
+        return "no floor was found, though walls stand there: a plane under them makes a room of it"
+    return f"no floor was found: nowhere are {LEAST_OPEN:.0f} m2 level with {HEADROOM} m free above"

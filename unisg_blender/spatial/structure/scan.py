@@ -18,6 +18,9 @@ from ..object_rows import object_rows, shown
 FINEST, MOST_CELLS = 0.05, 150_000
 """Metres of a cell, at least; and cells at most: larger scenes are scanned more coarsely."""
 
+MOST_CROSSINGS = 3_000_000
+"""Places at most where columns meet triangles: what lies in many layers is scanned more coarsely."""
+
 HEADROOM = 1.8
 """Metres that must be free over a floor where people stand."""
 
@@ -29,6 +32,9 @@ HOLLOW = 1.0
 
 LEAST = 1.0
 """Square metres of a room, at least."""
+
+TINY = 0.02
+"""Cells of area seen from above of a triangle whose edges may be a floor's, at least."""
 
 LEVEL = 0.12
 """Metres of height within which surfaces are one floor: rugs, thresholds, a little slope."""
@@ -67,8 +73,10 @@ class Scan:
             triangles, row = triangles[near.all(axis=1)], row[near.all(axis=1)]
         if not len(triangles):
             return None
-        low, high = region or (triangles[:, :, :2].min(axis=(0, 1)), triangles[:, :, :2].max(axis=(0, 1)))
+        corners = triangles.reshape(-1, 3)
+        low, high = region or (corners.min(axis=0)[:2], corners.max(axis=0)[:2])
         cell = max(FINEST, float(np.sqrt(np.prod(np.maximum(high - low, FINEST)) / MOST_CELLS)))
+        cell = max(cell, float(np.sqrt(_seen_from_above(triangles, low, high) / MOST_CROSSINGS)))
         owner = object_rows(graph)
         named = graph.category[owner] >= 0
         building = ~named | has_category(graph, STRUCTURE)[owner]
@@ -102,9 +110,9 @@ class Scan:
 
     @cached_property
     def flat(self) -> Ints:
-        """Numbers of the triangles that are about level: all their corners within what counts as one floor."""
+        """Numbers of the triangles that are about level, within what counts as one floor, and not tiny."""
         low, high = self.ends
-        return np.flatnonzero(high - low <= 2 * LEVEL)
+        return np.flatnonzero((high - low <= 2 * LEVEL) & (np.abs(self.normals[:, 2]) > TINY * self.grid.cell**2))
 
     @cached_property
     def all_columns(self) -> Crossings:
@@ -142,8 +150,19 @@ def world_triangles(graph: SceneGraph) -> tuple[Triangles, Ints]:
         parts.append(corners[:, ::-1] if mirrored[row] else corners)
     triangles = np.concatenate(parts)
     rows = np.repeat(seen, [len(part) for part in parts[1:]]).astype(np.int64)
-    sound = np.isfinite(triangles).all(axis=(1, 2))
-    return (triangles, rows) if sound.all() else (triangles[sound], rows[sound])
+    finite = np.isfinite(triangles)
+    if finite.all():
+        return triangles, rows
+    sound = finite.all(axis=(1, 2))
+    return triangles[sound], rows[sound]
+
+
+def _seen_from_above(triangles: Triangles, low: Floats, high: Floats) -> float:
+    """Square metres of triangles within a rectangle, layer by layer, about: of large ones what could be in it."""
+    corner = triangles[:, :, :2]
+    one, two = corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]
+    area = np.abs(one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0]) / 2
+    return float(np.minimum(area, np.prod(high - low)).sum())
 
 
 @dataclass(frozen=True, eq=False)

@@ -22,6 +22,9 @@ LEAST_OPEN = 4.0
 NARROW = 0.3
 """Half the width in metres of a room, at least: what is narrower is the inside of a wall."""
 
+COARSEST = 1.5
+"""Half the width in cells of a room, at least: less cannot be told in a scene that is scanned coarsely."""
+
 CLEAR_SHARE = 0.3
 """Share of a room where people can stand, at least: there is a floor under a wardrobe too, and walls around it."""
 
@@ -181,7 +184,7 @@ def _rooms(mask: Bools, grid: Grid) -> Iterator[tuple[tuple[int, int], Bools]]:
     for part in np.flatnonzero(size[1:] >= LEAST) + 1:
         own = np.pad(number[windows[part - 1]] == part, 1)
         wide: Any = distance_transform_edt(own)
-        if wide.max() * grid.cell >= NARROW:
+        if wide.max() * grid.cell >= NARROW and wide.max() >= COARSEST:
             rooms.append(int(part))
     others = np.isin(number, rooms)
     for part in rooms:
