@@ -20,14 +20,17 @@ CLEAR = 0.12
 SAME_HEIGHT = 0.02
 """Metres of height within which cells are one surface."""
 
-SMALLEST = 0.04
-"""Square metres of a surface at least."""
+SMALLEST, NARROWEST = 0.04, 0.1
+"""Square metres of a surface at least, and metres of its mean width: what is narrower is an edge."""
+
+FLAT = 0.97
+"""Upward part of the unit normal of what things stand on, at least: they roll off balls and backs."""
 
 
 def holding_surfaces(scan: Scan, regions: list[Region]) -> list[HoldingSurface]:
     """The surfaces in some rooms, room by room from below."""
     spans = free_spans(scan.all_columns, scan.up)
-    clear = np.flatnonzero(spans.high - spans.low >= CLEAR)
+    clear = np.flatnonzero((spans.high - spans.low >= CLEAR) & (np.abs(scan.slope[spans.triangle]) >= FLAT))
     columns = scan.grid.shape[1]
     found: list[HoldingSurface] = []
     for number, region in enumerate(regions):
@@ -50,7 +53,8 @@ def _surfaces_of(scan: Scan, spans: FreeSpans, mine: Ints, room: int) -> list[Ho
     large = np.bincount(group) * scan.grid.cell**2 >= SMALLEST
     order, group = order[large[group]], group[large[group]]
     part, size = _connected(group, spans.cell[mine[order]], scan.grid)
-    large = size * scan.grid.cell**2 >= SMALLEST
+    extent = _extents(part, spans.cell[mine[order]], scan.grid)
+    large = (size * scan.grid.cell**2 >= SMALLEST) & (size * scan.grid.cell**2 >= NARROWEST * extent)
     number = np.cumsum(large) - 1
     order, part = order[large[part]], number[part[large[part]]]
     if not len(order):
@@ -84,6 +88,18 @@ def _connected(group: Ints, cell: Ints, grid: Grid) -> tuple[Ints, Ints]:
     links = coo_array((np.ones(len(one), bool), (one, two)), shape=(len(key), len(key)))
     part = np.asarray(connected_components(links, directed=False)[1], np.int64)
     return part[place], np.bincount(part)
+
+
+def _extents(part: Ints, cell: Ints, grid: Grid) -> Floats:
+    """How long each part is along x or y, whichever is more, metres."""
+    count = int(part.max(initial=-1)) + 1
+    longest = np.zeros(count)
+    for place in np.divmod(cell, grid.shape[1]):
+        low, high = np.full(count, grid.size), np.full(count, -1)
+        np.minimum.at(low, part, place)
+        np.maximum.at(high, part, place)
+        longest = np.maximum(longest, (high - low + 1) * grid.cell)
+    return longest
 
 
 def _medians(part: Ints, values: Floats) -> Floats:
