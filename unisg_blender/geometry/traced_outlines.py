@@ -42,7 +42,10 @@ def outlines_of(group: Ints, i: Ints, j: Ints, grid: Grid) -> list[list[Floats]]
     points = place * grid.cell + grid.origin
     for loop in _loops(following, side):
         found[int(group[owner[loop[0]]])].append(points[loop])
-    return [sorted(polygons, key=lambda polygon: -abs(area(polygon))) for polygons in found]
+    return [
+        sorted(polygons, key=lambda polygon: -abs(area(polygon))) if len(polygons) > 1 else polygons
+        for polygons in found
+    ]
 
 
 def _among(known: Ints, keys: Ints) -> Bools:

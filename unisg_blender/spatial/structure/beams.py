@@ -24,7 +24,10 @@ def is_beam(over: Floats, walls: Floats) -> Bools:
     middle = over.mean(axis=(0, 1))
     way, offset = _lines(over, middle)
     under_way, under_offset = _lines(walls, middle)
+    size = np.hypot(*(over[:, 1] - over[:, 0]).T)
     for line in _groups(way, offset):
+        if size[line].sum() < LONG:
+            continue
         angle, away = float(way[line[0]]), float(offset[line[0]])
         along = np.array([np.cos(angle), np.sin(angle)])
         place = np.sort((over[line] - middle) @ along, axis=1)

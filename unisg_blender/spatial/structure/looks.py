@@ -66,6 +66,8 @@ def look_from(scan: Scan, spans: FreeSpans, stands: Bools, level: float) -> Look
     """What is seen from a level; None where no walls are around it, or it is too small to be a room."""
     near = np.flatnonzero(np.abs(spans.low - level) <= LEVEL)
     here = near[stands[near]]
+    if not _holds_a_room(spans.cell[here], scan.grid):
+        return None
     cuts, lintel = walls_around(scan, spans, here, level)
     around = np.concatenate([cuts[EYE][0], cuts[lintel][0]])
     named = bool(scan.is_floor.any())
@@ -78,8 +80,6 @@ def look_from(scan: Scan, spans: FreeSpans, stands: Bools, level: float) -> Look
         cells_as_mask(spans.cell[some], scan.grid, first, shape)
         for some in (under, here, here[spans.high[here] <= level + TALLEST])
     )
-    if np.bincount(components(standing)[0].reshape(-1), minlength=2)[1:].max() * grid.cell**2 < LEAST:
-        return None
     seen = _seen(floor, roofed, grid, around)
     within = (seen >= ROUND) | (roofed & (seen >= MOSTLY))
     within = floor & (smooth(within) | named)
@@ -89,6 +89,13 @@ def look_from(scan: Scan, spans: FreeSpans, stands: Bools, level: float) -> Look
     if (floor & roofed).sum() < ROOF_SHARE * floor.sum():
         within |= _open_sided(floor, barrier)
     return Look(level, first, floor, standing, within, barrier, walls, roofed, seen, here, lintel, cuts)
+
+
+def _holds_a_room(cells: Ints, grid: Grid) -> bool:
+    """Are so many cells connected as a room has at least?"""
+    first, shape = _part(grid, cells, None)
+    number, _ = components(cells_as_mask(cells, grid, first, shape))
+    return bool(np.bincount(number.reshape(-1), minlength=2)[1:].max() * grid.cell**2 >= LEAST)
 
 
 def _part(grid: Grid, cells: Ints, walls: Floats | None) -> tuple[tuple[int, int], tuple[int, int]]:

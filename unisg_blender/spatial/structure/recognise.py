@@ -127,16 +127,18 @@ def _room(scan: Scan, region: Region) -> Room:
 
 def _floor_edges(scan: Scan, floor: float, low: Floats, high: Floats) -> Floats:
     """Edges (S, 2, 2) of a floor's triangles that reach into a rectangle, seen from above."""
-    flat, (first, last) = scan.flat, scan.ends
-    level = flat[(first[flat] >= floor - LEVEL) & (last[flat] <= floor + LEVEL)]
-    corners = scan.triangles[level, :, :2]
+    least, most = scan.flat_boxes
+    mine = (least[:, 2] >= floor - LEVEL) & (most[:, 2] <= floor + LEVEL)
+    for axis in (0, 1):
+        mine &= (least[:, axis] <= high[axis]) & (most[:, axis] >= low[axis])
+    corners = scan.triangles[scan.flat[mine], :, :2]
     edges = np.concatenate([corners[:, [0, 1]], corners[:, [1, 2]], corners[:, [2, 0]]])
     return edges[reach_into(edges, low, high)]
 
 
 def _notes(scan: Scan, rooms: list[Room]) -> tuple[str, ...]:
-    size = np.ptp(scan.triangles.reshape(-1, 3), axis=0)
-    notes = []
+    coarse, notes = scan.grid.cell > COARSE * FINEST, []
+    size = np.ptp(scan.triangles.reshape(-1, 3), axis=0) if coarse or not rooms else np.zeros(3)
     if not rooms:
         notes.append(_why_nothing(scan, size))
     elif not any(room.indoors for room in rooms):
@@ -144,7 +146,7 @@ def _notes(scan: Scan, rooms: list[Room]) -> tuple[str, ...]:
             f"no room was found, only open ground: no walls are around it within {FARTHEST:.0f} m, or under a roof "
             f"within {FAR_ROOFED:.0f} m"
         )
-    if scan.grid.cell > COARSE * FINEST:
+    if coarse:
         unit = "; is its unit right?" if size.max() > LARGEST else ""
         notes.append(
             f"the scene is {size[0]:.0f} x {size[1]:.0f} m: it was looked at every {scan.grid.cell:.2f} m only{unit}"

@@ -115,6 +115,12 @@ class Scan:
         return np.flatnonzero((high - low <= 2 * LEVEL) & (np.abs(self.normals[:, 2]) > TINY * self.grid.cell**2))
 
     @cached_property
+    def flat_boxes(self) -> tuple[Floats, Floats]:
+        """The lowest and highest corners (F, 3) of the boxes around those."""
+        one, two, three = (self.triangles[self.flat, corner] for corner in range(3))
+        return np.minimum(np.minimum(one, two), three), np.maximum(np.maximum(one, two), three)
+
+    @cached_property
     def all_columns(self) -> Crossings:
         """Where columns meet any triangle, except what is nearly upright."""
         level = np.flatnonzero(np.abs(self.slope) > STEEPEST)
