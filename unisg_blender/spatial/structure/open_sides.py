@@ -13,7 +13,7 @@ from .looks import LOW, Look
 
 CLOSED_RIM, OPEN_RIM = 0.12, 0.4
 """Share of a place's rim that is open to the floor around it: up to the first it is a room; from the second on it is a
-corner between walls; in between it may end at a parapet, or where it is narrow."""
+corner between walls; in between it is a room if it is roofed, or ends at a parapet, or where it is narrow."""
 
 NECK = 0.55
 """Half the width in metres of a doorway without a lintel, at most: there a room ends."""
@@ -47,7 +47,8 @@ def closed_off(look: Look, at: tuple[int, int], mask: Bools, grid: Grid) -> list
     found = _within_necks(floor & ~look.walls[part] & ~low, own, NECK / grid.cell)
     if found:
         return [(first, inner) for inner in found]
-    return [(at, mask)] if share <= OPEN_RIM else []
+    roofed = (look.roofed[part] & own).sum() > 0.5 * own.sum()
+    return [(at, mask)] if share <= OPEN_RIM and roofed else []
 
 
 def _within_necks(floor: Bools, own: Bools, radius: float) -> list[Bools]:
