@@ -52,9 +52,11 @@ def snapped(polygon: Floats, segments: Floats, cell: float) -> Floats:
     that follow none stay where they are. Corners are where neighbouring lines meet; where that is far away, as of
     parallel ones, the outline steps from one to the other.
     """
-    lines = [
-        _followed(start, stop, segments, cell) for start, stop in zip(polygon, np.roll(polygon, -1, 0), strict=True)
-    ]
+    low, high = boxes_of(segments)
+    lines = []
+    for start, stop in zip(polygon, np.roll(polygon, -1, 0), strict=True):
+        near = meets(low, high, np.stack([start, stop]), (BEYOND + 1) * cell)
+        lines.append(_followed(start, stop, segments[near], cell))
     corners: list[Floats] = []
     for number, place in enumerate(polygon):
         before, after = lines[number - 1], lines[number]
@@ -144,3 +146,15 @@ def grown(mask: Bools) -> Bools:
 def ordered(pairs: Floats) -> tuple[Floats, Floats]:
     """The smaller and the larger of pairs (N, 2)."""
     return np.minimum(pairs[:, 0], pairs[:, 1]), np.maximum(pairs[:, 0], pairs[:, 1])
+
+
+def boxes_of(segments: Floats) -> tuple[Floats, Floats]:
+    """The lowest and highest corners of the boxes around segments (S, 2, 2), as two rows, (2, S) each."""
+    one, two = np.ascontiguousarray(segments.transpose(1, 2, 0))
+    return np.minimum(one, two), np.maximum(one, two)
+
+
+def meets(low: Floats, high: Floats, points: Floats, reach: float) -> Ints:
+    """Numbers of the boxes (2, S) that come within ``reach`` of the box around some points (P, 2)."""
+    first, last = points.min(axis=0) - reach, points.max(axis=0) + reach
+    return np.flatnonzero((low[0] <= last[0]) & (high[0] >= first[0]) & (low[1] <= last[1]) & (high[1] >= first[1]))

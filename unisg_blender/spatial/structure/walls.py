@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
 
 from ...geometry.arrays import Bools, Floats, Ints
-from ...geometry.mask_outline import ordered
+from ...geometry.mask_outline import boxes_of, meets, ordered
 from .looks import EYE
 from .storeys import Region
 from .structure import Opening, WallPiece
@@ -53,12 +54,14 @@ class Cuts:
         near = reach_into(segments, low, high)
         return Cuts(np.array(heights), segments[near], row[near], level[near])
 
+    @cached_property
+    def boxes(self) -> tuple[Floats, Floats]:
+        """The corners of the boxes around the segments, (2, S) each."""
+        return boxes_of(self.segments)
+
     def beside(self, start: Floats, stop: Floats) -> Cuts:
         """Those that may be of a wall along an edge."""
-        along = (stop - start) / np.linalg.norm(stop - start)
-        offset = (self.segments - start) @ np.array([-along[1], along[0]])
-        low, high = ordered(offset)
-        near = (high >= -BESIDE - THICKEST) & (low <= BESIDE)
+        near = meets(*self.boxes, np.stack([start, stop]), BESIDE + THICKEST)
         return Cuts(self.heights, self.segments[near], self.row[near], self.level[near])
 
     def nearest(self, height: float) -> int:
