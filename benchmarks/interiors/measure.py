@@ -1,6 +1,6 @@
 """Structure of interiors that others made, against what was marked by eye: floors found, outlines, rooms, surfaces.
 
-    python benchmarks/interiors/measure.py FOLDER [--held-out] [--only NAME ...] [--out docs/results/interiors.json]
+    python benchmarks/interiors/measure.py FOLDER [--held-out] [--only NAME ...] [--out FILE.json [--part NAME]]
 
 FOLDER holds the repositories that interiors.json names, each as owner+name; `--fetch` clones those that are missing, at
 their commits. SDF and URDF files need trimesh and pycollada, IFC files ifcopenshell; what cannot be read is said.
@@ -46,6 +46,7 @@ def main() -> None:
     parser.add_argument("--only", nargs="+", default=[], help="names of interiors")
     parser.add_argument("--fetch", action="store_true", help="clone missing repositories")
     parser.add_argument("--out", type=Path)
+    parser.add_argument("--part", default="", help="what to call it there (default: dev, or held_out)")
     args = parser.parse_args()
     truth = json.loads(TRUTH.read_text("utf8"))
     rows = []
@@ -54,7 +55,7 @@ def main() -> None:
             if args.fetch:
                 fetch(args.folder, entry["source"], truth["sources"][entry["source"]]["commit"])
             rows += measured(entry, args.folder)
-    report(rows, args.out, args.held_out)
+    report(rows, args.out, args.part or ("held_out" if args.held_out else "dev"))
 
 
 def fetch(folder: Path, source: str, commit: str) -> None:
@@ -182,7 +183,7 @@ def f1(right: int, wrong: int, marked: int, missed: int) -> float:
     return 2 * precision * recall / max(precision + recall, 1e-9)
 
 
-def report(rows: list[dict[str, Any]], out: Path | None, held_out: bool) -> None:
+def report(rows: list[dict[str, Any]], out: Path | None, part: str) -> None:
     """Print the table, and write the record."""
     shares = [row["iou"] for row in rows]
     right, wrong, marked, missed = (
@@ -199,7 +200,6 @@ def report(rows: list[dict[str, Any]], out: Path | None, held_out: bool) -> None
     print(markdown_table(list(totals), [[str(value) for value in totals.values()]]))
     if out is not None:
         known = json.loads(out.read_text("utf8")) if out.is_file() else {}
-        part = "held_out" if held_out else "dev"
         write_json(out, known | {"machine": machine(), part: {"totals": totals, "rows": rows}})
 
 
