@@ -46,11 +46,9 @@ class Grid:
         """Number of cells."""
         return self.shape[0] * self.shape[1]
 
-    @property
-    def middles(self) -> Floats:
-        """Middles of all cells, (size, 2)."""
-        x, y = (np.arange(count) + 0.5 for count in self.shape)
-        return np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1).reshape(-1, 2) * self.cell + self.origin
+    def middles_of(self, cells: Ints) -> Floats:
+        """Middles of some cells, (N, 2) metres."""
+        return (np.stack(np.divmod(cells, self.shape[1]), axis=1) + 0.5) * self.cell + self.origin
 
     def at(self, points: Floats) -> Ints:
         """The cell that each point (N, 2) is in, -1 outside."""

@@ -48,10 +48,11 @@ _known: WeakKeyDictionary[SceneGraph, Structure] = WeakKeyDictionary()
 def recognise_structure(graph: SceneGraph) -> Structure:
     """What is building in a scene, told by where people can stand and what is around them.
 
-    The scene is scanned by columns through a grid of 5 cm. A floor is a height at which much has 1.8 m free above; a
-    place on it is inside where there is a roof and walls on most sides, or walls all around; rooms are what walls, and
-    the lintels over doors, part from each other. Outlines are then moved onto the very edges of walls and floors. What
-    the user gave a category that is not of a building does not count, and what the user called a floor is the floor.
+    The scene is scanned by columns through a grid, of 5 cm in rooms, coarser in halls. A floor is a height at which
+    much has 1.8 m free above; a place on it is inside where there is a roof and walls on most sides, or walls all
+    around; rooms are what walls, and the lintels over doors, part from each other. Outlines are then moved onto the
+    very edges of walls and floors. What the user gave a category that is not of a building does not count, and what
+    the user called a floor is the floor.
 
     A scene too large for the finest cells is scanned coarsely, and again where most walls stand. What was recognised of
     a scenegraph is kept as long as that is.

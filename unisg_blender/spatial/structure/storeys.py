@@ -85,6 +85,11 @@ class Region:
         near[near] = self.mask[i[near], j[near]]
         return near
 
+    def holds(self, points: Floats) -> Bools:
+        """Which points (N, 2) are in the room."""
+        cells = self.grid.at(points)
+        return np.asarray((cells >= 0) & self.mask.reshape(-1)[cells])
+
 
 def find_regions(scan: Scan) -> list[Region]:
     """The rooms of all storeys; where there is none, the largest open place that is level."""

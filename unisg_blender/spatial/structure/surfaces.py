@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from ...geometry.arrays import Floats, Ints
-from ...geometry.column_raster import Grid
+from ...geometry.column_raster import Crossings, Grid, columns
+from ...geometry.surface_contact import STEEPEST
 from ...geometry.traced_outlines import outlines_of, simplified_all
-from .scan import FreeSpans, Scan, free_spans
+from .scan import FINEST, Scan, free_spans
 from .storeys import Region
 from .structure import HoldingSurface
 
@@ -28,50 +29,65 @@ FLAT = 0.97
 
 
 def holding_surfaces(scan: Scan, regions: list[Region]) -> list[HoldingSurface]:
-    """The surfaces in some rooms, room by room from below."""
-    spans = free_spans(scan.all_columns, scan.up)
+    """The surfaces in some rooms, room by room from below; whatever the scan's cells, they are told by the finest."""
+    corners = np.array(scan.grid.origin), np.array(scan.grid.origin) + np.array(scan.grid.shape) * scan.grid.cell
+    grid = scan.grid if scan.grid.cell <= FINEST else Grid.around(*corners, FINEST)
+    level = _between_floors(scan, regions)
+    met = columns(scan.triangles[level], grid)
+    spans = free_spans(Crossings(met.cell, met.height, level[met.triangle]), scan.up)
     clear = np.flatnonzero((spans.high - spans.low >= CLEAR) & (np.abs(scan.slope[spans.triangle]) >= FLAT))
-    columns = scan.grid.shape[1]
     found: list[HoldingSurface] = []
     for number, region in enumerate(regions):
-        rows = np.array([region.first[0], region.first[0] + region.mask.shape[0]]) * columns
-        first, last = np.searchsorted(spans.cell[clear], rows)
-        near = clear[first:last]
+        low = np.array(region.grid.origin) - grid.origin
+        high = low + np.array(region.grid.shape) * region.grid.cell
+        first, last = np.clip(np.array([low[0], high[0]]) / grid.cell + (-1, 2), 0, grid.shape[0]).astype(int)
+        near = clear[slice(*np.searchsorted(spans.cell[clear], (first * grid.shape[1], last * grid.shape[1])))]
         over = spans.low[near] - region.floor
         near = near[(over >= LOWEST) & (over <= HIGHEST)]
-        found += _surfaces_of(scan, spans, near[region.over(spans.cell[near], columns)], number)
+        mine = near[region.holds(grid.middles_of(spans.cell[near]))]
+        headroom = np.minimum(spans.high[mine], region.ceiling) - spans.low[mine]
+        found += _surfaces_of(grid, spans.cell[mine], scan.row[spans.triangle[mine]], spans.low[mine], headroom, number)
     return sorted(found, key=lambda surface: (surface.room, surface.row, surface.height))
 
 
-def _surfaces_of(scan: Scan, spans: FreeSpans, mine: Ints, room: int) -> list[HoldingSurface]:
-    """The surfaces that some spans stand on, by entity, height and what is connected."""
-    if not len(mine):
+def _between_floors(scan: Scan, regions: list[Region]) -> Ints:
+    """Triangles that are no walls, over some floor and not much over where surfaces are looked for."""
+    low, high = scan.ends
+    chosen = np.zeros(len(low), bool)
+    for floor in {region.floor for region in regions}:
+        chosen |= (high >= floor + LOWEST) & (low <= floor + HIGHEST + CLEAR)
+    return np.flatnonzero(chosen & (np.abs(scan.slope) > STEEPEST))
+
+
+def _surfaces_of(
+    grid: Grid, cell: Ints, row: Ints, low: Floats, headroom: Floats, room: int
+) -> list[HoldingSurface]:  # fmt: skip
+    """The surfaces at some cells, by entity, height and what is connected."""
+    if not len(cell):
         return []
-    row, low = scan.row[spans.triangle[mine]], spans.low[mine]
     order = np.lexsort((low, row))
     group = np.cumsum((np.diff(row[order], prepend=-1) != 0) | (np.diff(low[order], prepend=-np.inf) > SAME_HEIGHT))
-    large = np.bincount(group) * scan.grid.cell**2 >= SMALLEST
+    large = np.bincount(group) * grid.cell**2 >= SMALLEST
     order, group = order[large[group]], group[large[group]]
-    part, size = _connected(group, spans.cell[mine[order]], scan.grid)
-    extent = _extents(part, spans.cell[mine[order]], scan.grid)
-    large = (size * scan.grid.cell**2 >= SMALLEST) & (size * scan.grid.cell**2 >= NARROWEST * extent)
+    part, size = _connected(group, cell[order], grid)
+    extent = _extents(part, cell[order], grid)
+    large = (size * grid.cell**2 >= SMALLEST) & (size * grid.cell**2 >= NARROWEST * extent)
     number = np.cumsum(large) - 1
     order, part = order[large[part]], number[part[large[part]]]
     if not len(order):
         return []
-    once = np.unique(part * scan.grid.size + spans.cell[mine[order]], return_index=True)[1]
+    once = np.unique(part * grid.size + cell[order], return_index=True)[1]
     order, part = order[once], part[once]
-    i, j = np.divmod(spans.cell[mine[order]], scan.grid.shape[1])
-    around = [loops[0] for loops in outlines_of(part, i, j, scan.grid)]
-    heights = _medians(part, low[order])
-    free = _medians(part, (spans.high - spans.low)[mine[order]])
+    i, j = np.divmod(cell[order], grid.shape[1])
+    around = [loops[0] for loops in outlines_of(part, i, j, grid)]
     rows = row[order[np.unique(part, return_index=True)[1]]]
     return [
-        HoldingSurface(int(row), outline, float(height), float(above), room)
-        for row, outline, height, above in zip(
-            rows, simplified_all(around, 1.5 * scan.grid.cell), heights, free, strict=True
+        HoldingSurface(int(of), outline, float(height), float(above), room)
+        for of, outline, height, above in zip(
+            rows, simplified_all(around, 1.5 * grid.cell), _medians(part, low[order]), _medians(part, headroom[order]),
+            strict=True,
         )
-    ]
+    ]  # fmt: skip
 
 
 def _connected(group: Ints, cell: Ints, grid: Grid) -> tuple[Ints, Ints]:
