@@ -74,7 +74,7 @@ def test_a_finely_meshed_floor_is_the_same_floor() -> None:
     graph = scene(objects | {"ground": slab(2 * SQUARE, 0.0, 0.0)})
     coarse = recognise_structure(graph).rooms[0]
     grid = grid_mesh(400, 1.0, lambda x, y: 0.001 * np.sin(50 * x))
-    points = ((grid.points + (0.5, 0.5, 0.0)) * (10, 8, 1)).astype(np.float32)
+    points = ((grid.points + np.array([0.5, 0.5, 0.0])) * (10, 8, 1)).astype(np.float32)
     builder = SceneBuilder("Built")
     builder.add("floor", uid="floor", mesh=Mesh("Floor", points, grid.corners, grid.offsets))
     for name, part in objects.items():

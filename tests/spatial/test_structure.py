@@ -135,8 +135,8 @@ def test_several_rooms_and_a_corridor() -> None:
 
 def test_things_are_told_by_room() -> None:
     """A bed left, a desk and a lamp (under an Empty) right; what stands outside is in none."""
-    parts = room(SQUARE, 0.2) | {f"right {name}": (points + (5.2, 0, 0), faces) for name, (points, faces) in room(
-        SQUARE, 0.2).items()}  # fmt: skip
+    left, away = room(SQUARE, 0.2), np.array([5.2, 0, 0])
+    parts = left | {f"right {name}": (points + away, faces) for name, (points, faces) in left.items()}
     builder = SceneBuilder("Built")
     for name, part in (parts | {"bed": box((1, 1, 0), (3, 2.5, 0.5)), "desk": table(7, 2, 0), "bin": box(
         (-2, 0, 0), (-1.7, 0.3, 0.4))}).items():  # fmt: skip
