@@ -8,7 +8,6 @@ import numpy as np
 
 from .arrays import Bools, Floats, Ints
 from .column_raster import Grid
-from .polygon import area
 
 STEPS = np.array([[1, 0], [0, 1], [-1, 0], [0, -1]])
 """Along the lower side of a cell, then its far side, its upper side and back: inside is on the left."""
@@ -42,10 +41,13 @@ def outlines_of(group: Ints, i: Ints, j: Ints, grid: Grid) -> list[list[Floats]]
     points = place * grid.cell + grid.origin
     for loop in _loops(following, side):
         found[int(group[owner[loop[0]]])].append(points[loop])
-    return [
-        sorted(polygons, key=lambda polygon: -abs(area(polygon))) if len(polygons) > 1 else polygons
-        for polygons in found
-    ]
+    return [sorted(polygons, key=_width, reverse=True) if len(polygons) > 1 else polygons for polygons in found]
+
+
+def _width(polygon: Floats) -> float:
+    """The area of the box around a polygon: what is around others has the larger one."""
+    size = polygon.max(axis=0) - polygon.min(axis=0)
+    return float(size[0] * size[1])
 
 
 def _among(known: Ints, keys: Ints) -> Bools:

@@ -36,7 +36,7 @@ def holding_surfaces(scan: Scan, regions: list[Region]) -> list[HoldingSurface]:
     met = columns(scan.triangles[level], grid)
     spans = free_spans(Crossings(met.cell, met.height, level[met.triangle]), scan.up)
     clear = np.flatnonzero((spans.high - spans.low >= CLEAR) & (np.abs(scan.slope[spans.triangle]) >= FLAT))
-    found: list[HoldingSurface] = []
+    parts: list[tuple[Ints, Floats, Ints]] = [(np.zeros(0, np.int64), np.zeros(0), np.zeros(0, np.int64))]
     for number, region in enumerate(regions):
         low = np.array(region.grid.origin) - grid.origin
         high = low + np.array(region.grid.shape) * region.grid.cell
@@ -46,7 +46,9 @@ def holding_surfaces(scan: Scan, regions: list[Region]) -> list[HoldingSurface]:
         near = near[(over >= LOWEST) & (over <= HIGHEST)]
         mine = near[region.holds(grid.middles_of(spans.cell[near]))]
         headroom = np.minimum(spans.high[mine], region.ceiling) - spans.low[mine]
-        found += _surfaces_of(grid, spans.cell[mine], scan.row[spans.triangle[mine]], spans.low[mine], headroom, number)
+        parts.append((mine, headroom, np.full(len(mine), number)))
+    mine, headroom, room = (np.concatenate(column) for column in zip(*parts, strict=True))
+    found = _surfaces_of(grid, spans.cell[mine], scan.row[spans.triangle[mine]], spans.low[mine], headroom, room)
     return sorted(found, key=lambda surface: (surface.room, surface.row, surface.height))
 
 
@@ -60,14 +62,13 @@ def _between_floors(scan: Scan, regions: list[Region]) -> Ints:
 
 
 def _surfaces_of(
-    grid: Grid, cell: Ints, row: Ints, low: Floats, headroom: Floats, room: int
+    grid: Grid, cell: Ints, row: Ints, low: Floats, headroom: Floats, room: Ints
 ) -> list[HoldingSurface]:  # fmt: skip
-    """The surfaces at some cells, by entity, height and what is connected."""
-    if not len(cell):
-        return []
-    order = np.lexsort((low, row))
-    group = np.cumsum((np.diff(row[order], prepend=-1) != 0) | (np.diff(low[order], prepend=-np.inf) > SAME_HEIGHT))
-    large = np.bincount(group) * grid.cell**2 >= SMALLEST
+    """The surfaces at some cells, by room, entity, height and what is connected."""
+    order = np.lexsort((low, row, room))
+    new = (np.diff(row[order], prepend=-1) != 0) | (np.diff(room[order], prepend=-1) != 0)
+    group = np.cumsum(new | (np.diff(low[order], prepend=-np.inf) > SAME_HEIGHT))
+    large = np.bincount(group, minlength=1) * grid.cell**2 >= SMALLEST
     order, group = order[large[group]], group[large[group]]
     part, size = _connected(group, cell[order], grid)
     extent = _extents(part, cell[order], grid)
@@ -79,15 +80,15 @@ def _surfaces_of(
     once = np.unique(part * grid.size + cell[order], return_index=True)[1]
     order, part = order[once], part[once]
     i, j = np.divmod(cell[order], grid.shape[1])
-    around = [loops[0] for loops in outlines_of(part, i, j, grid)]
-    rows = row[order[np.unique(part, return_index=True)[1]]]
+    around = simplified_all([loops[0] for loops in outlines_of(part, i, j, grid)], 1.5 * grid.cell)
+    heights, free = _medians(part, low[order]), _medians(part, headroom[order])
+    first = order[np.unique(part, return_index=True)[1]]
     return [
-        HoldingSurface(int(of), outline, float(height), float(above), room)
-        for of, outline, height, above in zip(
-            rows, simplified_all(around, 1.5 * grid.cell), _medians(part, low[order]), _medians(part, headroom[order]),
-            strict=True,
+        HoldingSurface(of, outline, height, above, where)
+        for of, outline, height, above, where in zip(
+            row[first].tolist(), around, heights.tolist(), free.tolist(), room[first].tolist(), strict=True
         )
-    ]  # fmt: skip
+    ]
 
 
 def _connected(group: Ints, cell: Ints, grid: Grid) -> tuple[Ints, Ints]:
