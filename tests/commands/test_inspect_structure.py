@@ -29,7 +29,7 @@ def test_lines_say_what_is_what(file: Path, capsys: pytest.CaptureFixture[str]) 
     lines = capsys.readouterr().out.splitlines()
     assert lines[0] == "1 room on 1 storey"
     assert lines[1].strip() == (
-        "0: room of 20.0 m2, storey 0, floor at 0.00 m, 2.50 m high; 4 walls, 1 door, 1 surface for things"
+        "0: room of 20.0 m2, storey 0, floor at 0.00 m, 2.50 m high; 4 walls, 1 door, 1 surface for things, with desk"
     )
     assert "  ground: Floor" in lines
     assert "  top: Ceiling" in lines
@@ -45,6 +45,7 @@ def test_the_record_has_all_of_it(file: Path, capsys: pytest.CaptureFixture[str]
     assert len(found["walls"]) == 4
     assert [opening["kind"] for opening in found["openings"]] == ["door"]
     assert [surface["object"] for surface in record["surfaces"]] == ["desk"]
+    assert found["things"] == ["desk"]
 
 
 def test_a_plan_is_drawn_or_refused(file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

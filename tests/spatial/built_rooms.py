@@ -171,3 +171,20 @@ def _inside(shape, points):
     for hole in shape[1:]:
         found &= ~inside(hole, points)
     return found
+
+
+def grid_mesh(count: int, size: float, height) -> Mesh:
+    """A square of so many points a side, its heights a function of x and y."""
+    side = np.linspace(-size / 2, size / 2, count)
+    x, y = (part.ravel() for part in np.meshgrid(side, side))
+    row, column = np.divmod(np.arange((count - 1) ** 2), count - 1)
+    corner = row * count + column
+    faces = np.stack([corner, corner + 1, corner + count + 1, corner + count], axis=1).astype(np.int32)
+    points = np.column_stack([x, y, height(x, y)]).astype(np.float32)
+    return Mesh("Grid", points, faces.reshape(-1), (np.arange(len(faces) + 1) * 4).astype(np.int32))
+
+
+def of_mesh(found: Mesh) -> SceneGraph:
+    builder = SceneBuilder("Built")
+    builder.add("thing", uid="thing", mesh=found)
+    return builder.build()

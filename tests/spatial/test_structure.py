@@ -9,6 +9,8 @@ from unisg_blender.geometry.planar import turn
 from unisg_blender.geometry.polygon import area
 from unisg_blender.scene import SceneBuilder
 from unisg_blender.spatial.structure import recognise_structure
+from unisg_blender.spatial.structure.room_things import things_in_rooms
+from unisg_blender.spatial.structure.structure_text import structure_lines, structure_record
 
 from .built_rooms import (
     CORRIDOR,
@@ -129,6 +131,28 @@ def test_several_rooms_and_a_corridor() -> None:
     for found in structure.rooms:
         assert max(overlap((found.outline, *found.holes), (shape,)) for shape in truth) >= 0.98
     assert sorted(sum(o.kind == "door" for o in found.openings) for found in structure.rooms) == [1, 1, 2]
+
+
+def test_things_are_told_by_room() -> None:
+    """A bed left, a desk and a lamp (under an Empty) right; what stands outside is in none."""
+    left, away = room(SQUARE, 0.2), np.array([5.2, 0, 0])
+    parts = left | {f"right {name}": (points + away, faces) for name, (points, faces) in left.items()}
+    builder = SceneBuilder("Built")
+    for name, part in (parts | {"bed": box((1, 1, 0), (3, 2.5, 0.5)), "desk": table(7, 2, 0), "bin": box(
+        (-2, 0, 0), (-1.7, 0.3, 0.4))}).items():  # fmt: skip
+        builder.add(name, uid=name, mesh=mesh(part))
+    top = builder.add("top", uid="top")
+    builder.add("lamp", uid="lamp", parent=top, mesh=mesh(box((8, 3, 0), (8.1, 3.1, 1.7))))
+    graph = builder.build()
+    structure = recognise_structure(graph)
+    told = {
+        round(float(found.outline[:, 0].mean())): sorted(graph.name[row] for row in rows)
+        for found, rows in zip(structure.rooms, things_in_rooms(structure, graph), strict=True)
+    }
+    assert told == {2: ["bed"], 8: ["desk", "lamp"]}
+    record = structure_record(structure, graph)
+    assert sorted(name for part in record["rooms"] for name in part["things"]) == ["bed", "desk", "lamp"]
+    assert any("with bed" in line for line in structure_lines(structure, graph))
 
 
 def test_two_storeys_of_one_mesh() -> None:

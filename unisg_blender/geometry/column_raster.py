@@ -14,9 +14,6 @@ from .surface_contact import Triangles
 AT_ONCE = 2_000_000
 """Cells that are worked on together."""
 
-FAR = 10**9
-"""Cells away of what is not there."""
-
 EDGE = 1e-6
 """Share of a cell by which triangles are widened, so that no line slips through between neighbours."""
 
@@ -39,16 +36,19 @@ class Grid:
         origin = low - margin * cell
         return Grid((float(origin[0]), float(origin[1])), cell, (int(count[0]), int(count[1])))
 
+    def window(self, first: tuple[int, int], shape: tuple[int, int]) -> Grid:
+        """The part of the grid that begins at the cell ``first`` (i, j)."""
+        origin = self.origin[0] + first[0] * self.cell, self.origin[1] + first[1] * self.cell
+        return Grid(origin, self.cell, shape)
+
     @property
     def size(self) -> int:
         """Number of cells."""
         return self.shape[0] * self.shape[1]
 
-    @property
-    def middles(self) -> Floats:
-        """Middles of all cells, (size, 2)."""
-        x, y = (np.arange(count) + 0.5 for count in self.shape)
-        return np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1).reshape(-1, 2) * self.cell + self.origin
+    def middles_of(self, cells: Ints) -> Floats:
+        """Middles of some cells, (N, 2) metres."""
+        return (np.stack(np.divmod(cells, self.shape[1]), axis=1) + 0.5) * self.cell + self.origin
 
     def at(self, points: Floats) -> Ints:
         """The cell that each point (N, 2) is in, -1 outside."""
@@ -159,34 +159,39 @@ def slice_at(triangles: Triangles, height: float) -> Floats:
 
 def cells_on(segments: Floats, grid: Grid) -> tuple[Ints, Ints]:
     """Cells that segments (S, 2, 2) run through, and the segment of each; neighbours share a corner at least."""
-    length = np.linalg.norm(segments[:, 1] - segments[:, 0], axis=1)
-    count = np.ceil(2 * length / grid.cell).astype(np.int64) + 1
-    entry = np.repeat(np.arange(len(count)), count)
-    share = (np.arange(len(entry)) - np.repeat(np.cumsum(count) - count, count)) / np.maximum(count - 1, 1)[entry]
-    cell = grid.at(segments[entry, 0] + share[:, None] * (segments[entry, 1] - segments[entry, 0]))
+    points, entry = _along(segments, grid.cell)
+    cell = grid.at(points)
     return cell[cell >= 0], entry[cell >= 0]
 
 
-def enclosure(segments: Floats, points: Floats, cell: float, farthest: float, directions: int = 16) -> Ints:
+def _along(segments: Floats, cell: float) -> tuple[Floats, Ints]:
+    """Points (P, 2) along segments, two to a cell, and the segment of each."""
+    length = np.linalg.norm(segments[:, 1] - segments[:, 0], axis=1)
+    count = np.ceil(2 * length / cell).astype(np.int64) + 1
+    entry = np.repeat(np.arange(len(count)), count)
+    share = (np.arange(len(entry)) - np.repeat(np.cumsum(count) - count, count)) / np.maximum(count - 1, 1)[entry]
+    return segments[entry, 0] + share[:, None] * (segments[entry, 1] - segments[entry, 0]), entry
+
+
+def enclosure(segments: Floats, points: Floats, cell: float, farthest: Floats, directions: int = 16) -> Ints:
     """In how many of so many level directions each point (N, 2) sees one of the segments (S, 2, 2), int64 (N,).
 
-    Segments and points are entered in a grid that is turned, and seen along its lines both ways; what is farther away
-    than ``farthest`` metres is not seen.
+    Segments and points are entered in lines of cells that are turned, and seen along them both ways; what is farther
+    away from a point than ``farthest`` (N,) metres is not seen.
     """
     seen = np.zeros(len(points), np.int64)
     if not len(segments) or not len(points):
         return seen
+    walls, _ = _along(segments, cell)
+    middle, reach = points.mean(axis=0), (farthest / cell).astype(np.int64)
     for angle in np.arange(directions // 2) * 2 * np.pi / directions:
         turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
-        wall, place = segments @ turn, points @ turn
-        ends = np.concatenate([wall.reshape(-1, 2), place])
-        grid = Grid.around(ends.min(axis=0), ends.max(axis=0), cell)
-        hit = grid.mask(cells_on(wall, grid)[0])
-        number, far = np.arange(grid.shape[0], dtype=np.int32)[:, None], np.int32(FAR)
-        before = np.maximum.accumulate(np.where(hit, number, -far), axis=0)
-        after = np.minimum.accumulate(np.where(hit, number, far)[::-1], axis=0)[::-1]
-        home, reach = grid.at(place), farthest / cell
-        at = home // grid.shape[1]
-        seen += at - before.reshape(-1)[home] <= reach
-        seen += after.reshape(-1)[home] - at <= reach
+        wall, place = (np.floor((ends - middle) @ turn / cell).astype(np.int64) for ends in (walls, points))
+        span = np.ptp(np.concatenate([wall[:, 0], place[:, 0]])) + reach.max() + 2
+        hits = np.unique(wall[:, 1] * span + wall[:, 0])
+        home = place[:, 1] * span + place[:, 0]
+        after = np.searchsorted(hits, home)
+        before = after - 1 + (hits[after.clip(max=len(hits) - 1)] == home)
+        seen += (before >= 0) & (home - hits[before] <= reach)
+        seen += (after < len(hits)) & (hits[after.clip(max=len(hits) - 1)] - home <= reach)
     return seen

@@ -8,10 +8,8 @@ import numpy as np
 
 from .arrays import Bools, Floats, Ints
 from .column_raster import Grid
-from .polygon import area, without_straight_corners
-
-STEPS = ((1, 0), (0, 1), (-1, 0), (0, -1))
-"""Along the lower side of a cell, then its far side, its upper side and back: inside is on the left."""
+from .polygon import without_straight_corners
+from .traced_outlines import outlines_of, simplified_all
 
 PARALLEL = 0.2
 """Sine of the angle up to which a line runs along an edge: about 12 degrees."""
@@ -38,59 +36,13 @@ def outlines(mask: Bools, grid: Grid) -> list[Floats]:
 
     Cells that share only a corner are apart.
     """
-    used = [np.flatnonzero(mask.any(axis=axis)) for axis in (1, 0)]
-    if not len(used[0]):
-        return []
-    first = used[0][0], used[1][0]
-    padded = np.pad(mask[first[0] : used[0][-1] + 1, first[1] : used[1][-1] + 1], 1)
-    inside = padded[1:-1, 1:-1]
-    edges: dict[tuple[int, int], list[int]] = {}
-    neighbours = (padded[1:-1, :-2], padded[2:, 1:-1], padded[1:-1, 2:], padded[:-2, 1:-1])
-    for side, (neighbour, corner) in enumerate(zip(neighbours, ((0, 0), (1, 0), (1, 1), (0, 1)), strict=True)):
-        for i, j in np.argwhere(inside & ~neighbour).tolist():
-            edges.setdefault((i + first[0] + corner[0], j + first[1] + corner[1]), []).append(side)
-    found = []
-    while edges:
-        start = next(iter(edges))
-        place, side = start, edges[start][0]
-        loop: list[tuple[int, int]] = []
-        while place in edges:
-            ways = edges[place]
-            way = next((turn for turn in ((side + 1) % 4, side, (side + 3) % 4) if turn in ways), ways[0])
-            ways.remove(way)
-            if not ways:
-                del edges[place]
-            if not loop or way != side:
-                loop.append(place)
-            place, side = (place[0] + STEPS[way][0], place[1] + STEPS[way][1]), way
-        found.append(np.array(loop, float) * grid.cell + grid.origin)
-    return sorted(found, key=lambda polygon: -abs(area(polygon)))
+    i, j = np.nonzero(mask)
+    return outlines_of(np.zeros(len(i), np.int64), i, j, grid)[0] if len(i) else []
 
 
 def simplified(polygon: Floats, tolerance: float) -> Floats:
-    """A polygon (K, 2) with fewer corners, none of which was farther than ``tolerance`` metres from the new edges.
-
-    By halves (Ramer, 1972; Douglas and Peucker, 1973), from the two corners that are farthest apart.
-    """
-    first = int(((polygon - polygon.mean(axis=0)) ** 2).sum(axis=1).argmax())
-    ring = np.roll(polygon, -first, axis=0)
-    second = int(((ring - ring[0]) ** 2).sum(axis=1).argmax())
-    closed = np.concatenate([ring, ring[:1]])
-    kept = {0, second}
-    open_parts = [(0, second), (second, len(ring))]
-    while open_parts:
-        start, stop = open_parts.pop()
-        if stop - start < 2:
-            continue
-        between = closed[start + 1 : stop]
-        along = closed[stop] - closed[start]
-        share = ((between - closed[start]) @ along / max(float(along @ along), 1e-18)).clip(0, 1)
-        off = np.linalg.norm(between - closed[start] - share[:, None] * along, axis=1)
-        worst = int(off.argmax())
-        if off[worst] > tolerance:
-            kept.add(start + 1 + worst)
-            open_parts += [(start, start + 1 + worst), (start + 1 + worst, stop)]
-    return ring[sorted(kept)]
+    """A polygon (K, 2) with fewer corners; see :func:`~.traced_outlines.simplified_all`."""
+    return simplified_all([polygon], tolerance)[0]
 
 
 def snapped(polygon: Floats, segments: Floats, cell: float) -> Floats:
@@ -100,9 +52,11 @@ def snapped(polygon: Floats, segments: Floats, cell: float) -> Floats:
     that follow none stay where they are. Corners are where neighbouring lines meet; where that is far away, as of
     parallel ones, the outline steps from one to the other.
     """
-    lines = [
-        _followed(start, stop, segments, cell) for start, stop in zip(polygon, np.roll(polygon, -1, 0), strict=True)
-    ]
+    low, high = boxes_of(segments)
+    lines = []
+    for start, stop in zip(polygon, np.roll(polygon, -1, 0), strict=True):
+        near = meets(low, high, np.stack([start, stop]), (BEYOND + 1) * cell)
+        lines.append(_followed(start, stop, segments[near], cell))
     corners: list[Floats] = []
     for number, place in enumerate(polygon):
         before, after = lines[number - 1], lines[number]
@@ -123,11 +77,13 @@ def _followed(start: Floats, stop: Floats, segments: Floats, cell: float) -> tup
     normal = np.array([-along[1], along[0]])
     offset = (segments - start) @ normal
     place = (segments - start) @ along
-    low, high = place.min(axis=1).clip(0, length), place.max(axis=1).clip(0, length)
-    size = np.linalg.norm(segments[:, 1] - segments[:, 0], axis=1)
+    low, high = ordered(place.clip(0, length))
     beside = _offset_beside(offset, place, (low + high) / 2)
     near = (beside >= -BEYOND * cell) & (beside <= BEFORE * cell) & (high - low > 0)
-    chosen = np.flatnonzero(near & (np.abs(offset[:, 1] - offset[:, 0]) <= PARALLEL * size))
+    chosen = np.flatnonzero(near)
+    way = segments[chosen, 1] - segments[chosen, 0]
+    slanted = np.abs(offset[chosen, 1] - offset[chosen, 0])
+    chosen = chosen[slanted <= PARALLEL * np.hypot(way[:, 0], way[:, 1])]
     if not len(chosen):
         return start, along
     chosen = chosen[np.argsort(beside[chosen], kind="stable")]
@@ -175,3 +131,30 @@ def components(mask: Bools) -> tuple[Ints, int]:
 
     labelled: Any = label(mask)
     return labelled[0].astype(np.int64), int(labelled[1])
+
+
+def grown(mask: Bools) -> Bools:
+    """A mask with the cells that share a side with it."""
+    found = mask.copy()
+    found[1:] |= mask[:-1]
+    found[:-1] |= mask[1:]
+    found[:, 1:] |= mask[:, :-1]
+    found[:, :-1] |= mask[:, 1:]
+    return found
+
+
+def ordered(pairs: Floats) -> tuple[Floats, Floats]:
+    """The smaller and the larger of pairs (N, 2)."""
+    return np.minimum(pairs[:, 0], pairs[:, 1]), np.maximum(pairs[:, 0], pairs[:, 1])
+
+
+def boxes_of(segments: Floats) -> tuple[Floats, Floats]:
+    """The lowest and highest corners of the boxes around segments (S, 2, 2), as two rows, (2, S) each."""
+    one, two = np.ascontiguousarray(segments.transpose(1, 2, 0))
+    return np.minimum(one, two), np.maximum(one, two)
+
+
+def meets(low: Floats, high: Floats, points: Floats, reach: float) -> Ints:
+    """Numbers of the boxes (2, S) that come within ``reach`` of the box around some points (P, 2)."""
+    first, last = points.min(axis=0) - reach, points.max(axis=0) + reach
+    return np.flatnonzero((low[0] <= last[0]) & (high[0] >= first[0]) & (low[1] <= last[1]) & (high[1] >= first[1]))

@@ -7,25 +7,33 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from ...geometry.arrays import Bools, Floats
+from ...geometry.arrays import Floats
 from ...geometry.column_raster import cells_on
-from ...geometry.mask_outline import components, outlines, simplified, snapped
+from ...geometry.mask_outline import components, outlines, snapped
 from ...geometry.polygon import area
+from ...geometry.traced_outlines import simplified_all
 from ...scene.graph import SceneGraph
-from .scan import FINEST, HEADROOM, Scan
-from .storeys import FARTHEST, LEAST_OPEN, LEVEL, Region, find_regions
+from .looks import FAR_ROOFED, FARTHEST
+from .scan import FINEST, HEADROOM, LEVEL, Scan
+from .storeys import LEAST_OPEN, Region, find_regions
 from .structure import Room, Structure
 from .surfaces import holding_surfaces
-from .walls import openings_in, walls_along
+from .walls import Cuts, openings_in, reach_into, walls_along
 
-COARSE = 1.5
-"""Times the finest cell from which on the rooms that were found are scanned again."""
+COARSE, FINER = 3.0, 1.5
+"""Times the finest cell from which on the rooms that were found are scanned again, and how much finer that must be."""
 
 AROUND, MOST_PLACES = 3.0, 4
 """Of a large scene places where walls stand are scanned again, so many metres around them, and so many of them."""
 
 UPRIGHT = 0.2
 """Upward part of the unit normal of a wall at most."""
+
+FEW_WALLS = 4
+"""Upright triangles as high as people of which a scene without a floor has so many, at least, where it has walls."""
+
+LARGEST = 500.0
+"""Metres of a scene from which on its unit is asked for."""
 
 BEHIND = 1.0
 """Metres around a room in which lines are looked for: the far sides of its walls are there."""
@@ -40,10 +48,11 @@ _known: WeakKeyDictionary[SceneGraph, Structure] = WeakKeyDictionary()
 def recognise_structure(graph: SceneGraph) -> Structure:
     """What is building in a scene, told by where people can stand and what is around them.
 
-    The scene is scanned by columns through a grid of 5 cm. A floor is a height at which much has 1.8 m free above; a
-    place on it is inside where there is a roof and walls on most sides, or walls all around; rooms are what walls, and
-    the lintels over doors, part from each other. Outlines are then moved onto the very edges of walls and floors. What
-    the user gave a category that is not of a building does not count, and what the user called a floor is the floor.
+    The scene is scanned by columns through a grid, of 5 cm in rooms, coarser in halls. A floor is a height at which
+    much has 1.8 m free above; a place on it is inside where there is a roof and walls on most sides, or walls all
+    around; rooms are what walls, and the lintels over doors, part from each other. Outlines are then moved onto the
+    very edges of walls and floors. What the user gave a category that is not of a building does not count, and what
+    the user called a floor is the floor.
 
     A scene too large for the finest cells is scanned coarsely, and again where most walls stand. What was recognised of
     a scenegraph is kept as long as that is.
@@ -57,9 +66,7 @@ def _recognised(graph: SceneGraph) -> Structure:
     scan = Scan.of(graph)
     if scan is None:
         return Structure((), (), FINEST, ("the scene has no faces: there is no floor to be found",))
-    regions = find_regions(scan)
-    if scan.grid.cell > COARSE * FINEST:
-        scan, regions = _closer(graph, scan, regions)
+    scan, regions = _closer(graph, scan) if scan.grid.cell > COARSE * FINEST else (scan, find_regions(scan))
     rooms = [_room(scan, region) for region in regions]
     heights = sorted({room.floor for room in rooms})
     storeys = np.cumsum(np.diff(heights, prepend=-np.inf) >= HEADROOM) - 1
@@ -70,15 +77,15 @@ def _recognised(graph: SceneGraph) -> Structure:
     return Structure(tuple(rooms[number] for number in order), tuple(surfaces), scan.grid.cell, _notes(scan, rooms))
 
 
-def _closer(graph: SceneGraph, scan: Scan, regions: list[Region]) -> tuple[Scan, list[Region]]:
-    """A finer scan of where a large scene is built up, with the rooms found there; the same where that finds none."""
+def _closer(graph: SceneGraph, scan: Scan) -> tuple[Scan, list[Region]]:
+    """A finer scan of where a large scene is built up, with the rooms found there; the whole where that finds none."""
     for low, high in _built_up(scan):
         finer = Scan.of(graph, (low, high))
-        if finer is not None and finer.grid.cell < scan.grid.cell / COARSE:
+        if finer is not None and finer.grid.cell < scan.grid.cell / FINER:
             found = find_regions(finer)
             if any(region.indoors for region in found):
                 return finer, found
-    return scan, regions
+    return scan, find_regions(scan)
 
 
 def _built_up(scan: Scan) -> list[tuple[Floats, Floats]]:
@@ -101,52 +108,58 @@ def _built_up(scan: Scan) -> list[tuple[Floats, Floats]]:
 
 
 def _room(scan: Scan, region: Region) -> Room:
-    grid = scan.grid
+    grid = region.grid
     traced = outlines(region.mask, grid)
     low, high = traced[0].min(axis=0) - BEHIND, traced[0].max(axis=0) + BEHIND
-    cuts = {}
-    for height, (segments, rows) in region.cuts.items():
-        near = _reach_into(segments, low, high)
-        cuts[height] = segments[near], rows[near]
-    edges = _floor_edges(scan, region)
-    region = replace(region, cuts=cuts)
-    lines = np.concatenate([edges[_reach_into(edges, low, high)], *(segments for segments, _ in cuts.values())])
-    fitted = [snapped(simplified(loop, SIMPLER * grid.cell), lines, grid.cell) for loop in traced]
+    cuts = Cuts.around(region.cuts, low, high)
+    lines = np.concatenate([_floor_edges(scan, region.floor, low, high), cuts.segments])
+    way = lines[:, 1] - lines[:, 0]
+    lines = lines[np.hypot(way[:, 0], way[:, 1]) > grid.cell]
+    fitted = [snapped(loop, lines, grid.cell) for loop in simplified_all(traced, SIMPLER * grid.cell)]
     outline = fitted[0] if area(fitted[0]) > 0 else traced[0]
     holes = tuple(loop for loop in fitted[1:] if len(loop) > 2 and area(loop) < 0)
-    walls = walls_along(outline, region)
-    openings = tuple(opening for wall in walls for opening in openings_in(wall, region))
+    walls = walls_along(outline, region, cuts)
+    openings = tuple(opening for wall in walls for opening in openings_in(wall, region, cuts))
     return Room(
         outline, holes, region.floor, region.ceiling, 0, region.indoors, region.floor_row, region.ceiling_row, walls,
         openings,
     )  # fmt: skip
 
 
-def _reach_into(segments: Floats, low: Floats, high: Floats) -> Bools:
-    """Which segments (S, 2, 2) reach into a rectangle, as far as their boxes tell."""
-    start, stop = segments[:, 0], segments[:, 1]
-    return ((np.minimum(start, stop) <= high) & (np.maximum(start, stop) >= low)).all(axis=1)
-
-
-def _floor_edges(scan: Scan, region: Region) -> Floats:
-    """Edges (S, 2, 2) of the floor's triangles, seen from above."""
-    low, high = scan.ends
-    level = scan.triangles[(np.abs(low - region.floor) <= LEVEL) & (np.abs(high - region.floor) <= LEVEL), :, :2]
-    edges = np.concatenate([level[:, [0, 1]], level[:, [1, 2]], level[:, [2, 0]]])
-    return edges[np.linalg.norm(edges[:, 1] - edges[:, 0], axis=1) > 2 * scan.grid.cell]
+def _floor_edges(scan: Scan, floor: float, low: Floats, high: Floats) -> Floats:
+    """Edges (S, 2, 2) of a floor's triangles that reach into a rectangle, seen from above."""
+    least, most = scan.flat_boxes
+    mine = (least[:, 2] >= floor - LEVEL) & (most[:, 2] <= floor + LEVEL)
+    for axis in (0, 1):
+        mine &= (least[:, axis] <= high[axis]) & (most[:, axis] >= low[axis])
+    corners = scan.triangles[scan.flat[mine], :, :2]
+    edges = np.concatenate([corners[:, [0, 1]], corners[:, [1, 2]], corners[:, [2, 0]]])
+    return edges[reach_into(edges, low, high)]
 
 
 def _notes(scan: Scan, rooms: list[Room]) -> tuple[str, ...]:
-    size = np.ptp(scan.triangles.reshape(-1, 3), axis=0)
-    notes = []
-    if not rooms and size[:2].prod() < LEAST_OPEN:
-        notes.append(f"the scene is {size[0]:.2f} x {size[1]:.2f} m: no room, but a thing; is its unit right?")
-    elif not rooms:
-        notes.append(f"no floor was found: nowhere are {LEAST_OPEN:.0f} m2 level with {HEADROOM} m free above")
+    coarse, notes = scan.grid.cell > COARSE * FINEST, []
+    size = np.ptp(scan.triangles.reshape(-1, 3), axis=0) if coarse or not rooms else np.zeros(3)
+    if not rooms:
+        notes.append(_why_nothing(scan, size))
     elif not any(room.indoors for room in rooms):
-        notes.append(f"no room was found: the floor has no walls around it within {FARTHEST:.0f} m")
-    if scan.grid.cell > COARSE * FINEST:
         notes.append(
-            f"the scene is {size[0]:.0f} x {size[1]:.0f} m: it was looked at every {scan.grid.cell:.2f} m only"
+            f"no room was found, only open ground: no walls are around it within {FARTHEST:.0f} m, or under a roof "
+            f"within {FAR_ROOFED:.0f} m"
+        )
+    if coarse:
+        unit = "; is its unit right?" if size.max() > LARGEST else ""
+        notes.append(
+            f"the scene is {size[0]:.0f} x {size[1]:.0f} m: it was looked at every {scan.grid.cell:.2f} m only{unit}"
         )
     return tuple(notes)
+
+
+def _why_nothing(scan: Scan, size: Floats) -> str:
+    """Why there is no floor, in a sentence."""
+    low, high = scan.ends
+    if size[:2].prod() < LEAST_OPEN:
+        return f"the scene is {size[0]:.2f} x {size[1]:.2f} m: no room, but a thing; is its unit right?"
+    if (np.abs(scan.slope) < UPRIGHT)[high - low > HEADROOM].sum() >= FEW_WALLS:
+        return "no floor was found, though walls stand there: a plane under them makes a room of it"
+    return f"no floor was found: nowhere are {LEAST_OPEN:.0f} m2 level with {HEADROOM} m free above"

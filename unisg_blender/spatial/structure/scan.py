@@ -15,11 +15,29 @@ from ...scene.graph import SceneGraph
 from ...scene.hierarchy import world_matrices
 from ..object_rows import object_rows, shown
 
-FINEST, MOST_CELLS = 0.05, 1_500_000
+FINEST, MOST_CELLS = 0.05, 150_000
 """Metres of a cell, at least; and cells at most: larger scenes are scanned more coarsely."""
+
+MOST_CROSSINGS = 3_000_000
+"""Places at most where columns meet triangles: what lies in many layers is scanned more coarsely."""
 
 HEADROOM = 1.8
 """Metres that must be free over a floor where people stand."""
+
+SAMPLE = 4000
+"""Triangles at most that are asked whether they are in a room seen from outside."""
+
+HOLLOW = 1.0
+"""Square metres at least of what may be a room seen from outside."""
+
+LEAST = 1.0
+"""Square metres of a room, at least."""
+
+TINY = 0.02
+"""Cells of area seen from above of a triangle whose edges may be a floor's, at least."""
+
+LEVEL = 0.12
+"""Metres of height within which surfaces are one floor: rugs, thresholds, a little slope."""
 
 SAME = 0.002
 """Metres within which what a column meets counts as one surface."""
@@ -55,8 +73,10 @@ class Scan:
             triangles, row = triangles[near.all(axis=1)], row[near.all(axis=1)]
         if not len(triangles):
             return None
-        low, high = region or (triangles[:, :, :2].min(axis=(0, 1)), triangles[:, :, :2].max(axis=(0, 1)))
+        corners = triangles.reshape(-1, 3)
+        low, high = region or (corners.min(axis=0)[:2], corners.max(axis=0)[:2])
         cell = max(FINEST, float(np.sqrt(np.prod(np.maximum(high - low, FINEST)) / MOST_CELLS)))
+        cell = max(cell, float(np.sqrt(_seen_from_above(triangles, low, high) / MOST_CROSSINGS)))
         owner = object_rows(graph)
         named = graph.category[owner] >= 0
         building = ~named | has_category(graph, STRUCTURE)[owner]
@@ -89,6 +109,18 @@ class Scan:
         return np.minimum(np.minimum(first, second), third), np.maximum(np.maximum(first, second), third)
 
     @cached_property
+    def flat(self) -> Ints:
+        """Numbers of the triangles that are about level, within what counts as one floor, and not tiny."""
+        low, high = self.ends
+        return np.flatnonzero((high - low <= 2 * LEVEL) & (np.abs(self.normals[:, 2]) > TINY * self.grid.cell**2))
+
+    @cached_property
+    def flat_boxes(self) -> tuple[Floats, Floats]:
+        """The lowest and highest corners (F, 3) of the boxes around those."""
+        one, two, three = (self.triangles[self.flat, corner] for corner in range(3))
+        return np.minimum(np.minimum(one, two), three), np.maximum(np.maximum(one, two), three)
+
+    @cached_property
     def all_columns(self) -> Crossings:
         """Where columns meet any triangle, except what is nearly upright."""
         level = np.flatnonzero(np.abs(self.slope) > STEEPEST)
@@ -102,24 +134,41 @@ class Scan:
         again = (np.diff(found.cell, prepend=-1) == 0) & (np.diff(found.height, prepend=-np.inf) < SAME)
         return found.take(~again)
 
-    def cut(self, height: float) -> tuple[Floats, Ints]:
-        """Segments (S, 2, 2) where a level plane cuts what may be walls, no slopes of land, and the rows (S,)."""
+    def cut(self, height: float, hanging: float = -1.0) -> tuple[Floats, Ints]:
+        """Segments (S, 2, 2) where a level plane cuts what may be walls, no slopes of land, and the rows (S,).
+
+        ``hanging`` is the upward part of the unit normal of what is cut, at least: -1 is a ceiling.
+        """
         low, high = self.ends
-        cut = np.flatnonzero(self.building & (low <= height) & (high > height) & (self.slope <= STEEPEST))
+        cut = np.flatnonzero(
+            self.building & (low <= height) & (high > height) & (self.slope <= STEEPEST) & (self.slope >= hanging)
+        )
         return slice_at(self.triangles[cut], height), self.row[cut]
 
 
 def world_triangles(graph: SceneGraph) -> tuple[Triangles, Ints]:
     """The triangles (M, 3, 3) of a scene in the world, metres, and the row (M,) of each; what is no number left out."""
-    world, parts, rows = world_matrices(graph), [np.zeros((0, 3, 3))], [np.zeros(0, np.int64)]
-    for row in np.flatnonzero(shown(graph)).tolist():
+    world, parts, seen = world_matrices(graph), [np.zeros((0, 3, 3))], np.flatnonzero(shown(graph))
+    mirrored = np.linalg.det(world[:, :3, :3]) < 0
+    for row in seen.tolist():
         mesh, matrix = graph.meshes[graph.mesh[row]], world[row]
         corners = (mesh.points.astype(np.float64) @ matrix[:3, :3].T + matrix[:3, 3])[mesh.triangles]
-        if np.linalg.det(matrix[:3, :3]) < 0:
-            corners = corners[:, ::-1]
-        parts.append(corners[np.isfinite(corners).all(axis=(1, 2))])
-        rows.append(np.full(len(parts[-1]), row))
-    return np.concatenate(parts), np.concatenate(rows)
+        parts.append(corners[:, ::-1] if mirrored[row] else corners)
+    triangles = np.concatenate(parts)
+    rows = np.repeat(seen, [len(part) for part in parts[1:]]).astype(np.int64)
+    finite = np.isfinite(triangles)
+    if finite.all():
+        return triangles, rows
+    sound = finite.all(axis=(1, 2))
+    return triangles[sound], rows[sound]
+
+
+def _seen_from_above(triangles: Triangles, low: Floats, high: Floats) -> float:
+    """Square metres of triangles within a rectangle, layer by layer, about: of large ones what could be in it."""
+    corner = triangles[:, :, :2]
+    one, two = corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]
+    area = np.abs(one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0]) / 2
+    return float(np.minimum(area, np.prod(high - low)).sum())
 
 
 @dataclass(frozen=True, eq=False)
@@ -150,21 +199,32 @@ def free_spans(found: Crossings, up: Bools) -> FreeSpans:
 def _inside_out(scan: Scan) -> list[int]:
     """Rows of closed meshes whose faces look out of rooms: more lies inside them than where their faces say is air."""
     found, (low, high) = [], scan.ends
-    columns_of = scan.all_columns
-    middle = scan.triangles.mean(axis=1)
-    cell = scan.grid.at(middle[:, :2])
+    crossings = scan.all_columns
+    owner = scan.row[crossings.triangle]
+    tall = np.full(int(scan.row.max()) + 1, np.inf), np.full(int(scan.row.max()) + 1, -np.inf)
+    np.minimum.at(tall[0], owner, crossings.height)
+    np.maximum.at(tall[1], owner, crossings.height)
+    built = np.zeros(len(tall[0]), bool)
+    built[scan.row[scan.building]] = True
+    many = np.bincount(owner, minlength=len(built)) * scan.grid.cell**2 >= 2 * HOLLOW
+    rows = np.flatnonzero(built & many & (tall[1] - tall[0] >= HEADROOM))
     looks_up = scan.slope > 0
-    rows, first = np.unique(scan.row, return_index=True)
-    height = np.maximum.reduceat(high, first) - np.minimum.reduceat(low, first)
-    for row in rows[scan.building[first] & (height >= HEADROOM)].tolist():
-        mine = columns_of.take(scan.row[columns_of.triangle] == row)
+    for row in rows.tolist():
+        mine = crossings.take(owner == row)
         solid = _spans_of(mine, looks_up, solid=True)
-        tall = mine.height[solid + 1] - mine.height[solid] >= HEADROOM
-        if tall.sum() * scan.grid.cell**2 < 1.0:
+        solid = solid[mine.height[solid + 1] - mine.height[solid] >= HEADROOM]
+        if len(solid) * scan.grid.cell**2 < HOLLOW:
             continue
-        other = np.flatnonzero((scan.row != row) & (cell >= 0) & (high < mine.height.max()) & (low > mine.height.min()))
-        inside = _held(mine, solid[tall], cell[other], middle[other, 2])
-        air = _held(mine, _spans_of(mine, looks_up, solid=False), cell[other], middle[other, 2])
+        sample = np.arange(0, len(low), max(len(low) // SAMPLE, 1))
+        sample = sample[
+            (scan.row[sample] != row) & (high[sample] < mine.height.max()) & (low[sample] > mine.height.min())
+        ]  # fmt: skip
+        middle = scan.triangles[sample].mean(axis=1)
+        cell = scan.grid.at(middle[:, :2])
+        inside, air = (
+            _held(mine, some, cell[cell >= 0], middle[cell >= 0, 2])
+            for some in (solid, _spans_of(mine, looks_up, solid=False))
+        )
         if inside > air:
             found.append(row)
     return found

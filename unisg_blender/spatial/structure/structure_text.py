@@ -8,16 +8,23 @@ from typing import Any
 import numpy as np
 
 from ...scene.graph import SceneGraph
+from .room_things import things_in_rooms
 from .structure import Room, Structure
 
 DIGITS = 4
+
+FEW = 5
+"""Things of a room that are named in a line, at most."""
 
 
 def structure_record(structure: Structure, graph: SceneGraph) -> dict[str, Any]:
     """JSON-ready: rooms, surfaces, parts by name, notes; lengths in metres."""
     return {
         "storeys": structure.storeys,
-        "rooms": [_room_record(room, graph) for room in structure.rooms],
+        "rooms": [
+            _room_record(room, graph) | {"things": [graph.name[row] for row in rows]}
+            for room, rows in zip(structure.rooms, things_in_rooms(structure, graph), strict=True)
+        ],
         "surfaces": [
             {
                 "object": graph.name[surface.row], "room": surface.room, "height": _number(surface.height),
@@ -69,6 +76,7 @@ def structure_lines(structure: Structure, graph: SceneGraph) -> list[str]:
     if not structure.rooms:
         return list(structure.notes)
     lines = [f"{_many(len(structure.rooms), 'room')} on {_many(structure.storeys, 'storey')}"]
+    things = things_in_rooms(structure, graph)
     for number, room in enumerate(structure.rooms):
         kind = "room" if room.indoors else "open place"
         height = f", {room.ceiling - room.floor:.2f} m high" if np.isfinite(room.ceiling) else ", no ceiling"
@@ -76,6 +84,10 @@ def structure_lines(structure: Structure, graph: SceneGraph) -> list[str]:
         told += [_many(count, kind) for kind, count in sorted(Counter(hole.kind for hole in room.openings).items())]
         held = [surface for surface in structure.surfaces if surface.room == number]
         told.append(f"{_many(len(held), 'surface')} for things")
+        if things[number]:
+            named = ", ".join(graph.name[row] for row in things[number][:FEW])
+            more = len(things[number]) - FEW
+            told.append(f"with {named}" + (f" and {more} more" if more > 0 else ""))
         lines.append(
             f"  {number}: {kind} of {room.area:.1f} m2, storey {room.storey}, floor at {room.floor:.2f} m{height}; "
             + ", ".join(told)

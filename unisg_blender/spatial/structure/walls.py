@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
 
 from ...geometry.arrays import Bools, Floats, Ints
-from .storeys import EYE, Region
+from ...geometry.mask_outline import boxes_of, meets, ordered
+from .looks import EYE
+from .storeys import Region
 from .structure import Opening, WallPiece
 
 BESIDE = 0.12
@@ -28,93 +33,127 @@ STEP, NARROWEST = 0.05, 0.4
 SILL, WAIST = 0.25, 1.0
 """Metres over the floor at which doors are open and windows closed, and at which most windows are open."""
 
-Cuts = dict[float, tuple[Floats, Ints]]
+
+@dataclass(frozen=True, eq=False)
+class Cuts:
+    """Where walls are cut at H heights over a floor: segments (S, 2, 2), the rows (S,) of their entities, and at which
+    of the ``heights`` each was cut, ``level`` (S,)."""
+
+    heights: Floats
+    segments: Floats
+    row: Ints
+    level: Ints
+
+    @staticmethod
+    def around(cuts: Mapping[float, tuple[Floats, Ints]], low: Floats, high: Floats) -> Cuts:
+        """The cuts that reach into a rectangle, as far as their boxes tell."""
+        heights = sorted(cuts)
+        segments = np.concatenate([cuts[height][0] for height in heights])
+        row = np.concatenate([cuts[height][1] for height in heights])
+        level = np.repeat(np.arange(len(heights)), [len(cuts[height][1]) for height in heights])
+        near = reach_into(segments, low, high)
+        return Cuts(np.array(heights), segments[near], row[near], level[near])
+
+    @cached_property
+    def boxes(self) -> tuple[Floats, Floats]:
+        """The corners of the boxes around the segments, (2, S) each."""
+        return boxes_of(self.segments)
+
+    def beside(self, start: Floats, stop: Floats) -> Cuts:
+        """Those that may be of a wall along an edge."""
+        near = meets(*self.boxes, np.stack([start, stop]), BESIDE + THICKEST)
+        return Cuts(self.heights, self.segments[near], self.row[near], self.level[near])
+
+    def nearest(self, height: float) -> int:
+        """The number of the cut that is nearest to a height."""
+        return int(np.abs(self.heights - height).argmin())
 
 
-def walls_along(outline: Floats, region: Region) -> tuple[WallPiece, ...]:
+def reach_into(segments: Floats, low: Floats, high: Floats) -> Bools:
+    """Which segments (S, 2, 2) reach into a rectangle, as far as their boxes tell."""
+    start, stop = segments[:, 0], segments[:, 1]
+    reached = (np.minimum(start, stop) <= high) & (np.maximum(start, stop) >= low)
+    return np.asarray(reached[:, 0] & reached[:, 1])
+
+
+def walls_along(outline: Floats, region: Region, cuts: Cuts) -> tuple[WallPiece, ...]:
     """The walls along the edges (K,) of an outline (K, 2), counter-clockwise; edges without a wall are left out."""
     found = []
+    top = region.ceiling if np.isfinite(region.ceiling) else region.lintel
     for start, stop in zip(outline, np.roll(outline, -1, axis=0), strict=True):
-        length = float(np.linalg.norm(stop - start))
-        if length < NARROWEST:
+        if np.linalg.norm(stop - start) < NARROWEST:
             continue
-        closed = {height: _closed(start, stop, cut[0], BESIDE) for height, cut in region.cuts.items()}
-        if max(part.mean() for part in closed.values()) < CLOSED:
+        near = cuts.beside(start, stop)
+        if _closed(start, stop, near, BESIDE).mean(axis=1).max() < CLOSED:
             continue
-        thickness, row = _thickness_and_row(start, stop, region.cuts)
-        top = region.ceiling if np.isfinite(region.ceiling) else region.lintel
+        thickness, row = _thickness_and_row(start, stop, near)
         found.append(WallPiece(start, stop, thickness, region.floor, top, row))
     return tuple(found)
 
 
-def openings_in(wall: WallPiece, region: Region) -> tuple[Opening, ...]:
+def openings_in(wall: WallPiece, region: Region, cuts: Cuts) -> tuple[Opening, ...]:
     """Doors, windows and passages of a wall: what is open at some heights where it is closed at others."""
-    lintel = round(region.lintel - region.floor, 3)
-    depth = BESIDE + wall.thickness
-    closed = {height: _closed(wall.start, wall.stop, cut[0], depth) for height, cut in region.cuts.items()}
-    over = closed[min(closed, key=lambda height: abs(height - lintel))]
-    at_eyes, low, waist = closed[EYE], closed[SILL], closed[WAIST]
+    closed = _closed(wall.start, wall.stop, cuts.beside(wall.start, wall.stop), BESIDE + wall.thickness)
+    over, at_eyes, low, waist = (
+        closed[cuts.nearest(height)] for height in (region.lintel - region.floor, EYE, SILL, WAIST)
+    )
     kinds = np.select(
         [~at_eyes & ~waist & ~low & over, ~at_eyes & low, ~at_eyes & ~waist & ~low & ~over],
         ["door", "window", "passage"], "",
     )  # fmt: skip
     along = (wall.stop - wall.start) / wall.length
     found = []
-    edges = [*np.flatnonzero(np.append(True, kinds[1:] != kinds[:-1])).tolist(), len(kinds)]
+    edges = [0, *(np.flatnonzero(kinds[1:] != kinds[:-1]) + 1).tolist(), len(kinds)]
     for first, last in pairwise(edges):
         begin, end = wall.length * first / len(kinds), wall.length * last / len(kinds)
         if not kinds[first] or end - begin < NARROWEST:
             continue
-        bottom, top = _from_to(wall, region, closed, slice(first, last), str(kinds[first]))
+        open_at = closed[:, first:last].mean(axis=1) < 0.5
+        bottom, top = _from_to(wall, region, cuts.heights, open_at, str(kinds[first]))
         found.append(Opening(str(kinds[first]), wall.start + begin * along, wall.start + end * along, bottom, top))
     return tuple(found)
 
 
-def _from_to(
-    wall: WallPiece, region: Region, closed: dict[float, Bools], part: slice, kind: str
-) -> tuple[float, float]:
+def _from_to(wall: WallPiece, region: Region, heights: Floats, open_at: Bools, kind: str) -> tuple[float, float]:
     """About from where to where something is open, between the heights at which the wall was cut."""
-    heights = sorted(closed)
-    open_at = [height for height in heights if closed[height][part].mean() < 0.5]
-    bottom = region.floor if kind != "window" else region.floor + min(open_at)
-    over = [height for height in heights if height > max(open_at)]
-    return bottom, region.floor + over[0] if over else wall.top
+    opened = heights[open_at]
+    bottom = region.floor if kind != "window" else region.floor + float(opened.min())
+    over = heights[heights > opened.max()]
+    return bottom, region.floor + float(over[0]) if len(over) else wall.top
 
 
-def _closed(start: Floats, stop: Floats, segments: Floats, depth: float) -> Bools:
-    """Where along an edge a cut runs beside it, or up to ``depth`` metres behind it, step by step."""
+def _closed(start: Floats, stop: Floats, cuts: Cuts, depth: float) -> Bools:
+    """Where along an edge cuts run beside it, or up to ``depth`` metres behind it: bool (H, steps)."""
     length = float(np.linalg.norm(stop - start))
     steps = max(round(length / STEP), 1)
-    place, offset = _seen_along(start, stop, segments)
-    low, high = offset.min(axis=1), offset.max(axis=1)
-    near = (high >= -depth) & (low <= BESIDE) & (np.abs(offset[:, 1] - offset[:, 0]) <= PARALLEL * _size(segments))
-    first = np.ceil(place[near].min(axis=1) / length * steps - 0.5).clip(0, steps).astype(int)
-    last = (np.floor(place[near].max(axis=1) / length * steps - 0.5) + 1).clip(0, steps).astype(int)
-    count = np.zeros(steps + 1, int)
-    np.add.at(count, first, 1)
-    np.add.at(count, np.maximum(first, last), -1)
-    return np.cumsum(count)[:-1] > 0
+    place, offset = _seen_along(start, stop, cuts.segments)
+    low, high = ordered(offset)
+    near = (high >= -depth) & (low <= BESIDE) & (high - low <= PARALLEL * _size(cuts.segments))
+    begin, end = ordered(place[near] / length * steps - 0.5)
+    first = np.ceil(begin).clip(0, steps).astype(int)
+    last = (np.floor(end) + 1).clip(0, steps).astype(int)
+    count = np.zeros((len(cuts.heights), steps + 1), int)
+    np.add.at(count, (cuts.level[near], first), 1)
+    np.add.at(count, (cuts.level[near], np.maximum(first, last)), -1)
+    return np.asarray(np.cumsum(count, axis=1)[:, :-1] > 0)
 
 
 def _thickness_and_row(start: Floats, stop: Floats, cuts: Cuts) -> tuple[float, int]:
     """How far behind an edge the far side of its wall is (0 if there is none), and whose the near side is."""
     length = float(np.linalg.norm(stop - start))
-    sides: list[tuple[float, float]] = []
-    near: dict[int, float] = {}
-    for segments, rows in cuts.values():
-        place, offset = _seen_along(start, stop, segments)
-        shared = place.max(axis=1).clip(0, length) - place.min(axis=1).clip(0, length)
-        middle = offset.mean(axis=1)
-        mine = (shared > STEP) & (np.abs(offset[:, 1] - offset[:, 0]) <= PARALLEL * _size(segments))
-        for number in np.flatnonzero(mine & (middle <= BESIDE) & (middle >= -THICKEST)).tolist():
-            sides.append((float(middle[number]), float(shared[number])))
-            if middle[number] >= -BESIDE:
-                near[int(rows[number])] = near.get(int(rows[number]), 0.0) + float(shared[number])
-    behind = [(offset, shared) for offset, shared in sides if offset < -0.02]
-    row = max(near, key=lambda key: near[key]) if near else -1
-    if not behind or sum(shared for _, shared in behind) < 0.3 * sum(shared for _, shared in sides):
+    place, offset = _seen_along(start, stop, cuts.segments)
+    first, last = ordered(place.clip(0, length))
+    shared, middle = last - first, (offset[:, 0] + offset[:, 1]) / 2
+    mine = (shared > STEP) & (np.abs(offset[:, 1] - offset[:, 0]) <= PARALLEL * _size(cuts.segments))
+    mine &= (middle <= BESIDE) & (middle >= -THICKEST)
+    near = mine & (middle >= -BESIDE)
+    rows, place_of = np.unique(cuts.row[near], return_inverse=True)
+    row = int(rows[np.bincount(place_of, shared[near]).argmax()]) if len(rows) else -1
+    behind = mine & (middle < -0.02)
+    if not behind.any() or shared[behind].sum() < 0.3 * shared[mine].sum():
         return 0.0, row
-    return -max(behind, key=lambda side: (round(side[1], 2), side[0]))[0], row
+    longest = np.lexsort((middle[behind], shared[behind].round(2)))[-1]
+    return -float(middle[behind][longest]), row
 
 
 def _seen_along(start: Floats, stop: Floats, segments: Floats) -> tuple[Floats, Floats]:
@@ -125,4 +164,5 @@ def _seen_along(start: Floats, stop: Floats, segments: Floats) -> tuple[Floats, 
 
 
 def _size(segments: Floats) -> Floats:
-    return np.asarray(np.linalg.norm(segments[:, 1] - segments[:, 0], axis=1))
+    way = segments[:, 1] - segments[:, 0]
+    return np.asarray(np.hypot(way[:, 0], way[:, 1]))

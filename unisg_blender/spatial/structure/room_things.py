@@ -1,0 +1,20 @@
+"""Which things are in which room."""
+
+from __future__ import annotations
+
+from ...scene.graph import SceneGraph
+from ..objects import scene_objects
+from .structure import Structure
+
+
+def things_in_rooms(structure: Structure, graph: SceneGraph) -> tuple[tuple[int, ...], ...]:
+    """The rows of the objects in each room, by what their middle is over, the largest first; the building is none."""
+    objects = scene_objects(graph, ())
+    size = objects.half.prod(axis=1)
+    found: list[list[int]] = [[] for _ in structure.rooms]
+    for number in (-size).argsort(kind="stable").tolist():
+        row = int(objects.row[number])
+        room = structure.room_at(objects.center[number])
+        if room >= 0 and row not in structure.parts:
+            found[room].append(row)
+    return tuple(tuple(rows) for rows in found)
