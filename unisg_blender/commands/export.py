@@ -54,10 +54,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Export, show progress and one line per file that lost something or failed."""
-    from ..dataset.category_mapping import read_mapping
     from ..dataset.export.batch_export import ExportOptions, export_steps
     from ..runtime.progress import Progress
     from ..runtime.steps import drain
+    from ..words import read_mapping
 
     check_folder("--out", args.out)
     options = ExportOptions(

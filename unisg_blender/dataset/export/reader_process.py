@@ -25,8 +25,8 @@ from ...formats.scene_files import load_blender, read_all_scenes
 from ...runtime.atomic_files import DiskFullError, write_named
 from ...runtime.process_end import end_process
 from ...scene import SceneGraph
+from ...words.category_mapping import apply_mapping
 from ..assets.asset_collector import AssetCollector
-from ..category_mapping import apply_mapping
 from ..format.columns import Vocabulary
 from ..format.encoding import Sample, encode_scenes
 from ..format.shards import pack_shard
