@@ -43,10 +43,10 @@ ARROWS: dict[str, set[str]] = {
         " behaviour words scene poses",
         "experiments": "learn metrics generate predict dataset blender worlds meshes spatial behaviour words scene"
         " geometry poses",
-        "learn": "metrics generate predict dataset worlds meshes spatial scene geometry poses",
+        "learn": "metrics generate predict dataset worlds meshes spatial words scene geometry poses",
         "metrics": "generate dataset spatial scene geometry poses",
         "generate": "dataset spatial behaviour words scene geometry poses",
-        "predict": "dataset meshes spatial scene geometry poses",
+        "predict": "dataset meshes spatial words scene geometry poses",
         "dataset": "formats spatial behaviour words scene geometry poses",
         "formats": "blender usd scene",
         "blender": "behaviour scene poses",

@@ -25,3 +25,13 @@ def test_the_command_line_tells_it_first(tmp_path: Path, run: Run) -> None:
         "understood"
     ]
     assert "looks like a kitchen" in run(*words, status=1)[1]
+
+
+def test_inspect_lists_what_a_model_understands(tmp_path: Path, run: Run) -> None:
+    write_scene_file(kitchen(), tmp_path / "k.json")
+    lines = run("inspect", tmp_path / "k.json", "--words", "living_room")[0].splitlines()
+    assert lines[0].startswith("2 of 6 things")
+    assert "Stuhl_03 -> Chair" in lines
+    assert "Refrigerator: not known" in lines
+    record = json.loads(run("inspect", tmp_path / "k.json", "--words", "living_room", "--json")[0])
+    assert (record["things"], record["known"], record["kind"]) == (6, 2, "kitchen")

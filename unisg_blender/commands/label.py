@@ -48,7 +48,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--out", metavar="OUT", type=Path, help="write the scene with the accepted categories; of several files: folder"
     )
     parser.add_argument(
-        "--threshold", metavar="P", type=number(0, 1), default=0.5, help="accept from this confidence on (0.5)"
+        "--threshold", metavar="P", type=number(0, 1), default=0.6, help="accept from this confidence on (0.6)"
     )
 
 
@@ -151,6 +151,7 @@ def _report(
                 "name": proposal.name,
                 "uid": proposal.uid,
                 "row": proposal.row,
+                "known": proposal.known,
                 "categories": [
                     {"category": name, "confidence": round(value, 4)} for name, value in proposal.categories
                 ],
@@ -162,7 +163,8 @@ def _report(
 
 def _lines(args: argparse.Namespace, out: Path | None, proposals: Sequence[Proposal], accepted: int) -> list[str]:
     lines = [
-        f"{proposal.name}: " + ", ".join(f"{name} {value:.0%}" for name, value in proposal.categories)
+        f"{proposal.name}: {'' if proposal.known else 'not known; perhaps '}"
+        + ", ".join(f"{name} {value:.0%}" for name, value in proposal.categories)
         for proposal in proposals
     ]
     if not proposals:

@@ -112,11 +112,16 @@ def understand(
 def _of_name(graph: SceneGraph, row: int, words: VocabularyMatch, size: Floats | None) -> tuple[WordMatch, str, str]:
     """What an entity's name says, or else that of its mesh."""
     mesh = graph.meshes[graph.mesh[row]].name if graph.mesh[row] >= 0 else ""
-    for name in (graph.name[row], "" if name_words(mesh) in PRIMITIVES else mesh):
+    for name in (graph.name[row], "" if is_shape_name(mesh) else mesh):
         match = words.match(name, size)
         if match.category or match.thing:
             return match, name, "name"
     return WordMatch(), "", "name"
+
+
+def is_shape_name(name: str) -> bool:
+    """Whether the name of a mesh speaks of its shape only, as modelling software gives it: "Box01", "Tube"."""
+    return name_words(name) in PRIMITIVES
 
 
 def _is_thing(graph: SceneGraph, row: int, match: WordMatch, names: Sequence[str]) -> bool:

@@ -90,11 +90,20 @@ class SceneReading:
         count, told = len(self.things), self.words.lines()
         if not count or (self.known == count and not told):
             return []
-        looks = f"; it looks like {_a(self.kind)}" if self.kind else ""
-        lines = [f"{self.known} of {count} things in the scene are known to the model{looks}"]
+        lines = [self.summary]
         if told:
             lines.append(f"understood: {some_of(told, SHOWN)}")
         return lines + ([f"not known: {some_of(self.unknown, SHOWN)}"] if self.unknown else [])
+
+    def report_lines(self) -> list[str]:
+        """The same in full, a line for each thing."""
+        return [self.summary, *self.words.lines(), *(f"{name}: not known" for name in self.unknown)]
+
+    @property
+    def summary(self) -> str:
+        """How many things the model knows, and what kind of room it looks like."""
+        looks = f"; it looks like {_a(self.kind)}" if self.kind else ""
+        return f"{self.known} of {len(self.things)} things in the scene are known to the model{looks}"
 
     @property
     def unknown(self) -> list[str]:
