@@ -28,6 +28,7 @@ def run(args: argparse.Namespace) -> int:
         "file": str(args.file),
         "kind": found.kind or None,
         "nearest": found.nearest,
+        "by_things": found.by_things or None,
         "chances": {name: round(value, 6) for name, value in found.chances.items()},
         "objects": found.objects,
         "objects_known": found.known,

@@ -18,7 +18,7 @@ from ..scene.assembly import index_categories
 from ..scene.graph import SceneGraph
 from ..scene.hierarchy import local_bounds, world_matrices
 from ..spatial import oriented_boxes
-from ..spatial.structure import recognise_structure
+from ..spatial.structure.building_rows import building_rows
 from ..words.scene_words import is_shape_name
 from .calibration import KNOWN, calibrated, setting_evidence
 from .category_model import LabelModel
@@ -29,9 +29,8 @@ BESIDE = 0.5
 """Boxes whose spheres come nearer than this, in metres, stand beside each other."""
 MOST_NEIGHBOURS = 12
 
-SURE, LONG_WALL = 0.9, 2.0
-"""Confidence of what the structure of a room, or a word that the model lacks, tells; and metres of a wall at least:
-shorter pieces may be furniture."""
+SURE = 0.9
+"""Confidence of what the structure of a room, or a word that the model lacks, tells."""
 
 NAMED = 0.97
 """Confidence of what a name says, all categories together."""
@@ -102,7 +101,7 @@ def propose_categories(
         return []
     names = _names(whole, wanted, model) if "name" in use else [NOTHING_SAID] * len(wanted)
     chances = _chances(whole, wanted, names, model, encoder, use)
-    building = _building(graph) if "structure" in use else {}
+    building = building_rows(graph) if "structure" in use else {}
     proposals = []
     for row, said, own in zip(wanted.tolist(), names, chances, strict=True):
         sure = building.get(row, said.thing)
@@ -141,17 +140,6 @@ def _chances(
         return np.asarray(softmax(scores, axis=1))
     trusted = calibrated(scores, -shape * model.temperature, model.trust)
     return np.where(by_name.any(axis=1)[:, None], NAMED * softmax(scores, axis=1), trusted)
-
-
-def _building(graph: SceneGraph) -> dict[int, str]:
-    """By row what is floor, ceiling or, where it is long enough, wall of a room, and nothing else."""
-    structure = recognise_structure(graph)
-    length: dict[int, float] = {}
-    for room in structure.rooms:
-        for wall in room.walls:
-            length[wall.row] = length.get(wall.row, 0.0) + wall.length
-    alone = {row: kinds[0] for row, kinds in structure.parts.items() if len(kinds) == 1}
-    return {row: kind for row, kind in alone.items() if kind != "Wall" or length[row] >= LONG_WALL}
 
 
 def accept(graph: SceneGraph, proposals: Sequence[Proposal], threshold: float = 0.0) -> SceneGraph:
