@@ -21,6 +21,7 @@ from .behaviour import ActionPolicy, Behaviour, add_behaviour, behaviour_path, l
 from .counts import MOST_OBJECTS
 from .observe.placement_order import in_order
 from .observe.scene_reading import SceneReading, missing_counts, understood_counts
+from .place.placed_by_rules import by_rules, contract_with, rules_for
 from .place.placement_record import Placement
 from .place.placer import ObjectPlacer
 from .place.room_shell import add_shell
@@ -33,6 +34,30 @@ from .propose.trained_model import TrainedModel, load_model
 
 SHELL = (FLOOR, "Wall", "Ceiling")
 """What is never brought into a room that has it."""
+
+
+Placing = abc.Generator[Placement, None, tuple[SceneGraph, list[Placement]]]
+"""Placing object after object: what became of each, and at the end the scene and all of them."""
+
+
+@dataclass(frozen=True, eq=False)
+class _How:
+    """How objects are wanted, see :meth:`Generator.steps`."""
+
+    bulk: bool
+    settle: bool
+    assets: Mapping[str, Sequence[Asset]]
+    on: str
+    beside: str
+
+
+@dataclass(frozen=True, eq=False)
+class _New:
+    """Where names, identities and chances of new objects come from."""
+
+    names: Names
+    make_uid: UidMaker
+    rng: np.random.Generator
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,8 +150,9 @@ class Generator:
         scene
             Any scenegraph; it may be empty.
         counts
-            How many objects of each category. Asked for a "Floor" in a scene in which no room can be
-            recognised, the generator starts with a room shell.
+            How many objects of each category, in any words. Asked for a "Floor" in a scene in which no room can be
+            recognised, the generator starts with a room shell. What the model does not know, but the table of words
+            does, is placed by rules.
         seed
             Same seed, same result; None for another result every time.
         bulk
@@ -152,48 +178,79 @@ class Generator:
             :data:`MOST_OBJECTS`, an object that is missing, or a model that gives no finite numbers.
         """
         counts = self.understood(_checked(counts), words)
-        reading = self.read(scene, words)
-        names, make_uid = Names(scene.name), uid_maker(scene, seed)
-        rng = np.random.default_rng(seed)
-        before = scene
-        scene, placements, wanted = self._with_room(scene, counts, reading, rng, names, make_uid)
+        reading, how = self.read(scene, words), _How(bulk, settle, assets or {}, on, beside)
+        new = _New(Names(scene.name), uid_maker(scene, seed), np.random.default_rng(seed))
+        result, placements, wanted = self._with_room(scene, counts, reading, new)
         yield from placements
-        in_words = self.read(scene, words).graph if placements else reading.graph
-        shapes = {self.categories.index(name): given for name, given in (assets or {}).items() if name in counts}
-        numbers = [self.categories.index(name) for name in wanted]
-        work = ObjectPlacer(self.proposer, self.library, in_words, rng, settle, numbers, shapes, on, beside)
-        for planned in work.order(bulk):
-            placements.append(work.place(planned, names, make_uid))
-            yield placements[-1]
-        result = extend(scene, work.scene.additions, names, make_uid)
+        in_words = self.read(result, words).graph if placements else reading.graph
+        result, made = yield from _placing(self.proposer, self.library, result, in_words, wanted, how, new)
+        placements += made
+        if others := [name for name, count in counts.items() if name not in self.categories for _ in range(count)]:
+            result, made = yield from self._by_rules(result, others, how, new, words)
+            placements += made
         if behaviour:
-            result, placements = self._with_actions(result, placements, make_uid, rng)
-        return _generated(before, result, placements, reading)
+            result, placements = self._with_actions(result, placements, new)
+        return _generated(scene, result, placements, reading)
 
     add = at_once(steps)
 
     def _with_room(
-        self, scene: SceneGraph, counts: Mapping[str, int], reading: SceneReading, rng: np.random.Generator,
-        names: Names, make_uid: UidMaker,
-    ) -> tuple[SceneGraph, list[Placement], list[str]]:  # fmt: skip
-        """The scene with a room, if one is asked for and none is there, what became of its parts, and what is left."""
+        self, scene: SceneGraph, counts: Mapping[str, int], reading: SceneReading, new: _New
+    ) -> tuple[SceneGraph, list[Placement], list[str]]:
+        """The scene with a room, if one is asked for and none is there, what became of its parts, and what is left of
+        what the model knows."""
         placements: list[Placement] = []
         built: Sequence[str] = SHELL if reading.has_room else STRUCTURE if FLOOR in counts else ()
         if reading.has_room:
             refused = Counter({name: counts[name] for name in SHELL if name in counts})
             placements = [Placement(name, note="there is a room already") for name in refused.elements()]
         elif FLOOR in counts:
-            scene, placements = add_shell(scene, counts, self.library, rng, names, make_uid)
-        return scene, placements, [name for name in in_order(counts, self.contract.priors) if name not in built]
+            scene, placements = add_shell(scene, counts, self.library, new.rng, new.names, new.make_uid)
+        known = {name: count for name, count in counts.items() if name in self.categories}
+        return scene, placements, [name for name in in_order(known, self.contract.priors) if name not in built]
+
+    def _by_rules(
+        self, scene: SceneGraph, things: Sequence[str], how: _How, new: _New, words: Mapping[str, str] | None
+    ) -> Placing:
+        """The scene with things that the model does not know, placed by rules."""
+        kinds = tuple(dict.fromkeys(things))
+        contract = contract_with(self.contract, kinds)
+        library = Library(replace(self.model, contract=contract))
+        graph = SceneReading.of(scene, contract, words).graph
+        placing = _placing(rules_for(contract, kinds), library, scene, graph, things, how, new)
+        while True:
+            try:
+                yield by_rules(next(placing))
+            except StopIteration as stop:
+                result, made = stop.value
+                return result, [by_rules(item) for item in made]
 
     def _with_actions(
-        self, scene: SceneGraph, placements: list[Placement], make_uid: UidMaker, rng: np.random.Generator
+        self, scene: SceneGraph, placements: list[Placement], new: _New
     ) -> tuple[SceneGraph, list[Placement]]:
         """The scene with actions for what was placed, as far as there is a model of behaviour."""
         if self.behaviour is None:
             return scene, placements
-        made = add_behaviour(scene, [item.uid for item in placements if item.uid], self.behaviour, make_uid, rng)
+        uids = [item.uid for item in placements if item.uid]
+        made = add_behaviour(scene, uids, self.behaviour, new.make_uid, new.rng)
         return made.scene, [_with_behaviour(item, made) for item in placements]
+
+
+def _placing(
+    proposer: Proposer, library: Library, scene: SceneGraph, in_words: SceneGraph, wanted: Sequence[str], how: _How,
+    new: _New,
+) -> Placing:  # fmt: skip
+    """The scene with objects of the wanted categories, each placed in a step; ``in_words`` is what the model sees."""
+    if not wanted:
+        return scene, []
+    vocabulary, made = library.model.contract.vocabulary, []
+    numbers = [vocabulary.index(name) for name in wanted]
+    shapes = {vocabulary.index(name): given for name, given in how.assets.items() if name in wanted}
+    work = ObjectPlacer(proposer, library, in_words, new.rng, how.settle, numbers, shapes, how.on, how.beside)
+    for planned in work.order(how.bulk):
+        made.append(work.place(planned, new.names, new.make_uid))
+        yield made[-1]
+    return extend(scene, work.scene.additions, new.names, new.make_uid), made
 
 
 def _generated(

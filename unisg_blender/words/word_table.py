@@ -14,7 +14,11 @@ from .split_names import name_words, plain, singular_forms, telling_words
 
 FILE = Path(__file__).with_name("things.toml")
 
-BROADER = "is"
+BROADER, SIZE, PLACE = "is", "size", "place"
+"""Entries of a thing that are no languages."""
+
+PLACES = ("wall", "floor", "top")
+"""Where things stand: at a wall, on the floor, on top of furniture."""
 
 MOST_WORDS = 5
 """Words of a name that are read as one, at most: "table de salle a manger"."""
@@ -57,11 +61,14 @@ NOT_THINGS = frozenset(
 
 @dataclass(frozen=True)
 class Thing:
-    """A kind of things: its name, the broader terms it falls under, nearest first, and its words by language."""
+    """A kind of things: its name, the broader terms it falls under, nearest first, and its words by language; usual
+    ``size`` (3,) in metres, () where there is none, and where it usually stands, one of :data:`PLACES` or ""."""
 
     name: str
     broader: tuple[str, ...]
     words: Mapping[str, tuple[str, ...]]
+    size: tuple[float, ...] = ()
+    place: str = ""
 
 
 @dataclass(frozen=True)
@@ -174,9 +181,10 @@ def read_table(path: Path) -> WordTable:
     for name, entry in content.items():
         if not isinstance(entry, dict):
             raise UniSGError(f"{path}: {name!r} must be a table of languages")
-        words = {language: text for language, text in entry.items() if language != BROADER}
+        words = {language: text for language, text in entry.items() if language not in (BROADER, SIZE, PLACE)}
         if not all(isinstance(text, str) for text in words.values()):
             raise UniSGError(f"{path}: the words of {name!r} must be text with commas between them")
         listed = {language: tuple(word.strip() for word in text.split(",")) for language, text in words.items()}
-        things[name] = Thing(name, tuple(entry.get(BROADER, ())), listed)
+        size, place = tuple(map(float, entry.get(SIZE, ()))), entry.get(PLACE, "")
+        things[name] = Thing(name, tuple(entry.get(BROADER, ())), listed, size, place)
     return WordTable(things)

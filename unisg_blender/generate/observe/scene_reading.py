@@ -126,23 +126,25 @@ class SceneReading:
 def understood_counts(
     counts: Mapping[str, int], contract: Contract, said: Mapping[str, str] | None = None
 ) -> dict[str, int]:
-    """Counts by the model's categories: "couches" are Sofas.
+    """Counts by the model's categories: "couches" are Sofas; what it does not know has the name of the table of words.
 
     Raises
     ------
     UniSGError
-        For a word that the model does not know, or that may mean several of its categories.
+        For a word that neither knows, or that may mean several of the model's categories.
     """
     words = VocabularyMatch(contract.vocabulary, said)
     found: dict[str, int] = {}
     for name, count in counts.items():
         match = words.match(name)
-        if match.how in (KIND, BROAD):
+        placeable = not match.part and has_usual_place(match.thing)
+        if match.how == BROAD or (match.how == KIND and not placeable):
             options = " or ".join(repr(option) for option in (match.category, *match.others))
             raise UniSGError(f"the model does not know {name!r}: did you mean {options}?")
-        category = match.category or name
-        found[category] = found.get(category, 0) + count
-    contract.check_categories(list(found))
+        category = match.thing if placeable and match.how in (KIND, "") else match.category
+        if not category:
+            contract.check_categories([name])
+        found[category or name] = found.get(category or name, 0) + count
     return found
 
 
@@ -180,6 +182,12 @@ def _usual(contract: Contract) -> list[str]:
         return []
     usual: Sequence[bool] = ((rooms > 0).mean(axis=0) >= USUAL).tolist()
     return [_thing(name) for name, often in zip(contract.vocabulary, usual, strict=True) if often]
+
+
+def has_usual_place(thing: str) -> bool:
+    """Whether the table of words says how large a thing is and where it stands."""
+    known = thing_table().things.get(thing)
+    return known is not None and bool(known.size and known.place)
 
 
 def _thing(name: str) -> str:
