@@ -86,19 +86,20 @@ def _with_walls(chances: Floats, objects: SceneObjects, obj: int, outline: Float
         return chances
     outwards = OUTWARDS @ rotation(float(objects.yaw[obj]))[:2, :2].T
     reach = objects.half[obj, [1, 0, 1, 0]]
-    free = np.array([_way_to_wall(objects.center[obj, :2], way, outline) for way in outwards]) - reach
+    free = _ways_to_walls(objects.center[obj, :2], outwards, outline) - reach
     backed = (free <= BEHIND) & (free[[2, 3, 0, 1]] >= FREE)
     changed = chances * np.where(backed[[2, 3, 0, 1]], BACK_TO_WALL, 1) / np.where(backed, BACK_TO_WALL, 1)
     return np.asarray(changed / changed.sum())
 
 
-def _way_to_wall(point: Floats, way: Floats, outline: Floats) -> float:
-    """Metres from a point (2,) along a unit vector to the outline (C, 2) of the room; infinite if it never meets it."""
+def _ways_to_walls(point: Floats, ways: Floats, outline: Floats) -> Floats:
+    """Metres (N,) from a point (2,) along unit vectors (N, 2) to the outline (C, 2) of the room; infinite where one
+    never meets it."""
     edge = np.roll(outline, -1, axis=0) - outline
-    step = outline - point
-    across = way[0] * edge[:, 1] - way[1] * edge[:, 0]
+    step, x, y = outline - point, ways[:, :1], ways[:, 1:]
+    across = x * edge[:, 1] - y * edge[:, 0]
     with np.errstate(divide="ignore", invalid="ignore"):
         along = (step[:, 0] * edge[:, 1] - step[:, 1] * edge[:, 0]) / across
-        share = (step[:, 0] * way[1] - step[:, 1] * way[0]) / across
+        share = (step[:, 0] * y - step[:, 1] * x) / across
     hit = (np.abs(across) > 1e-12) & (along > 0) & (share >= 0) & (share <= 1)
-    return float(along[hit].min()) if hit.any() else np.inf
+    return np.asarray(np.where(hit, along, np.inf).min(axis=1))

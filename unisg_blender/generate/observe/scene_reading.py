@@ -57,7 +57,8 @@ class SceneReading:
         graph = words.graph
         rows = find_objects(graph, empty=False).rows.tolist()
         rows = [row for row in rows if graph.category_name(row) not in STRUCTURE]
-        built = recognise_structure(graph).parts if any(not graph.category_name(row) for row in rows) else {}
+        nameless = any(not graph.category_name(row) for row in rows)
+        built = recognise_structure(graph).parts if nameless and FLOOR not in graph.vocabulary else {}
         rows = [row for row in rows if graph.category_name(row) or row not in built]
         thing_of = {item.row: item.match.thing for item in words.understood}
         known = sum(graph.category_name(row) in contract.vocabulary for row in rows)
