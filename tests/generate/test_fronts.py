@@ -82,6 +82,8 @@ def test_what_has_no_front_is_not_told() -> None:
     for mesh in (box((0.5, 0.5, 0.7), (-0.25, -0.25, 0)), box((1.0, 1.0, 0.02))):
         assert not front_of(mesh.points.astype(float)[mesh.triangles]).told
     assert not front_of(np.zeros((0, 3, 3))).told
+    sheet = box((1.0, 0.0, 0.7))
+    assert not front_of(sheet.points.astype(float)[sheet.triangles]).told
 
 
 @pytest.mark.parametrize("turns", [1, 2, 3])

@@ -144,6 +144,16 @@ def test_a_table_of_an_empty_and_two_meshes_is_one_thing() -> None:
     }  # fmt: skip
 
 
+def test_nested_names_of_one_thing_are_one_thing() -> None:
+    made = SceneBuilder("nested")
+    top = made.add("CoffeeTable_01_001", uid="a")
+    model = made.add("aws_robomaker_CoffeeTable_01", uid="b", parent=top)
+    visual = made.add("visual", uid="c", parent=model)
+    made.add("aws_CoffeeTable_01_visual", uid="d", parent=visual, mesh=box((1, 1, 0.4)))
+    read = understand(made.build(), LIVING)
+    assert [read.graph.category_name(row) for row in range(4)] == ["Coffee Table", "", "", ""]
+
+
 def test_kinds_of_rooms() -> None:
     for room, kind in ((kitchen(), "kitchen"), (bedroom(), "bedroom")):
         assert room_kind(item.match.thing for item in understand(room, LIVING).understood) == kind

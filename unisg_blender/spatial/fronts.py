@@ -29,6 +29,9 @@ ON_SIDE = 0.04
 SLAB = 0.15
 """Share of the depth in which corners of the mesh count as details of a side."""
 
+FLAT = 1e-6
+"""Metres of an extent below which a thing is a sheet: all its sides look alike."""
+
 CLEAR = 0.9
 """Chance from which on a front counts as told."""
 
@@ -68,12 +71,14 @@ def front_of(triangles: Triangles) -> Front:
 
 def side_features(triangles: Triangles) -> Floats | None:
     """What each side looks like, (4, F) by :data:`FEATURES`: most of them less the same of the opposite side; None
-    for what has no surface."""
+    for what has no surface, or is flat."""
     normal = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
     area = np.linalg.norm(normal, axis=1)
     if not area.sum() > 0:
         return None
-    low, size = triangles.min(axis=(0, 1)), np.maximum(np.ptp(triangles, axis=(0, 1)), 1e-9)
+    low, size = triangles.min(axis=(0, 1)), np.ptp(triangles, axis=(0, 1))
+    if size.min() < FLAT:
+        return None
     which, points = _samples(triangles, area)
     places, corners = (points - low) / size, (triangles.reshape(-1, 3) - low) / size
     normals = normal[which] / np.maximum(area[which, None], 1e-300)

@@ -67,8 +67,9 @@ def _line(match: WordMatch, said: Sequence[str]) -> str:
         return f"{said[0]} -> {match.category or 'nothing'}, as the mapping says{many}"
     if match.how == KIND:
         return f"{said[0]} -> {match.category}, which is broader{many}"
-    if match.how == BROAD and match.others:
-        return f"{said[0]} -> {match.category}; it may be {' or '.join(match.others)}{many}"
+    if match.how == BROAD:
+        rest = f"; it may be {' or '.join(match.others)}" if match.others else ", which is one kind of it"
+        return f"{said[0]} -> {match.category}{rest}{many}"
     return f"{said[0]} -> {match.category}{many}"
 
 
@@ -93,14 +94,17 @@ def understand(
     words = VocabularyMatch(known, said, sizes)
     extents = _extents(graph)
     names: list[str] = []
+    above: list[str] = []
     found: list[Understood] = []
     for row in range(len(graph)):  # parents come first
         own = graph.category_name(row)
         size = extents[row] if np.isfinite(extents[row]).all() else None
         match, told, source = (words.match(own, size), own, "category") if own else _of_name(graph, row, words, size)
-        if not own and not _is_thing(graph, row, match, names):
+        holder = above[graph.parent[row]] if graph.parent[row] >= 0 else ""
+        if not own and not _is_thing(graph, row, match, holder):
             match = WordMatch()
         names.append(match.category or own)
+        above.append(names[-1] or holder)
         if match.category or match.thing:
             found.append(Understood(row, told, source, match))
     if all(name == graph.category_name(row) for row, name in enumerate(names)):
@@ -124,13 +128,15 @@ def is_shape_name(name: str) -> bool:
     return name_words(name) in PRIMITIVES
 
 
-def _is_thing(graph: SceneGraph, row: int, match: WordMatch, names: Sequence[str]) -> bool:
-    """Whether a row without a category is a thing of its own, as its name says: no part, no group, nothing built."""
+def _is_thing(graph: SceneGraph, row: int, match: WordMatch, holder: str) -> bool:
+    """Whether a row without a category is a thing of its own, as its name says: no part, no group, nothing built.
+
+    What is called as the nearest thing above, its ``holder``, is what that is made of.
+    """
     if match.part or match.category in BY_GEOMETRY or graph.type[row] not in SOLID:
         return False
-    parent = int(graph.parent[row])
-    if match.category and parent >= 0 and names[parent] == match.category and not graph.category[parent] >= 0:
-        return False  # one of the meshes that its parent is made of
+    if match.category and match.category == holder:
+        return False
     if graph.mesh[row] < 0 and match.category:
         return _stands_for_one(graph, row)
     return True
