@@ -46,6 +46,14 @@ def test_words_of_other_languages(name: str, category: str) -> None:
     assert found[category] > 0.9
 
 
+def test_what_the_user_says_of_a_word_counts_first() -> None:
+    builder = SceneBuilder("one")
+    builder.add("Klotz_3", uid="u", mesh=box((0.45, 0.4, 0.55)))
+    (found,) = propose_categories(builder.build(), words={"Klotz": "Throne"})
+    assert found.best == "Throne"
+    assert found.known
+
+
 def test_a_broader_term_leaves_the_choice_to_the_shape() -> None:
     found = one("Table", box((1.1, 0.6, 0.4)))
     assert next(iter(found)) == "Coffee Table"

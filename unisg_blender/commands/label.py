@@ -19,6 +19,7 @@ from .common import (
     print_report,
     read_shown,
     shown_lines,
+    words_of,
 )
 from .outputs import check_file, check_folder
 
@@ -102,7 +103,7 @@ def _label(
 
     graph, _ = read_shown(args, file, out)
     rows = range(len(graph)) if args.all else None
-    proposals = propose_categories(graph, model, rows=rows, best=args.best, use=use)
+    proposals = propose_categories(graph, model, rows=rows, best=args.best, use=use, words=words_of(args))
     accepted = [proposal for proposal in proposals if proposal.confidence >= args.threshold]
     if out is not None:
         _write(file, out, graph, accepted)

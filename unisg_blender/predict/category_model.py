@@ -86,9 +86,12 @@ class LabelModel:
         """Evidence (K,) of an object's names, in nats: that of the first name that has a known word."""
         return self.read_names(names).scores
 
-    def read_names(self, names: tuple[str, ...]) -> NameEvidence:
-        """What an object's names say, see :func:`~.name_evidence.name_evidence`; scores in nats."""
-        found = name_evidence(names, self.words, self.lexicon)
+    def read_names(self, names: tuple[str, ...], words: VocabularyMatch | None = None) -> NameEvidence:
+        """What an object's names say, see :func:`~.name_evidence.name_evidence`; scores in nats.
+
+        ``words`` are the model's own :attr:`words` with what the user says of some of them.
+        """
+        found = name_evidence(names, words or self.words, self.lexicon)
         return NameEvidence(self.name_weight * found.scores, found.thing)
 
     @cached_property

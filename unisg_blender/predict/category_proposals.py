@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,6 +19,7 @@ from ..scene.graph import SceneGraph
 from ..scene.hierarchy import local_bounds, world_matrices
 from ..spatial import oriented_boxes
 from ..spatial.structure.building_rows import building_rows
+from ..words import VocabularyMatch
 from ..words.scene_words import is_shape_name
 from .calibration import KNOWN, calibrated, setting_evidence
 from .category_model import LabelModel
@@ -72,6 +73,7 @@ class Proposal:
 def propose_categories(
     graph: SceneGraph, model: LabelModel | None = None, encoder: AtlasNetEncoder | None = None, *,
     rows: Sequence[int] | None = None, best: int = 3, use: Sequence[str] = ("shape", "name", "neighbours", "structure"),
+    words: Mapping[str, str] | None = None,
 ) -> list[Proposal]:  # fmt: skip
     """Propose categories for entities that have a mesh, or stand for several that are one thing, and no category.
 
@@ -88,6 +90,8 @@ def propose_categories(
     use
         Kinds of evidence: "shape" (mesh and size), "name", "neighbours" (what stands beside it, and in what kind of
         room), and "structure": what is floor, wall or ceiling of a room is told by where it is, not by how it looks.
+    words
+        What the user says of words in names: word to category.
 
     Returns
     -------
@@ -99,7 +103,7 @@ def propose_categories(
     wanted = wanted[np.array([_has_points(whole, row) for row in wanted], bool)]
     if not len(wanted):
         return []
-    names = _names(whole, wanted, model) if "name" in use else [NOTHING_SAID] * len(wanted)
+    names = _names(whole, wanted, model, words) if "name" in use else [NOTHING_SAID] * len(wanted)
     chances = _chances(whole, wanted, names, model, encoder, use)
     building = building_rows(graph) if "structure" in use else {}
     proposals = []
@@ -113,11 +117,12 @@ def propose_categories(
     return proposals
 
 
-def _names(graph: SceneGraph, wanted: Ints, model: LabelModel) -> list[NameEvidence]:
+def _names(graph: SceneGraph, wanted: Ints, model: LabelModel, words: Mapping[str, str] | None) -> list[NameEvidence]:
+    match = VocabularyMatch(model.vocabulary, words) if words else model.words
     found = {}
     for row in wanted.tolist():
         own = graph.meshes[graph.mesh[row]].name
-        found[row] = model.read_names((graph.name[row], "" if is_shape_name(own) else own))
+        found[row] = model.read_names((graph.name[row], "" if is_shape_name(own) else own), match)
     return list(found.values())
 
 

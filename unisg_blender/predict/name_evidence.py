@@ -10,7 +10,7 @@ import numpy as np
 from ..geometry.arrays import Floats
 from ..words import VocabularyMatch
 from ..words.split_names import telling_words
-from ..words.vocabulary_match import BROAD, SAME, WORD
+from ..words.vocabulary_match import BROAD, MAPPED, SAME, WORD
 
 FUZZY = 0.6
 """Share of common letter triples from which two words count as forms of one word."""
@@ -36,12 +36,15 @@ def name_evidence(names: Sequence[str], match: VocabularyMatch, lexicon: Sequenc
 
     A word of the table of words counts first: it means one category, or any of those that it is the broader term of. A
     thing that the vocabulary lacks, such as a nightstand, stays what it is. Else the first name with a word of the
-    lexicon counts, see :func:`name_scores`. Parts are named after their thing and say nothing.
+    lexicon counts, see :func:`name_scores`. Parts are named after their thing and say nothing. What the user says of a
+    word counts before all of it.
     """
     places = {name: place for place, name in enumerate(match.own.values())}
     nothing = np.zeros(len(places))
     for name in names:
         found = match.match(name)
+        if found.how == MAPPED:
+            return NameEvidence(nothing, found.category)
         if found.part:
             return NameEvidence(nothing)
         if found.how in (SAME, WORD, BROAD):

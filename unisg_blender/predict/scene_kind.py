@@ -127,8 +127,8 @@ class SceneModel:
         """The kinds of scenes that it knows."""
         return self.record.kinds
 
-    def classify(self, graph: SceneGraph) -> KindOfScene:
-        """The chance of each kind, and whether the scene is of any of them.
+    def classify(self, graph: SceneGraph, words: Mapping[str, str] | None = None) -> KindOfScene:
+        """The chance of each kind, and whether the scene is of any of them; ``words`` is what the user says of words.
 
         Raises
         ------
@@ -142,8 +142,8 @@ class SceneModel:
         found = zip(self.kinds, softmax(logits[0].astype(np.float64)).tolist(), strict=True)
         chances = dict(sorted(found, key=lambda entry: -entry[1]))
         like = self.familiar.get(next(iter(chances)))
-        told = told_categories(graph, sorted(like.categories) if like else ())
-        categories, things = object_categories(told), room_kind(told_categories(graph).vocabulary)
+        told = told_categories(graph, sorted(like.categories) if like else (), words)
+        categories, things = object_categories(told), room_kind(told_categories(graph, (), words).vocabulary)
         if like is None:
             return KindOfScene(chances, 0, len(categories), None, False, things)
         known, categorised = sum(name in like.categories for name in categories), sum(map(bool, categories))
