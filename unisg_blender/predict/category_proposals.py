@@ -136,7 +136,7 @@ def _chances(
     scores = shape + by_name
     built = np.array([name in BY_GEOMETRY for name in model.vocabulary])
     if not built.all():
-        scores[:, built] -= RULED_OUT
+        scores -= RULED_OUT * (built & (by_name == 0))  # a name may say so
     if "neighbours" in use:
         given = [graph.category_name(int(row)) for row in np.flatnonzero(graph.category >= 0)]
         scores += setting_evidence(scores, given, model.vocabulary, model.settings)
