@@ -10,6 +10,7 @@ bpy = pytest.importorskip("bpy")
 
 from tests.words.foreign_scenes import kitchen  # noqa: E402
 from unisg_blender.blender import write_scene  # noqa: E402
+from unisg_blender.dataset import open_dataset  # noqa: E402
 
 
 @pytest.fixture
@@ -41,3 +42,11 @@ def test_a_mapping_file_changes_it(scene, extension, tmp_path: Path) -> None:
     assert not scene.objects["Table"].get("unisg_category")
     with pytest.raises(RuntimeError, match=r"cannot read the mapping .*none\.toml"):
         bpy.ops.unisg.understand(model="living_room", words=str(tmp_path / "none.toml"))
+
+
+def test_an_export_understands_when_asked(scene, tmp_path: Path) -> None:
+    for understand in (False, True):
+        folder = tmp_path / f"dataset-{understand}"
+        assert bpy.ops.unisg.export_dataset(filepath=str(folder), understand=understand) == {"FINISHED"}
+        names = open_dataset(folder).vocabulary["categories"]
+        assert ("Refrigerator" in names, "Floor" in names) == (understand, understand)
