@@ -13,6 +13,8 @@ from unisg_blender.predict.calibration import calibrated, setting_evidence
 from unisg_blender.predict.things_as_one import things_as_one
 from unisg_blender.scene import SceneBuilder, SceneGraph
 
+TOP, SIDE = box((1.4, 0.8, 0.05), (0, 0, 0.7)), box((0.05, 0.8, 0.7))
+
 
 def one(name: str, mesh=None, use=("shape", "name", "neighbours", "structure")) -> dict[str, float]:
     builder = SceneBuilder("one")
@@ -91,6 +93,19 @@ def test_a_table_of_three_meshes_is_judged_as_one() -> None:
 def test_several_things_stay_several(parts: tuple[str, ...]) -> None:
     graph = table("Chairs", parts)
     assert things_as_one(graph) is graph
+
+
+def test_copies_share_a_mesh_and_what_is_built_is_no_part() -> None:
+    builder = SceneBuilder("copies")
+    for number in range(2):
+        whole = builder.add(f"Object_{number}", uid=f"w{number}", local=np.diag([1.0, 1, 1, 1]))
+        for part, mesh in enumerate((TOP, SIDE)):
+            builder.add(f"Cube.{number}{part}", uid=f"p{number}{part}", parent=whole, mesh=mesh)
+    graph = builder.build()
+    joined = things_as_one(graph)
+    rows = [joined.name.index(f"Object_{number}") for number in range(2)]
+    assert joined.mesh[rows[0]] == joined.mesh[rows[1]] >= 0
+    assert things_as_one(graph, set(range(len(graph)))) is graph
 
 
 def test_what_lies_apart_stays_apart() -> None:

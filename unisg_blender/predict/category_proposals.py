@@ -98,14 +98,14 @@ def propose_categories(
     One proposal per entity, in row order.
     """
     model, encoder = model or LabelModel.load(), encoder or default_encoder()
-    whole = things_as_one(graph)
+    building = building_rows(graph) if "structure" in use else {}
+    whole = things_as_one(graph, building)
     wanted = np.flatnonzero(whole.category < 0) if rows is None else np.array(sorted(rows), np.int64)
     wanted = wanted[np.array([_has_points(whole, row) for row in wanted], bool)]
     if not len(wanted):
         return []
     names = _names(whole, wanted, model, words) if "name" in use else [NOTHING_SAID] * len(wanted)
     chances = _chances(whole, wanted, names, model, encoder, use)
-    building = building_rows(graph) if "structure" in use else {}
     proposals = []
     for row, said, own in zip(wanted.tolist(), names, chances, strict=True):
         sure = building.get(row, said.thing)

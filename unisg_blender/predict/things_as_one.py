@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
+
 import numpy as np
+from scipy.sparse.csgraph import connected_components
 
 from ..geometry.arrays import Floats, Ints
 from ..scene import Mesh, SceneGraph, subtree
@@ -12,28 +15,32 @@ from ..words import thing_table
 TOUCHING = 0.03
 """Metres between the boxes of parts that belong together, at most."""
 
-LARGEST = 3.5
-"""Metres of a thing at most: larger groups are rooms."""
+LARGEST, MOST_PARTS = 3.5, 500
+"""Metres and meshes of a thing at most: larger groups are rooms."""
 
 
-def things_as_one(graph: SceneGraph) -> SceneGraph:
+def things_as_one(graph: SceneGraph, built: Collection[int] = ()) -> SceneGraph:
     """The scene in which an entity without a mesh that stands for one thing has the mesh of all its parts.
 
-    It does if the meshes under it, of which none has a category or the name of another thing, touch each other and
-    make something no larger than :data:`LARGEST` metres. The parts then have no mesh. Entities stay as they are.
+    It does if the meshes under it, of which none is ``built``, has a category or the name of another thing, touch each
+    other and make something no larger than :data:`LARGEST` metres. The parts then have no mesh. Copies share one.
     """
     solid = shown(graph)
     mesh, meshes = graph.mesh.copy(), list(graph.meshes)
+    known: dict[tuple[object, ...], int] = {}
     for row in np.flatnonzero((graph.mesh < 0) & (graph.category < 0)).tolist():  # parents come first
         below = subtree(graph, row)[1:]
         parts = below[solid[below] & (mesh[below] >= 0)]
-        if len(parts) < 2 or (graph.category[below] >= 0).any() or not _are_one(graph, row, parts):
+        alone = (graph.category[below] < 0).all() and not np.isin(parts, list(built)).any()
+        if not (2 <= len(parts) <= MOST_PARTS and alone and _are_one(graph, row, parts)):
             continue
-        meshes.append(_joined(graph, row, parts))
-        mesh[row], mesh[parts] = len(meshes) - 1, -1
-    if len(meshes) == len(graph.meshes):
-        return graph
-    return graph.replace(mesh=mesh, meshes=tuple(meshes))
+        poses = np.linalg.pinv(graph.world[row]) @ graph.world[parts]
+        key = (*graph.mesh[parts].tolist(), (np.round(poses, 4) + 0.0).tobytes())
+        if key not in known:
+            meshes.append(_joined(graph, row, parts, poses))
+            known[key] = len(meshes) - 1
+        mesh[row], mesh[parts] = known[key], -1
+    return graph.replace(mesh=mesh, meshes=tuple(meshes)) if known else graph
 
 
 def _are_one(graph: SceneGraph, row: int, parts: Ints) -> bool:
@@ -48,10 +55,7 @@ def _are_one(graph: SceneGraph, row: int, parts: Ints) -> bool:
     if not np.isfinite(low).all() or (high.max(axis=0) - low.min(axis=0)).max() > LARGEST:
         return False
     near = ((low[:, None] <= high + TOUCHING) & (high[:, None] >= low - TOUCHING)).all(axis=2)
-    reached = near[0]
-    for _ in range(len(parts)):
-        reached = near[reached].any(axis=0)
-    return bool(reached.all())
+    return bool(connected_components(near, directed=False, return_labels=False) == 1)
 
 
 def _bounds(graph: SceneGraph, row: int) -> tuple[Floats, Floats]:
@@ -59,17 +63,12 @@ def _bounds(graph: SceneGraph, row: int) -> tuple[Floats, Floats]:
     return points.min(axis=0), points.max(axis=0)
 
 
-def _joined(graph: SceneGraph, row: int, parts: Ints) -> Mesh:
-    """The meshes of some rows as one, in the frame of another."""
-    back = np.linalg.pinv(graph.world[row])
+def _joined(graph: SceneGraph, row: int, parts: Ints, poses: Floats) -> Mesh:
+    """The meshes of some rows as one, in the frame of another, in which they have ``poses`` (P, 4, 4)."""
     own = [graph.meshes[graph.mesh[part]] for part in parts]
     first = np.cumsum([0, *(len(mesh.points) for mesh in own)])
-    placed = [
-        mesh.points @ (back @ graph.world[part])[:3, :3].T + (back @ graph.world[part])[:3, 3]
-        for part, mesh in zip(parts, own, strict=True)
-    ]
+    placed = [mesh.points @ pose[:3, :3].T + pose[:3, 3] for mesh, pose in zip(own, poses, strict=True)]
     corners = np.concatenate([mesh.corners + start for mesh, start in zip(own, first, strict=False)])
-    counts = np.concatenate([np.diff(mesh.offsets) for mesh in own])
-    offsets = np.concatenate([[0], np.cumsum(counts)])
+    offsets = np.concatenate([[0], np.cumsum(np.concatenate([np.diff(mesh.offsets) for mesh in own]))])
     points = np.concatenate(placed).astype(np.float32)
     return Mesh(graph.name[row], points, corners.astype(np.int32), offsets.astype(np.int32))
