@@ -29,6 +29,7 @@ from . import (
     relations,
     scene_lookup,
     settle,
+    understand,
 )
 from .registration import register_modules, unregister_modules
 
@@ -36,6 +37,7 @@ MODULES = (
     scene_lookup,
     generation_settings,
     generate,
+    understand,
     settle,
     categories,
     command_line,

@@ -39,6 +39,10 @@ class DatasetSettings:
             ("keep", "Leave Out", "Copies are not in the dataset"),
         ),
     )
+    understand: bpy.props.BoolProperty(
+        name="Understand Names",
+        description="Give things the category of their name, and floors, walls and ceilings theirs by geometry",
+    )
     all_scenes: bpy.props.BoolProperty(name="All Scenes", description="Every scene of this file, not only this one")
     resume: bpy.props.BoolProperty(
         name="Resume", description="Go on with an export of files that was stopped, or bring its dataset up to date"
@@ -92,6 +96,7 @@ class UNISG_OT_export_dataset(DatasetSettings, SteppedOperator):
         from ..unisg_blender.dataset import Sample
         from ..unisg_blender.dataset.export.realized_instances import realize_objects
         from ..unisg_blender.dataset.format.writer import write_steps
+        from ..unisg_blender.dataset.told_categories import told_categories
 
         folder = self._absolute(self.filepath)
         names = [scene.name for scene in (bpy.data.scenes if self.all_scenes else [context.scene]) if scene.objects]
@@ -103,6 +108,8 @@ class UNISG_OT_export_dataset(DatasetSettings, SteppedOperator):
             graph = read_scene(bpy.data.scenes[name])
             if self.instances == "realize":
                 graph, _ = realize_objects(graph)
+            if self.understand:
+                graph = told_categories(graph)
             samples.append(Sample(graph, bpy.path.basename(bpy.data.filepath) or name))
         yield 0.5, "Writing"
         for done in write_steps(samples, folder, self.form, overwrite=self.overwrite):
@@ -114,7 +121,7 @@ class UNISG_OT_export_dataset(DatasetSettings, SteppedOperator):
         from ..unisg_blender.dataset.export.batch_export import ExportOptions, export_steps
 
         folder, inputs = self._absolute(self.filepath), self._absolute(self.inputs)
-        options = ExportOptions(form=self.form, instances=self.instances)
+        options = ExportOptions(form=self.form, instances=self.instances, understand=self.understand)
         done = failed = 0
         steps = export_steps([inputs], folder, options, resume=self.resume, overwrite=self.overwrite, wait=SLICE)
         for record, total in steps:

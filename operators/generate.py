@@ -10,7 +10,7 @@ import bpy
 
 from ..unisg_blender.errors import UniSGError
 from .base import SteppedOperator, Steps
-from .generation_settings import GenerationChoices, load_generator, shipped_models
+from .generation_settings import GenerationChoices, load_generator, read_words, scene_in_words, shipped_models
 
 
 class UNISG_OT_generate(GenerationChoices, SteppedOperator):
@@ -42,7 +42,6 @@ class UNISG_OT_generate(GenerationChoices, SteppedOperator):
 
     def steps(self, context: bpy.types.Context) -> Steps:
         """Read the scene and place one object after another; Blender's data is not touched before the end."""
-        from ..unisg_blender.blender import read_scene
         from ..unisg_blender.generate.counts import parse_counts
 
         shipped = shipped_models()
@@ -51,11 +50,12 @@ class UNISG_OT_generate(GenerationChoices, SteppedOperator):
         generator = load_generator(self.model or str(shipped[0]))
         if self.seed < 0:
             self.seed = random.randrange(2**31)
+        mapping = read_words(self.words)
         counts = parse_counts(self.add)
         self._began, total = time.perf_counter(), sum(counts.values())
         placing = generator.steps(
-            read_scene(context.scene, details=False), counts, self.seed, bulk=self.bulk, behaviour=self.behaviour,
-            on=self.on, beside=self.beside,
+            scene_in_words(context.scene, mapping), counts, self.seed, bulk=self.bulk, behaviour=self.behaviour,
+            on=self.on, beside=self.beside, words=mapping.get("words", {}),
         )  # fmt: skip
         done = 0
         while True:
@@ -77,6 +77,8 @@ class UNISG_OT_generate(GenerationChoices, SteppedOperator):
         from ..unisg_blender.runtime.wording import grouped
 
         result = self._result
+        for line in result.reading.lines() if result.reading else ():
+            self.report({"INFO"}, line)
         extend_lessons(result.scene, result.rows.tolist(), context.scene)
         objects = write_rows(result.scene, result.rows, context.scene)
         self._select(context, objects)

@@ -16,6 +16,7 @@ from .base import redraw_views
 
 if TYPE_CHECKING:
     from ..unisg_blender.generate import Generator
+    from ..unisg_blender.scene import SceneGraph
 
 OWN_FILE = "FILE"
 _generators: dict[tuple[str, float], Generator] = {}
@@ -41,6 +42,22 @@ def load_generator(path: str) -> Generator:
         _generators.clear()
         _generators[key] = generator
     return _generators[key]
+
+
+def read_words(path: str) -> dict[str, dict[str, str]]:
+    """What a mapping file says of names and words, by section; nothing without a path."""
+    from ..unisg_blender.words import read_mapping
+
+    return read_mapping(bpy.path.abspath(path)) if path else {}
+
+
+def scene_in_words(scene: bpy.types.Scene, mapping: dict[str, dict[str, str]]) -> SceneGraph:
+    """The scene as it is read, with the categories that a mapping gives to its names."""
+    from ..unisg_blender.blender import read_scene
+    from ..unisg_blender.words import apply_mapping
+
+    graph = read_scene(scene, details=False)
+    return apply_mapping(graph, mapping) if mapping else graph
 
 
 def _models(settings: object, context: bpy.types.Context | None) -> list[tuple[str, str, str]]:
@@ -70,6 +87,11 @@ class GenerationChoices:
     )
     bulk: bpy.props.BoolProperty(
         name="All at once", description="Propose all places together instead of one after another: faster, less tidy"
+    )
+    words: bpy.props.StringProperty(
+        name="Words",
+        description="A mapping file, JSON or TOML: what names and words for things mean, where the table of words errs",
+        subtype="FILE_PATH",
     )
     behaviour: bpy.props.BoolProperty(
         name="With actions",

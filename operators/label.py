@@ -38,11 +38,12 @@ class UNISG_OT_label(Operator):
         found = propose_categories(graph, rows=rows)
         for proposal in sorted(found, key=lambda proposal: -proposal.confidence):
             item = settings.proposals.add()
-            item.name, item.uid = proposal.name, proposal.uid
+            item.name, item.uid, item.known = proposal.name, proposal.uid, proposal.known
             for category, confidence in proposal.categories:
                 guess = item.guesses.add()
                 guess.name, guess.confidence = category, confidence
-        self.report({"INFO"}, f"{len(found)} objects have proposed categories")
+        known = sum(proposal.known for proposal in found)
+        self.report({"INFO"}, f"{known} of {len(found)} objects are known; the others have guesses only")
 
 
 class UNISG_OT_accept_category(Operator):
@@ -68,7 +69,7 @@ class UNISG_OT_accept_categories(Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     threshold: bpy.props.FloatProperty(
-        name="Confidence", description="Accept from here on", default=0.5, min=0, max=1, subtype="FACTOR"
+        name="Confidence", description="Accept from here on", default=0.6, min=0, max=1, subtype="FACTOR"
     )
 
     @classmethod

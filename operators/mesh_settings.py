@@ -31,6 +31,7 @@ class UNISG_PG_proposal(bpy.types.PropertyGroup):
     """An object without a category, and what it may be, best first."""
 
     uid: bpy.props.StringProperty()
+    known: bpy.props.BoolProperty(description="Whether the model knows what it is")
     guesses: bpy.props.CollectionProperty(type=UNISG_PG_guess)
 
 
@@ -54,7 +55,7 @@ class UNISG_PG_meshes(bpy.types.PropertyGroup):
     threshold: bpy.props.FloatProperty(
         name="From Confidence",
         description="Accept all proposals from here on",
-        default=0.5,
+        default=0.6,
         min=0,
         max=1,
         subtype="FACTOR",

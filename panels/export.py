@@ -20,6 +20,7 @@ class UNISG_PT_dataset(ClosedPanel):
         layout.prop(settings, "filepath", text="Dataset")
         layout.prop(settings, "form")
         layout.prop(settings, "instances")
+        layout.prop(settings, "understand")
         column = layout.column(align=True)
         column.prop(settings, "resume" if settings.inputs else "all_scenes")
         column.prop(settings, "overwrite")
@@ -30,7 +31,7 @@ class UNISG_PT_dataset(ClosedPanel):
         column.enabled = bool(settings.filepath)
         text = "Export Dataset" if settings.filepath else "Choose a folder above to export"
         button = column.operator("unisg.export_dataset", text=text, icon="EXPORT")
-        for name in ("filepath", "inputs", "form", "instances", "all_scenes", "resume", "overwrite"):
+        for name in ("filepath", "inputs", "form", "instances", "understand", "all_scenes", "resume", "overwrite"):
             setattr(button, name, getattr(settings, name))
 
 

@@ -5,7 +5,10 @@ from __future__ import annotations
 import bpy
 
 from ..operators.generation_settings import OWN_FILE, UNISG_GenerationSettings, list_categories_soon
+from ..operators.understand import UNDERSTOOD
 from .main import SubPanel, draw_text
+
+SHOWN = 8
 
 
 class UNISG_UL_categories(bpy.types.UIList):
@@ -43,6 +46,7 @@ class UNISG_PT_generate(SubPanel):
         row.prop(settings, "bulk", toggle=True)
         _where(layout, settings, context.active_object)
         layout.prop(settings, "behaviour")
+        _known(layout, settings, context)
         _button(layout, settings, context.active_object)
         layout.operator("unisg.settle", icon="TRIA_DOWN_BAR")
 
@@ -59,6 +63,19 @@ def _where(layout: bpy.types.UILayout, settings: UNISG_GenerationSettings, activ
         column.label(text=f"{settings.where.capitalize()} {active.name}", icon="OBJECT_DATA")
 
 
+def _known(layout: bpy.types.UILayout, settings: UNISG_GenerationSettings, context: bpy.types.Context) -> None:
+    """What the model knows of the scene, once it was asked, and the file that changes it."""
+    column = layout.column(align=True)
+    button = column.operator("unisg.understand", icon="QUESTION")
+    button.model, button.words = settings.model_file(), settings.words
+    column.prop(settings, "words")
+    lines = UNDERSTOOD.get(context.scene.name, [])
+    for line in lines[:SHOWN]:
+        draw_text(column, line, context.region.width)
+    if len(lines) > SHOWN:
+        column.label(text=f"... and {len(lines) - SHOWN} more")
+
+
 def _button(layout: bpy.types.UILayout, settings: UNISG_GenerationSettings, active: bpy.types.Object | None) -> None:
     """The button that generates; its text says why if it is grey."""
     wanted, placed = settings.wanted(), settings.where != "ANYWHERE"
@@ -73,7 +90,7 @@ def _button(layout: bpy.types.UILayout, settings: UNISG_GenerationSettings, acti
     column.scale_y = 1.4
     button = column.operator("unisg.generate", text=text, icon="ADD")
     button.model, button.seed, button.bulk = settings.model_file(), settings.seed, settings.bulk
-    button.behaviour = settings.behaviour
+    button.behaviour, button.words = settings.behaviour, settings.words
     button.on = active.name if active and settings.where == "ON" else ""
     button.beside = active.name if active and settings.where == "BESIDE" else ""
     button.add = ",".join(f"{name}={count}" for name, count in wanted.items())

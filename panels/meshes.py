@@ -17,7 +17,7 @@ class UNISG_UL_proposals(bpy.types.UIList):
         row = layout.split(factor=0.45)
         row.label(text=item.name)
         guess = item.guesses[0]
-        row.label(text=f"{guess.confidence:.0%} {guess.name}")
+        row.label(text=f"{guess.confidence:.0%} {guess.name}" if item.known else f"not known ({guess.name}?)")
 
 
 class UNISG_PT_label(ClosedPanel):

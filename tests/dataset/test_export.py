@@ -306,7 +306,15 @@ def test_children_that_retired_are_replaced(
     assert [record["status"] for record in records] == ["ok", "ok"]
     monkeypatch.setattr(supervise, "FILES_PER_CHILD", 200)
     job = {"source": "s", "path": str(tmp_path / "in" / "1.obj"), "parts": str(tmp_path), "known": "", "timeout": 60}
-    job |= {"memory": 0, "label": "", "form": "quaternion", "mapping": None, "software": "", "mesh_encoder": ""}
+    job |= {
+        "memory": 0,
+        "label": "",
+        "form": "quaternion",
+        "mapping": None,
+        "understand": None,
+        "software": "",
+        "mesh_encoder": "",
+    }
     job |= {"beside": {}, "instances": "keep"}
     try:
         assert supervise.export_file(job | {"reader": "fake_reader:read"})["status"] == "ok"

@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from unisg_blender.dataset.category_mapping import apply_mapping, read_mapping, scene_label
 from unisg_blender.errors import UniSGError
 from unisg_blender.scene import SceneBuilder, SceneGraph, table
+from unisg_blender.words.category_mapping import apply_mapping, read_mapping, scene_label
 
 TOML = """
 [objects]

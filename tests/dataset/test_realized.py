@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from tests.dataset.conftest import box
-from unisg_blender.dataset.category_mapping import apply_mapping
 from unisg_blender.dataset.export import realized_instances as realized
 from unisg_blender.dataset.export.realized_instances import realize_objects
 from unisg_blender.scene import SceneBuilder, SceneGraph, table, world_matrices
 from unisg_blender.scene.realize_instances import count_copies
+from unisg_blender.words.category_mapping import apply_mapping
 
 
 def chair(category: str = "") -> SceneGraph:

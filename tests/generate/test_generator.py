@@ -202,7 +202,7 @@ def test_without_its_usual_support_a_thing_stands_on_the_floor_or_is_refused(gen
     ("counts", "text"),
     [
         ({"Cpu": 1}, "did you mean 'Cup'"),
-        ({"Piano": 1}, "Cup, Floor, Lamp, Table, Wall"),
+        ({"Excavator": 1}, "Cup, Floor, Lamp, Table, Wall"),
         ({"Cup": 0}, "from 1 on"),
         ({"Cup": -2}, "from 1 on"),
         ({"Cup": True}, "from 1 on"),

@@ -43,7 +43,7 @@ def scene_of(*objects: tuple[str, Mesh, np.ndarray, str]) -> SceneGraph:
         ("IVPole", ["iv", "pole"]),
         ("wall-flat-tv", ["wall", "flat", "tv"]),
         ("Cube.034", []),
-        ("SM_Chair", ["sm", "chair"]),
+        ("SM_Chair", ["chair"]),
         ("", []),
     ],
 )

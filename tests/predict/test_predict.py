@@ -143,7 +143,7 @@ def test_what_is_like_nothing_learned_from_is_none_of_these(stack: SceneGraph) -
 
 def test_categories_that_are_not_known_are_foreign_and_none_at_all_say_nothing() -> None:
     model, room = SceneModel(), living_room(seed=701)
-    strange = room.replace(vocabulary=tuple(f"strange {name}" for name in room.vocabulary))
+    strange = room.replace(vocabulary=tuple(f"kind {number}" for number in range(len(room.vocabulary))))
     found = model.classify(strange)
     assert found.foreign
     assert (found.known, found.nearest) == (0, "living-room")

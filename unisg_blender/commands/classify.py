@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 
 from ..errors import DONE
-from .common import add_scene, print_report, read_shown
+from .common import add_scene, print_report, read_shown, words_of
 
 HELP = "Tell what kind of scene a file holds, or that it is none that the network knows."
 
@@ -23,11 +23,12 @@ def run(args: argparse.Namespace) -> int:
 
     model = SceneModel(args.model)
     graph, _ = read_shown(args, args.file)
-    found = model.classify(graph)
+    found = model.classify(graph, words_of(args))
     report = {
         "file": str(args.file),
         "kind": found.kind or None,
         "nearest": found.nearest,
+        "by_things": found.by_things or None,
         "chances": {name: round(value, 6) for name, value in found.chances.items()},
         "objects": found.objects,
         "objects_known": found.known,

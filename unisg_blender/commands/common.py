@@ -36,7 +36,16 @@ def add_scene(parser: argparse.ArgumentParser, name: str = "file", meaning: str 
 
 def add_mapping(parser: argparse.ArgumentParser) -> None:
     """What gives categories to objects that have none."""
-    parser.add_argument("--mapping", metavar="FILE", type=Path, help="JSON or TOML: name patterns to categories")
+    parser.add_argument(
+        "--mapping", metavar="FILE", type=Path, help="JSON or TOML: name patterns to categories, and what words mean"
+    )
+
+
+def words_of(args: argparse.Namespace) -> dict[str, str]:
+    """What ``--mapping`` says of words for things, word to category."""
+    from ..words import read_mapping
+
+    return {} if args.mapping is None else read_mapping(args.mapping).get("words", {})
 
 
 def add_scene_options(parser: argparse.ArgumentParser) -> None:
@@ -129,8 +138,8 @@ def read_shown(
     ``target`` is the file that will be written of it, if any; ``options`` are those of
     :func:`~..formats.scene_files.read_scene_file`. Objects without a category have that of ``--mapping``.
     """
-    from ..dataset.category_mapping import apply_mapping, read_mapping
     from ..formats.scene_files import check_kinds, read_scene_file
+    from ..words import apply_mapping, read_mapping
 
     mapping = None if args.mapping is None else read_mapping(args.mapping)
     check_kinds(path, target)

@@ -83,7 +83,6 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _plan(args: argparse.Namespace, work: Path, jobs: int) -> TablePlan:
-    from ..dataset.category_mapping import read_mapping
     from ..dataset.format.reader import open_dataset
     from ..experiments.rooms.atiss_proposer import load_generator
     from ..experiments.rooms.benchmark_rows import Data
@@ -91,6 +90,7 @@ def _plan(args: argparse.Namespace, work: Path, jobs: int) -> TablePlan:
     from ..experiments.rooms.generation_benchmark import TablePlan
     from ..metrics.two_sample_test import FOLDS, TREES
     from ..scene.categories import STRUCTURE
+    from ..words import read_mapping
 
     tests = open_dataset(args.data)
     training = "" if args.training is None else str(open_dataset(args.training).path)

@@ -39,6 +39,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     add_mapping(parser)
     parser.add_argument(
+        "--understand",
+        action="store_true",
+        help="categories for what has none: by the words of its name (in those of --vocabulary), and floors, walls and "
+        "ceilings by geometry",
+    )
+    parser.add_argument(
         "--instances",
         choices=("realize", "keep"),
         default="realize",
@@ -54,10 +60,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Export, show progress and one line per file that lost something or failed."""
-    from ..dataset.category_mapping import read_mapping
     from ..dataset.export.batch_export import ExportOptions, export_steps
     from ..runtime.progress import Progress
     from ..runtime.steps import drain
+    from ..words import read_mapping
 
     check_folder("--out", args.out)
     options = ExportOptions(
@@ -65,6 +71,7 @@ def run(args: argparse.Namespace) -> int:
         timeout=args.timeout,
         memory=int(args.memory * 2**30),
         mapping=None if args.mapping is None else read_mapping(args.mapping),
+        understand=args.understand,
         instances=args.instances,
         folder_labels=args.folder_labels,
         vocabulary=vocabulary_of(args),

@@ -14,7 +14,7 @@ from ..formats.scene_files import check_kinds, load_blender, write_scene_file
 from ..runtime.atomic_files import replacing
 from ..runtime.file_endings import BLENDER, WRITABLE, is_of
 from .argument_types import SEED
-from .common import add_limit, add_mapping, print_report, read_shown, shown_lines
+from .common import add_limit, add_mapping, print_report, read_shown, shown_lines, words_of
 from .outputs import check_file
 
 if TYPE_CHECKING:
@@ -58,15 +58,17 @@ def run(args: argparse.Namespace) -> int:
 
     _check(args)
     generator = Generator.load(find_generator(args.model))
-    asked = None if args.add is None else parse_counts(args.add)
-    if asked is not None:
-        generator.contract.check_categories(list(asked))
+    words = words_of(args)
+    asked = None if args.add is None else generator.understood(parse_counts(args.add), words)
     scene = SceneBuilder("Room").build() if args.scene is None else read_shown(args, args.scene)[0]
-    counts = asked or generator.sample_counts(np.random.default_rng(args.seed), scene)
+    foreign = generator.read(scene, words).lines()
+    if not (args.json or args.quiet):
+        print("\n".join(foreign) + "\n" * bool(foreign), end="", flush=True)
+    counts = asked or generator.sample_counts(np.random.default_rng(args.seed), scene, words)
     start = time.perf_counter()
     result = generator.add(
         scene, counts, args.seed, bulk=args.bulk, settle=not args.raw, behaviour=not args.no_behaviour, on=args.on,
-        beside=args.beside,
+        beside=args.beside, words=words,
     )  # fmt: skip
     spent = time.perf_counter() - start
     _write(args, result)
@@ -140,6 +142,7 @@ def to_report(result: Generated) -> dict[str, Any]:
         "added": result.added,
         "refused": len(result.refused),
         "actions": result.actions,
+        "scene": None if result.reading is None else result.reading.to_record(),
         "objects": [placement.to_record() for placement in result.objects],
     }
 

@@ -8,7 +8,16 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import DONE
-from .common import add_limit, add_mapping, add_scene_options, print_report, read_shown, shown_lines, tell_lost
+from .common import (
+    add_limit,
+    add_mapping,
+    add_scene_options,
+    print_report,
+    read_shown,
+    shown_lines,
+    tell_lost,
+    words_of,
+)
 from .outputs import check_folder
 
 HELP = "Show the entity tree of a scene file, with components and behaviour, or the contents of a dataset."
@@ -26,6 +35,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--plan", type=Path, metavar="PICTURE", help="draw this structure from above, a storey each (.svg, .png, .pdf)"
     )
+    parser.add_argument(
+        "--words", metavar="MODEL", help="show what a model understands of names and categories, and how foreign it is"
+    )
     parser.add_argument("--figures", type=Path, metavar="DIR", help="of a dataset: write pictures to this folder")
 
 
@@ -35,6 +47,8 @@ def run(args: argparse.Namespace) -> int:
         return _inspect_dataset(args)
     if args.structure or args.plan is not None:
         return _inspect_structure(args)
+    if args.words is not None:
+        return _inspect_words(args)
     from ..scene.lesson_node import lesson_to_json
     from ..scene.scene_text import entity_lines, lesson_lines, relation_lines, summary, to_records
 
@@ -70,6 +84,18 @@ def _inspect_structure(args: argparse.Namespace) -> int:
         draw_plan(structure, args.plan)
     report = {"file": str(args.path), **structure_record(structure, graph)}
     print_report(args, report, structure_lines(structure, graph))
+    return DONE
+
+
+def _inspect_words(args: argparse.Namespace) -> int:
+    """What a model understands of the scene, for ``--words``."""
+    from ..generate import Generator
+    from ..pretrained import find_generator
+
+    generator = Generator.load(find_generator(args.words))
+    graph, _ = read_shown(args, args.path, geometry=args.geometry, scene=args.scene)
+    reading = generator.read(graph, words_of(args))
+    print_report(args, {"file": str(args.path), **reading.to_record()}, reading.report_lines())
     return DONE
 
 

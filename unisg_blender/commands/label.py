@@ -19,6 +19,7 @@ from .common import (
     print_report,
     read_shown,
     shown_lines,
+    words_of,
 )
 from .outputs import check_file, check_folder
 
@@ -48,7 +49,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--out", metavar="OUT", type=Path, help="write the scene with the accepted categories; of several files: folder"
     )
     parser.add_argument(
-        "--threshold", metavar="P", type=number(0, 1), default=0.5, help="accept from this confidence on (0.5)"
+        "--threshold", metavar="P", type=number(0, 1), default=0.6, help="accept from this confidence on (0.6)"
     )
 
 
@@ -102,7 +103,7 @@ def _label(
 
     graph, _ = read_shown(args, file, out)
     rows = range(len(graph)) if args.all else None
-    proposals = propose_categories(graph, model, rows=rows, best=args.best, use=use)
+    proposals = propose_categories(graph, model, rows=rows, best=args.best, use=use, words=words_of(args))
     accepted = [proposal for proposal in proposals if proposal.confidence >= args.threshold]
     if out is not None:
         _write(file, out, graph, accepted)
@@ -151,6 +152,7 @@ def _report(
                 "name": proposal.name,
                 "uid": proposal.uid,
                 "row": proposal.row,
+                "known": proposal.known,
                 "categories": [
                     {"category": name, "confidence": round(value, 4)} for name, value in proposal.categories
                 ],
@@ -162,7 +164,8 @@ def _report(
 
 def _lines(args: argparse.Namespace, out: Path | None, proposals: Sequence[Proposal], accepted: int) -> list[str]:
     lines = [
-        f"{proposal.name}: " + ", ".join(f"{name} {value:.0%}" for name, value in proposal.categories)
+        f"{proposal.name}: {'' if proposal.known else 'not known; perhaps '}"
+        + ", ".join(f"{name} {value:.0%}" for name, value in proposal.categories)
         for proposal in proposals
     ]
     if not proposals:

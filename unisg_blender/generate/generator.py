@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import os
-from collections import abc
+from collections import Counter, abc
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 
@@ -17,32 +17,36 @@ from ..geometry.arrays import Ints
 from ..runtime.steps import at_once
 from ..scene import SceneGraph
 from ..scene.categories import FLOOR, STRUCTURE
-from ..spatial.objects import as_whole
-from ..spatial.structure import recognise_structure
 from .behaviour import ActionPolicy, Behaviour, add_behaviour, behaviour_path, load_behaviour
 from .counts import MOST_OBJECTS
 from .observe.contract import Contract
 from .observe.placement_order import in_order
+from .observe.scene_reading import SceneReading, missing_counts, understood_counts
+from .place.placed_by_rules import by_rules, contract_with, rules_for
 from .place.placement_record import Placement
-from .place.placer import ObjectPlacer
 from .place.room_shell import add_shell
-from .place.scene_extension import Names, extend, uid_maker
+from .place.scene_extension import Names, uid_maker
 from .place.shape_library import Library
+from .placing_rounds import How, New, Placing, PlacingRounds
 from .propose.anchor_proposer import AnchorProposer
 from .propose.cgvae_proposer import CgvaeProposer
 from .propose.proposer import Proposer
 from .propose.trained_model import TrainedModel, load_model
 
+SHELL = (FLOOR, "Wall", "Ceiling")
+"""What is never brought into a room that has it."""
+
 
 @dataclass(frozen=True, eq=False)
 class Generated:
-    """The extended scene, the rows that are new in it, what became of each object asked for, and how many ``actions``
-    are new."""
+    """The extended scene, the rows that are new in it, what became of each object asked for, how many ``actions``
+    are new, and how the model read the scene that was there."""
 
     scene: SceneGraph
     rows: Ints
     objects: tuple[Placement, ...]
     actions: int = 0
+    reading: SceneReading | None = None
 
     @property
     def added(self) -> int:
@@ -86,22 +90,35 @@ class Generator:
         """What it can add."""
         return self.contract.vocabulary
 
-    def sample_counts(self, rng: np.random.Generator, scene: SceneGraph | None = None) -> dict[str, int]:
+    def read(self, scene: SceneGraph, words: Mapping[str, str] | None = None) -> SceneReading:
+        """A scene in the model's words, and how foreign it is; ``words`` is what the user says of words."""
+        return SceneReading.of(scene, self.contract, words)
+
+    def understood(self, counts: Mapping[str, int], words: Mapping[str, str] | None = None) -> dict[str, int]:
+        """Counts by the model's own categories, see :func:`~.observe.scene_reading.understood_counts`."""
+        return understood_counts(counts, self.contract, words)
+
+    def sample_counts(
+        self, rng: np.random.Generator, scene: SceneGraph | None = None, words: Mapping[str, str] | None = None
+    ) -> dict[str, int]:
         """How many objects of each category a room has: those of a training scene drawn at random.
 
-        For a ``scene`` that has a floor already, nothing that is building.
+        For a ``scene`` what it lacks of that: nothing that is building where it has a floor already.
+
+        Raises
+        ------
+        UniSGError
+            If the scene is of another kind than the model's rooms, or has everything.
         """
         rooms = self.contract.priors.rooms
-        counts = rooms[rng.integers(len(rooms))]
-        there = scene is not None and (FLOOR in scene.vocabulary or bool(recognise_structure(scene).rooms))
-        left_out = STRUCTURE if there else ()
-        known = zip(self.categories, counts, strict=True)
-        return {name: int(count) for name, count in known if count and name not in left_out}
+        drawn = zip(self.categories, rooms[rng.integers(len(rooms))], strict=True)
+        counts = {name: int(count) for name, count in drawn if count}
+        return counts if scene is None else missing_counts(counts, self.read(scene, words))
 
     def steps(
         self, scene: SceneGraph, counts: Mapping[str, int], seed: int | None = None, *, bulk: bool = False,
         settle: bool = True, assets: Mapping[str, Sequence[Asset]] | None = None, behaviour: bool = True,
-        on: str = "", beside: str = "",
+        on: str = "", beside: str = "", words: Mapping[str, str] | None = None,
     ) -> abc.Generator[Placement, None, Generated]:  # fmt: skip
         """Add objects to a scene, each a step; what is there already stays as it is. :meth:`add` is the same at once.
 
@@ -110,8 +127,9 @@ class Generator:
         scene
             Any scenegraph; it may be empty.
         counts
-            How many objects of each category. Asked for a "Floor" in a scene in which no room can be
-            recognised, the generator starts with a room shell.
+            How many objects of each category, in any words. Asked for a "Floor" in a scene in which no room can be
+            recognised, the generator starts with a room shell. What the model does not know, but the table of words
+            does, is placed by rules.
         seed
             Same seed, same result; None for another result every time.
         bulk
@@ -127,39 +145,85 @@ class Generator:
         on, beside
             uid or name of an object of the scene on which, or beside which, all objects are wanted. What finds
             no room there is refused (on), or stands as near as there is room (beside). A group is meant as a whole.
+        words
+            What the user says of words for things: word to category, before the table of words.
 
         Raises
         ------
         UniSGError
-            For a category that the model does not know, a number below 1, nothing to add or more than
+            For a category that the model does not know in any words, a number below 1, nothing to add or more than
             :data:`MOST_OBJECTS`, an object that is missing, or a model that gives no finite numbers.
         """
-        _check_counts(counts, self.contract)
-        names, make_uid = Names(scene.name), uid_maker(scene, seed)
-        rng = np.random.default_rng(seed)
-        before = set(scene.uid)
-        wanted = in_order(counts, self.contract.priors)
-        placements: list[Placement] = []
-        if FLOOR in counts and FLOOR not in scene.vocabulary:
-            scene, placements = add_shell(scene, counts, self.library, rng, names, make_uid)
-            wanted = [name for name in wanted if name not in STRUCTURE]
-            yield from placements
-        shapes = {self.categories.index(name): given for name, given in (assets or {}).items() if name in counts}
-        numbers = [self.categories.index(name) for name in wanted]
-        seen = as_whole(as_whole(scene, on), beside)
-        work = ObjectPlacer(self.proposer, self.library, seen, rng, settle, numbers, shapes, on or beside)
-        work.request(on, beside)
-        for planned in work.order(bulk):
-            placements.append(work.place(planned, names, make_uid))
-            yield placements[-1]
-        result = extend(scene, work.scene.additions, names, make_uid)
-        if behaviour and self.behaviour is not None:
-            made = add_behaviour(result, [item.uid for item in placements if item.uid], self.behaviour, make_uid, rng)
-            result, placements = made.scene, [_with_behaviour(item, made) for item in placements]
-        rows = np.array([row for row, uid in enumerate(result.uid) if uid not in before], np.int64)
-        return Generated(result, rows, tuple(placements), len(all_actions(result)) - len(all_actions(scene)))
+        counts = self.understood(_checked(counts), words)
+        reading, how = self.read(scene, words), How(bulk, settle, assets or {}, on, beside)
+        new = New(Names(scene.name), uid_maker(scene, seed), np.random.default_rng(seed))
+        room, placements, wanted = self._with_room(scene, counts, reading, new)
+        yield from placements
+        rounds = PlacingRounds(self.proposer, self.library, partial(_read, contract=self.contract, words=words), how, new, room)
+        result, made = yield from rounds.steps(room, wanted)
+        placements += made
+        if others := [name for name, count in counts.items() if name not in self.categories for _ in range(count)]:
+            result, made = yield from self._by_rules(result, others, rounds, words)
+            placements += made
+        if behaviour:
+            result, placements = self._with_actions(result, placements, new)
+        return _generated(scene, result, placements, reading)
 
     add = at_once(steps)
+
+    def _with_room(
+        self, scene: SceneGraph, counts: Mapping[str, int], reading: SceneReading, new: New
+    ) -> tuple[SceneGraph, list[Placement], list[str]]:
+        """The scene with a room, if one is asked for and none is there, what became of its parts, and what is left of
+        what the model knows."""
+        placements: list[Placement] = []
+        built: Sequence[str] = SHELL if reading.has_room else STRUCTURE if FLOOR in counts else ()
+        if reading.has_room:
+            refused = Counter({name: counts[name] for name in SHELL if name in counts})
+            placements = [Placement(name, note="there is a room already") for name in refused.elements()]
+        elif FLOOR in counts:
+            scene, placements = add_shell(scene, counts, self.library, new.rng, new.names, new.make_uid)
+        known = {name: count for name, count in counts.items() if name in self.categories}
+        return scene, placements, [name for name in in_order(known, self.contract.priors) if name not in built]
+
+    def _by_rules(
+        self, scene: SceneGraph, things: Sequence[str], rounds: PlacingRounds, words: Mapping[str, str] | None
+    ) -> Placing:
+        """The scene with things that the model does not know, placed by rules."""
+        kinds = tuple(dict.fromkeys(things))
+        contract = contract_with(self.contract, kinds)
+        library = Library(replace(self.model, contract=contract))
+        read = partial(_read, contract=contract, words=words)
+        placing = replace(rounds, proposer=rules_for(contract, kinds), library=library, read=read).steps(scene, things)
+        while True:
+            try:
+                yield by_rules(next(placing))
+            except StopIteration as stop:
+                result, made = stop.value
+                return result, [by_rules(item) for item in made]
+
+    def _with_actions(
+        self, scene: SceneGraph, placements: list[Placement], new: New
+    ) -> tuple[SceneGraph, list[Placement]]:
+        """The scene with actions for what was placed, as far as there is a model of behaviour."""
+        if self.behaviour is None:
+            return scene, placements
+        uids = [item.uid for item in placements if item.uid]
+        made = add_behaviour(scene, uids, self.behaviour, new.make_uid, new.rng)
+        return made.scene, [_with_behaviour(item, made) for item in placements]
+
+
+def _read(scene: SceneGraph, contract: Contract, words: Mapping[str, str] | None) -> SceneGraph:
+    """The scene in a model's words."""
+    return SceneReading.of(scene, contract, words).graph
+
+
+def _generated(
+    before: SceneGraph, result: SceneGraph, placements: Sequence[Placement], reading: SceneReading
+) -> Generated:
+    known = set(before.uid)
+    rows = np.array([row for row, uid in enumerate(result.uid) if uid not in known], np.int64)
+    return Generated(result, rows, tuple(placements), len(all_actions(result)) - len(all_actions(before)), reading)
 
 
 def _proposer(model: TrainedModel) -> Proposer:
@@ -172,12 +236,12 @@ def _with_behaviour(item: Placement, made: Behaviour) -> Placement:
     return replace(item, actions=tuple(made.actions.get(item.uid, ())), note="; ".join(notes))
 
 
-def _check_counts(counts: Mapping[str, int], contract: Contract) -> None:
+def _checked(counts: Mapping[str, int]) -> Mapping[str, int]:
     if not counts:
         raise UniSGError("nothing to add: give categories and numbers, such as Scalpel=2")
-    contract.check_categories(list(counts))
     for name, count in counts.items():
         if isinstance(count, bool) or not isinstance(count, int | np.integer) or count < 1:
             raise UniSGError(f"the number of {name!r} must be a whole number from 1 on, not {count!r}")
     if (total := sum(map(int, counts.values()))) > MOST_OBJECTS:
         raise UniSGError(f"{total} objects are too many for one call: add at most {MOST_OBJECTS} at a time")
+    return counts

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -18,13 +19,16 @@ from ..meshes.normalise import size_channels
 from ..pretrained import FOLDER
 from ..runtime.atomic_files import write_file
 from ..runtime.json_records import from_record, parse_json
-from .name_evidence import name_scores
+from ..words import VocabularyMatch
+from .name_evidence import NameEvidence, name_evidence
 
 LABELS_FILE = "labels.safetensors"
 ARRAYS = ("vectors", "sizes", "classes", "together")
 SIZE_WEIGHT = 0.5
 """How much a factor of e in size counts, in units of the mean distance of shapes from their mean."""
 VERSION = "1"
+TRUST = 3
+"""Numbers of a model's trust."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,6 +57,10 @@ class LabelModel:
         How much a full match of the name and the neighbours count, in nats.
     provenance
         Where the model comes from.
+    settings
+        By kind of room the categories that were seen in rooms of this kind only.
+    trust
+        How often it is right, see :func:`~.calibration.calibrated`; empty where that is not known.
     """
 
     vocabulary: tuple[str, ...]
@@ -66,6 +74,8 @@ class LabelModel:
     name_weight: float
     beside_weight: float
     provenance: dict
+    settings: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    trust: tuple[float, ...] = ()
 
     def shape_scores(self, vectors: NDArray[np.floating], sizes: NDArray[np.floating]) -> Floats:
         """Log-likelihoods (N, K), up to a constant, of mesh features (N, 1024) and sizes (N, 3) in metres."""
@@ -74,11 +84,20 @@ class LabelModel:
 
     def name_scores(self, names: tuple[str, ...]) -> Floats:
         """Evidence (K,) of an object's names, in nats: that of the first name that has a known word."""
-        for name in names:
-            scores = name_scores(name, self.lexicon)
-            if scores.any():
-                return self.name_weight * scores
-        return np.zeros(len(self.vocabulary))
+        return self.read_names(names).scores
+
+    def read_names(self, names: tuple[str, ...], words: VocabularyMatch | None = None) -> NameEvidence:
+        """What an object's names say, see :func:`~.name_evidence.name_evidence`; scores in nats.
+
+        ``words`` are the model's own :attr:`words` with what the user says of some of them.
+        """
+        found = name_evidence(names, words or self.words, self.lexicon)
+        return NameEvidence(self.name_weight * found.scores, found.thing)
+
+    @cached_property
+    def words(self) -> VocabularyMatch:
+        """Words of all languages in the model's vocabulary."""
+        return VocabularyMatch(self.vocabulary)
 
     def save(self, path: str | Path) -> None:
         """Write the model as one safetensors file, whole or not at all."""
@@ -113,7 +132,11 @@ class LabelModel:
         what = f"{path}: the model of categories"
         record = from_record(LabelRecord, parse_json(metadata.get("record", ""), what), what)
         _check_arrays(arrays, len(record.vocabulary), what)
-        if len(record.lexicon) != len(record.vocabulary) or min(record.spread, record.temperature) <= 0:
+        if (
+            len(record.trust) not in (0, TRUST)
+            or len(record.lexicon) != len(record.vocabulary)
+            or min(record.spread, record.temperature) <= 0
+        ):
             raise UniSGError(f"{what} is damaged: train it again")
         return LabelModel(**arrays, **vars(record))
 
@@ -129,6 +152,8 @@ class LabelRecord:
     name_weight: float
     beside_weight: float
     provenance: dict[str, Any]
+    settings: Mapping[str, Any] = field(default_factory=dict)
+    trust: tuple[float, ...] = ()
 
 
 def _check_arrays(arrays: Mapping[str, NDArray[Any]], names: int, what: str) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,15 +18,31 @@ from ..scene.assembly import index_categories
 from ..scene.graph import SceneGraph
 from ..scene.hierarchy import local_bounds, world_matrices
 from ..spatial import oriented_boxes
-from ..spatial.structure import recognise_structure
+from ..spatial.structure.building_rows import building_rows
+from ..words import VocabularyMatch
+from ..words.scene_words import is_shape_name
+from .calibration import KNOWN, calibrated, setting_evidence
 from .category_model import LabelModel
+from .name_evidence import NameEvidence
+from .things_as_one import things_as_one
 
 BESIDE = 0.5
 """Boxes whose spheres come nearer than this, in metres, stand beside each other."""
 MOST_NEIGHBOURS = 12
 
-SURE, LONG_WALL = 0.9, 2.0
-"""Confidence of what the structure of a room tells, and metres of a wall at least: shorter pieces may be furniture."""
+SURE = 0.9
+"""Confidence of what the structure of a room, or a word that the model lacks, tells."""
+
+NAMED = 0.97
+"""Confidence of what a name says, all categories together."""
+
+BY_GEOMETRY = ("Floor", "Wall", "Ceiling")
+"""Categories that are told by where something is, never by how it looks."""
+
+RULED_OUT = 50.0
+"""Nats against them."""
+
+NOTHING_SAID = NameEvidence(np.zeros(0))
 
 
 @dataclass(frozen=True)
@@ -48,12 +64,18 @@ class Proposal:
         """Confidence of the most likely category."""
         return self.categories[0][1]
 
+    @property
+    def known(self) -> bool:
+        """Whether the model knows what it is: otherwise the honest answer is "I do not know"."""
+        return self.confidence >= KNOWN
+
 
 def propose_categories(
     graph: SceneGraph, model: LabelModel | None = None, encoder: AtlasNetEncoder | None = None, *,
     rows: Sequence[int] | None = None, best: int = 3, use: Sequence[str] = ("shape", "name", "neighbours", "structure"),
+    words: Mapping[str, str] | None = None,
 ) -> list[Proposal]:  # fmt: skip
-    """Propose categories for entities that have a mesh and no category.
+    """Propose categories for entities that have a mesh, or stand for several that are one thing, and no category.
 
     Parameters
     ----------
@@ -66,46 +88,63 @@ def propose_categories(
     best
         How many categories to name for each entity.
     use
-        Kinds of evidence: "shape" (mesh and size), "name", "neighbours", and "structure": what is floor, wall or
-        ceiling of a room is told by where it is, not by how it looks.
+        Kinds of evidence: "shape" (mesh and size), "name", "neighbours" (what stands beside it, and in what kind of
+        room), and "structure": what is floor, wall or ceiling of a room is told by where it is, not by how it looks.
+    words
+        What the user says of words in names: word to category.
 
     Returns
     -------
     One proposal per entity, in row order.
     """
     model, encoder = model or LabelModel.load(), encoder or default_encoder()
-    wanted = np.flatnonzero(graph.category < 0) if rows is None else np.array(sorted(rows), np.int64)
-    solid = np.array([_has_points(graph, row) for row in wanted], bool)
-    wanted = wanted[solid]
+    building = building_rows(graph) if "structure" in use else {}
+    whole = things_as_one(graph, building)
+    wanted = np.flatnonzero(whole.category < 0) if rows is None else np.array(sorted(rows), np.int64)
+    wanted = wanted[np.array([_has_points(whole, row) for row in wanted], bool)]
     if not len(wanted):
         return []
-    scores = np.zeros((len(wanted), len(model.vocabulary)))
-    if "shape" in use:
-        scores += model.shape_scores(*_shapes(graph, wanted, encoder))
-    if "name" in use:
-        scores += np.stack([model.name_scores((graph.name[row], graph.meshes[graph.mesh[row]].name)) for row in wanted])
-    if "neighbours" in use:
-        scores += model.beside_weight * _neighbour_scores(graph, wanted, softmax(scores, axis=1), model)
-    building = _building(graph) if "structure" in use else {}
+    names = _names(whole, wanted, model, words) if "name" in use else [NOTHING_SAID] * len(wanted)
+    chances = _chances(whole, wanted, names, model, encoder, use)
     proposals = []
-    for row, chances in zip(wanted.tolist(), softmax(scores, axis=1), strict=True):
-        told = [(building[row], SURE)] if row in building else []
+    for row, said, own in zip(wanted.tolist(), names, chances, strict=True):
+        sure = building.get(row, said.thing)
+        told = [(sure, SURE)] if sure else []
         left = 1 - sum(chance for _, chance in told)
-        order = [k for k in np.argsort(-chances, kind="stable") if model.vocabulary[k] != building.get(row)]
-        told += [(model.vocabulary[k], left * float(chances[k])) for k in order[: best - len(told)]]
+        order = [k for k in np.argsort(-own, kind="stable") if model.vocabulary[k] != sure]
+        told += [(model.vocabulary[k], left * float(own[k])) for k in order[: best - len(told)]]
         proposals.append(Proposal(row, graph.uid[row], graph.name[row], tuple(told)))
     return proposals
 
 
-def _building(graph: SceneGraph) -> dict[int, str]:
-    """By row what is floor, ceiling or, where it is long enough, wall of a room, and nothing else."""
-    structure = recognise_structure(graph)
-    length: dict[int, float] = {}
-    for room in structure.rooms:
-        for wall in room.walls:
-            length[wall.row] = length.get(wall.row, 0.0) + wall.length
-    alone = {row: kinds[0] for row, kinds in structure.parts.items() if len(kinds) == 1}
-    return {row: kind for row, kind in alone.items() if kind != "Wall" or length[row] >= LONG_WALL}
+def _names(graph: SceneGraph, wanted: Ints, model: LabelModel, words: Mapping[str, str] | None) -> list[NameEvidence]:
+    match = VocabularyMatch(model.vocabulary, words) if words else model.words
+    found = {}
+    for row in wanted.tolist():
+        own = graph.meshes[graph.mesh[row]].name
+        found[row] = model.read_names((graph.name[row], "" if is_shape_name(own) else own), match)
+    return list(found.values())
+
+
+def _chances(
+    graph: SceneGraph, wanted: Ints, names: Sequence[NameEvidence], model: LabelModel, encoder: AtlasNetEncoder,
+    use: Sequence[str],
+) -> Floats:  # fmt: skip
+    """(M, K): the chance of each category by all evidence but the structure of rooms."""
+    by_name = np.stack([said.scores if len(said.scores) else np.zeros(len(model.vocabulary)) for said in names])
+    shape = model.shape_scores(*_shapes(graph, wanted, encoder)) if "shape" in use else np.zeros_like(by_name)
+    scores = shape + by_name
+    built = np.array([name in BY_GEOMETRY for name in model.vocabulary])
+    if not built.all():
+        scores -= RULED_OUT * (built & (by_name == 0))  # a name may say so
+    if "neighbours" in use:
+        given = [graph.category_name(int(row)) for row in np.flatnonzero(graph.category >= 0)]
+        scores += setting_evidence(scores, given, model.vocabulary, model.settings)
+        scores += model.beside_weight * _neighbour_scores(graph, wanted, softmax(scores, axis=1), model)
+    if "shape" not in use:
+        return np.asarray(softmax(scores, axis=1))
+    trusted = calibrated(scores, -shape * model.temperature, model.trust)
+    return np.where(by_name.any(axis=1)[:, None], NAMED * softmax(scores, axis=1), trusted)
 
 
 def accept(graph: SceneGraph, proposals: Sequence[Proposal], threshold: float = 0.0) -> SceneGraph:

@@ -2,29 +2,61 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from ..geometry.arrays import Floats
+from ..words import VocabularyMatch
+from ..words.split_names import telling_words
+from ..words.vocabulary_match import BROAD, MAPPED, SAME, WORD
 
-_WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[^\W\d_A-Z]+")
 FUZZY = 0.6
 """Share of common letter triples from which two words count as forms of one word."""
 
-MEANINGLESS = frozenset(
-    ("mesh", "object", "obj", "geo", "geometry", "node", "group", "default", "low", "high", "poly", "model", "lod",
-     "part", "small", "big", "large", "medium", "left", "right", "cube", "plane", "sphere", "cylinder", "cone", "torus",
-     "circle", "suzanne", "the", "of", "with", "and", "new", "copy")
-)  # fmt: skip
-"""Words that stand in names of all kinds of objects; the shapes are the names that modelling software gives."""
+BY_TABLE = 1.5
+"""How much a word of the table of words says, where a full match of the lexicon says 1."""
+
+words = telling_words
+"""The words of a name that say something."""
 
 
-def words(name: str) -> list[str]:
-    """Lower-case words of a name: "BarStool_02.001" gives bar, stool; words that say nothing are left out."""
-    found = (word.casefold() for word in _WORD.findall(name))
-    return [word for word in found if len(word) > 1 and word not in MEANINGLESS]
+@dataclass(frozen=True, eq=False)
+class NameEvidence:
+    """What names say of a thing: how well each category fits, ``scores`` (K,) from 0 on, or which ``thing`` it is that
+    the vocabulary lacks, "" for none."""
+
+    scores: Floats
+    thing: str = ""
+
+
+def name_evidence(names: Sequence[str], match: VocabularyMatch, lexicon: Sequence[Mapping[str, float]]) -> NameEvidence:
+    """What the names of a thing and its mesh say in a vocabulary.
+
+    A word of the table of words counts first: it means one category, or any of those that it is the broader term of. A
+    thing that the vocabulary lacks, such as a nightstand, stays what it is. Else the first name with a word of the
+    lexicon counts, see :func:`name_scores`. Parts are named after their thing and say nothing. What the user says of a
+    word counts before all of it.
+    """
+    places = {name: place for place, name in enumerate(match.own.values())}
+    nothing = np.zeros(len(places))
+    for name in names:
+        found = match.match(name)
+        if found.how == MAPPED:
+            return NameEvidence(nothing, found.category)
+        if found.part:
+            return NameEvidence(nothing)
+        if found.how in (SAME, WORD, BROAD):
+            scores = nothing.copy()
+            scores[[places[category] for category in (found.category, *found.others)]] = BY_TABLE
+            return NameEvidence(scores)
+        if found.thing:
+            return NameEvidence(nothing, found.thing)
+    for name in names:
+        if (scores := name_scores(name, lexicon)).any():
+            return NameEvidence(scores)
+    return NameEvidence(nothing)
 
 
 def name_scores(name: str, lexicon: Sequence[Mapping[str, float]]) -> Floats:

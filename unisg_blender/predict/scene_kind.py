@@ -14,11 +14,13 @@ from scipy.special import softmax
 from ..dataset.format.columns import Vocabulary
 from ..dataset.format.encoding import Sample, encode_scenes
 from ..dataset.graphs.graph_arrays import GraphArrays, graph_arrays
+from ..dataset.told_categories import told_categories
 from ..errors import UniSGError
 from ..poses import FORMS
 from ..runtime.json_records import from_record
 from ..runtime.onnx_session import damaged
 from ..scene.graph import SceneGraph
+from ..words.room_kinds import room_kind
 from .familiarity import Familiarity, object_categories
 from .prediction_session import load_network
 
@@ -58,6 +60,8 @@ class KindOfScene:
         None where the network does not say.
     foreign
         Whether it is of no kind that the network knows.
+    by_things
+        The kind of room that its things tell, by their categories and names, "" for none; no network has part in it.
     """
 
     chances: dict[str, float]
@@ -65,6 +69,7 @@ class KindOfScene:
     objects: int
     distance: float | None
     foreign: bool
+    by_things: str = ""
 
     @property
     def nearest(self) -> str:
@@ -85,8 +90,9 @@ class KindOfScene:
         known = f"({self.known} of {self.objects} objects known)"
         if not self.foreign:
             return [f"{likeliest} {known}"]
+        looks = f"; by its things it looks like: {self.by_things}" if self.by_things else ""
         return [
-            f"none of these {known}",
+            f"none of these {known}{looks}",
             f"{self.distance:.1f} times as far from any {self.nearest} as unseen ones are",
         ]
 
@@ -121,8 +127,8 @@ class SceneModel:
         """The kinds of scenes that it knows."""
         return self.record.kinds
 
-    def classify(self, graph: SceneGraph) -> KindOfScene:
-        """The chance of each kind, and whether the scene is of any of them.
+    def classify(self, graph: SceneGraph, words: Mapping[str, str] | None = None) -> KindOfScene:
+        """The chance of each kind, and whether the scene is of any of them; ``words`` is what the user says of words.
 
         Raises
         ------
@@ -135,13 +141,15 @@ class SceneModel:
         logits, *embedding = self.network.run(**inputs)
         found = zip(self.kinds, softmax(logits[0].astype(np.float64)).tolist(), strict=True)
         chances = dict(sorted(found, key=lambda entry: -entry[1]))
-        categories, like = object_categories(graph), self.familiar.get(next(iter(chances)))
+        like = self.familiar.get(next(iter(chances)))
+        told = told_categories(graph, sorted(like.categories) if like else (), words)
+        categories, things = object_categories(told), room_kind(told_categories(graph, (), words).vocabulary)
         if like is None:
-            return KindOfScene(chances, 0, len(categories), None, False)
+            return KindOfScene(chances, 0, len(categories), None, False, things)
         known, categorised = sum(name in like.categories for name in categories), sum(map(bool, categories))
         distance = like.distance(embedding[0][0])
         foreign = like.is_foreign(distance, known, categorised, len(categories))
-        return KindOfScene(chances, known, len(categories), distance, foreign)
+        return KindOfScene(chances, known, len(categories), distance, foreign, things)
 
     def _arrays(self, graph: SceneGraph) -> GraphArrays:
         encoder = None

@@ -15,9 +15,9 @@ from ... import __version__
 from ...errors import UniSGError
 from ...runtime.atomic_files import UNFINISHED, DiskFullError
 from ...runtime.steps import at_once
+from ...words.category_mapping import Patterns, scene_label
 from ..assets.asset_file import VERSION as ASSETS_VERSION
 from ..assets.asset_file import Assets
-from ..category_mapping import Patterns, scene_label
 from ..format.columns import mesh_checksums
 from ..format.encoding import known_form
 from ..format.reader import Dataset, open_dataset
@@ -41,7 +41,10 @@ class ExportOptions:
     memory
         Bytes of address space that a reading process may have, 0 for no limit (not on Windows).
     mapping
-        Categories by name patterns, see :mod:`..category_mapping`.
+        Categories by name patterns, see :mod:`...words.category_mapping`.
+    understand
+        Whether what has no category gets that of its name and of its place, see :mod:`..told_categories`; in the words
+        of ``vocabulary``, if there is one.
     instances
         "realize": what collections, geometry nodes and particles show more than once becomes entities
         (see :mod:`.realized_instances`); "keep": it stays what it is, which a dataset does not hold.
@@ -59,6 +62,7 @@ class ExportOptions:
     timeout: float = 300.0
     memory: int = 0
     mapping: Patterns | None = None
+    understand: bool = False
     instances: Literal["realize", "keep"] = "realize"
     folder_labels: bool = False
     mesh_encoder: str = ""
@@ -169,6 +173,7 @@ def _job(path: Path, options: ExportOptions, parts: Path, before: _Before) -> Re
         "label": label,
         "form": options.form,
         "mapping": options.mapping,
+        "understand": [*(options.vocabulary or {}).get("categories", ())] if options.understand else None,
         "instances": options.instances,
         "reader": options.reader,
         "mesh_encoder": options.mesh_encoder,

@@ -25,11 +25,12 @@ from ...formats.scene_files import load_blender, read_all_scenes
 from ...runtime.atomic_files import DiskFullError, write_named
 from ...runtime.process_end import end_process
 from ...scene import SceneGraph
+from ...words.category_mapping import apply_mapping
 from ..assets.asset_collector import AssetCollector
-from ..category_mapping import apply_mapping
 from ..format.columns import Vocabulary
 from ..format.encoding import Sample, encode_scenes
 from ..format.shards import pack_shard
+from ..told_categories import told_categories
 from .file_checksums import checksums
 from .realized_instances import realize_objects
 
@@ -134,6 +135,9 @@ def _export(request: dict[str, Any]) -> dict[str, Any]:
     if request["instances"] == "realize":
         realized = [realize_objects(graph) for graph in graphs]
         graphs, notes = [graph for graph, _ in realized], [note, *(lost for _, lost in realized)]
+    if request["understand"] is not None:
+        said = (request["mapping"] or {}).get("words")
+        graphs = [told_categories(graph, request["understand"], said) for graph in graphs]
     samples = [Sample(graph, request["source"], request["label"]) for graph in graphs]
     note = "; ".join(filter(None, [*notes, _left_out(graphs)]))
     note = note if len(note) <= LONGEST_NOTE else note[:LONGEST_NOTE] + " ..."

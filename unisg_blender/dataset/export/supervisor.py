@@ -33,7 +33,7 @@ ROOT = Path(__file__).parents[2]
 
 START_LIMIT = 180.0
 FILES_PER_CHILD = 200
-SETTINGS = ("source", "label", "form", "mapping", "instances", "reader", "mesh_encoder", "software")
+SETTINGS = ("source", "label", "form", "mapping", "understand", "instances", "reader", "mesh_encoder", "software")
 """What, beside a file's bytes, decides what is written of it."""
 
 

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...learn.object_categories.training import build_lexicon
 from ...meshes import MeshFeature, decode_oriented_cloud, reconstruct, sample_surface
 from ...meshes.decode import decode_unit
 from ...meshes.normalise import UnitPlacement, normalise, size_channels
@@ -20,6 +19,7 @@ from ...meshes.similar import MeshLibrary, mesh_library, quarter_turn_features
 from ...meshes.sphere import sphere_template
 from ...metrics.point_clouds import chamfer_l2, diagonal, f_score
 from ...predict.category_model import LabelModel
+from ...predict.name_evidence import name_scores
 from ...scene.mesh import Mesh, mesh_from_faces
 from ..reports import Table
 
@@ -115,7 +115,6 @@ def _decoded_points(vector: NDArray[np.float32]) -> NDArray[np.floating]:
 def measure_categories(training: Sequence[ShapeFile], held_out: Sequence[ShapeFile]) -> Table:
     """Top-1 and top-3 accuracy (%) of categories for held-out models."""
     labels = LabelModel.load()
-    plain = replace(labels, lexicon=tuple(build_lexicon(labels.vocabulary, training, {})))
     asked = [model for model in held_out if model.category in {other.category for other in training}]
     vectors = np.stack([quarter_turn_features(model.mesh, default_encoder()) for model in training])
     sizes = np.stack([size_channels(np.ptp(model.mesh.bounds, axis=0)[None])[0] for model in training])
@@ -125,7 +124,7 @@ def measure_categories(training: Sequence[ShapeFile], held_out: Sequence[ShapeFi
         own = quarter_turn_features(model.mesh, default_encoder())[0]
         by_shape = np.linalg.norm(vectors - own, axis=2).min(axis=1) / spread
         by_size = np.linalg.norm(sizes - size_channels(np.ptp(model.mesh.bounds, axis=0)[None]), axis=1)
-        for method, scores in _label_scores(model, own, labels, plain).items():
+        for method, scores in _label_scores(model, own, labels).items():
             order = np.argsort(-scores, kind="stable") if scores.any() else np.zeros(0, np.int64)
             orders.setdefault(method, []).append([labels.vocabulary[k] for k in order])
         distances = {
@@ -140,14 +139,12 @@ def measure_categories(training: Sequence[ShapeFile], held_out: Sequence[ShapeFi
     return [{"method": method, "meshes": len(asked), **_accuracy(found, truth)} for method, found in orders.items()]
 
 
-def _label_scores(
-    model: ShapeFile, vector: NDArray[np.float32], labels: LabelModel, plain: LabelModel
-) -> dict[str, NDArray[np.float64]]:
+def _label_scores(model: ShapeFile, vector: NDArray[np.float32], labels: LabelModel) -> dict[str, NDArray[np.float64]]:
     shape = labels.shape_scores(vector[None], np.ptp(model.mesh.bounds, axis=0)[None])[0]
-    name, plain_name = labels.name_scores((model.name,)), plain.name_scores((model.name,))
+    name, plain_name = labels.name_scores((model.name,)), labels.name_weight * name_scores(model.name, labels.lexicon)
     return {
-        "unisg label, without the list of synonyms": shape + plain_name,
-        "unisg label, name only, without the list of synonyms": plain_name,
+        "unisg label, without the table of words": shape + plain_name,
+        "unisg label, name only, without the table of words": plain_name,
         "unisg label, shape and size only": shape,
         "unisg label": shape + name,
         "unisg label, name only": name,

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from ...meshes.shape_files import ShapeFile
+from ...predict.calibration import KNOWN
 from ...predict.category_model import LabelModel
 from ...predict.category_proposals import propose_categories
 from ...scene.builder import SceneBuilder
@@ -16,7 +17,7 @@ from ...worlds import WORLDS
 
 FIRST_SEED = 10_000
 ROOMS = 3
-KINDS = (("shape",), ("shape", "neighbours"), ("shape", "name", "neighbours"))
+KINDS = tuple((*kinds, "structure") for kinds in (("shape",), ("shape", "neighbours"), ("shape", "name", "neighbours")))
 
 
 def measure_labelled_rooms(worlds: Sequence[str]) -> list[dict[str, Any]]:
@@ -63,7 +64,7 @@ def measure_unknown(known: Sequence[ShapeFile], unknown: Sequence[ShapeFile]) ->
         {
             "best proposal": name, "meshes": len(values),
             "confidence_median": round(float(np.median(values)), 3) if values else None,
-            "above_0.5": round(100 * float(np.mean(np.array(values) >= 0.5)), 1) if values else None,
+            "known": round(100 * float(np.mean(np.array(values) >= KNOWN)), 1) if values else None,
         }
         for name, values in groups.items()
     ]  # fmt: skip

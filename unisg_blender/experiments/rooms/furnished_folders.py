@@ -6,12 +6,12 @@ import hashlib
 from collections.abc import Sequence
 from pathlib import Path
 
-from ...dataset.category_mapping import Patterns
 from ...dataset.export.batch_export import ExportOptions, export_dataset
 from ...dataset.export.sources import SUFFIXES, find_sources
 from ...dataset.format.writer import MANIFEST
 from ...errors import UniSGError
 from ...runtime.file_endings import JSON
+from ...words.category_mapping import Patterns
 
 
 def rooms_dataset(folder: Path, work: Path, mapping: Patterns | None, jobs: int) -> Path:

@@ -10,6 +10,7 @@ from ...scene import SceneGraph
 from ...spatial.objects import find_object
 from ...spatial.structure.room_objects import room_objects
 from ..observe.contract import Contract
+from ..observe.facing import facing
 from ..observe.observed_scene import ObservedScene
 from ..observe.placeable import Placeable
 from ..observe.support_priors import RESTS, SupportPrior
@@ -48,8 +49,9 @@ class GrowingScene:
 
     def __init__(self, graph: SceneGraph, contract: Contract, near: Floats | None = None) -> None:
         room = room_objects(graph, contract.vocabulary, near)
-        objects = room.objects
         self.vocabulary, self.tables = contract.vocabulary, contract.tables
+        movable = ~self.tables.structural[room.objects.category]
+        objects = facing(room.objects, graph, movable, room.outline)
         self.observed = ObservedScene.of(objects, room.world)
         self.space = FreeSpace(objects.parts, objects.owner, objects.category, room.outline, self.tables)
         self.space.take_up(room.obstacles, NOBODY)

@@ -40,15 +40,17 @@ OTHER_SHAPES = 2
 class ObjectPlacer:
     """One call of :meth:`Generator.add`: the scene while it grows, and what is to be placed there.
 
-    Of a house with several rooms it is the room that the object called ``near`` is in, else the largest.
+    All objects are put ``on``, or ``beside``, the object with that uid or name; "" for anywhere. Of a house with
+    several rooms it is the room that this object is in, else the largest.
     """
 
     def __init__(
         self, proposer: Proposer, library: Library, graph: SceneGraph, rng: np.random.Generator, settle: bool,
-        wanted: Sequence[int], assets: Mapping[int, Sequence[Asset]], near: str = "",
+        wanted: Sequence[int], assets: Mapping[int, Sequence[Asset]], on: str = "", beside: str = "",
     ) -> None:  # fmt: skip
         self.proposer, self.library, self.graph, self.rng, self.settle = proposer, library, graph, rng, settle
-        self.scene = GrowingScene(graph, library.model.contract, middle_of(graph, near) if near else None)
+        near = middle_of(graph, on or beside) if on or beside else None
+        self.scene = GrowingScene(graph, library.model.contract, near)
         self.coming = Counter(wanted)
         left = {category: [Placeable(asset) for asset in shapes] for category, shapes in assets.items()}
         self.targets = [
@@ -58,9 +60,9 @@ class ObjectPlacer:
         self.in_vain: dict[int, list[str]] = {}  # by category the notes since something was placed
         self.on: On | None = None
         self.beside: Beside | None = None
+        self._request(on, beside)
 
-    def request(self, on: str, beside: str) -> None:
-        """Put all objects on, or beside, the object with that uid or name; "" for anywhere."""
+    def _request(self, on: str, beside: str) -> None:
         if on:
             self.proposer = self.on = On(self.proposer, self.scene.find(self.graph, on), self.scene.tables.usual)
         if beside:

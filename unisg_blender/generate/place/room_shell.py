@@ -12,7 +12,6 @@ from ...dataset.assets.asset import Asset
 from ...errors import UniSGError
 from ...scene import SceneGraph, subtree, take, world_matrices
 from ...scene.categories import STRUCTURE
-from ...spatial.structure import recognise_structure
 from .growing_scene import GrowingScene
 from .placement_record import Placement
 from .scene_extension import Addition, Names, UidMaker, extend
@@ -26,8 +25,6 @@ def add_shell(
 ) -> tuple[SceneGraph, list[Placement]]:  # fmt: skip
     """The scene with a room shell whose counts come nearest to those asked for, and what became of each part.
 
-    Where a room can be recognised already, nothing is added and everything refused.
-
     Raises
     ------
     UniSGError
@@ -35,8 +32,6 @@ def add_shell(
     """
     start = time.perf_counter()
     wanted = {name: int(counts[name]) for name in STRUCTURE if name in counts}
-    if recognise_structure(scene).rooms:
-        return scene, [Placement(name, note="there is a room already") for name in Counter(wanted).elements()]
     shells = library.shells()
     if not shells:
         raise UniSGError("the model has no room shells beside it: add to a scene that has a floor, or export again")

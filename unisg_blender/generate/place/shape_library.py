@@ -8,6 +8,7 @@ import numpy as np
 
 from ...dataset.assets.asset import Asset, object_graph
 from ...scene import SceneGraph
+from ..observe.facing import front_first
 from ..observe.placeable import Placeable, box_placeable
 from ..propose.trained_model import TrainedModel
 
@@ -65,8 +66,9 @@ class Library:
             name = self.model.contract.vocabulary[category]
             number = scene.vocabulary.index(name) if name in scene.vocabulary else len(scene.vocabulary)
             for row in np.flatnonzero(scene.category == number):
-                placeable = Placeable(object_graph(scene, int(row)))
-                if meshes := tuple(id(mesh) for mesh in placeable.asset.graph.meshes):
-                    found.setdefault(meshes, placeable)
+                asset = object_graph(scene, int(row))
+                meshes = tuple(id(mesh) for mesh in asset.graph.meshes)
+                if meshes and meshes not in found:
+                    found[meshes] = Placeable(front_first(asset))
             self._own[category] = list(found.values())
         return self._own[category]

@@ -11,6 +11,9 @@ from ...errors import UniSGError, did_you_mean
 from ...meshes.shape_files import ShapeFile
 from ...worlds import WORLDS
 
+OF_WORLDS = "worlds/"
+"""Beginning of the families of shapes that come from procedural worlds."""
+
 
 def world_models(worlds: Sequence[str], rooms: int, seed: int = 0, per_category: int = 8) -> list[ShapeFile]:
     """The meshes of procedurally made rooms, each once, at most ``per_category`` of a category.
@@ -37,5 +40,5 @@ def world_models(worlds: Sequence[str], rooms: int, seed: int = 0, per_category:
                 if category and mesh.checksum not in found and counts[category] < per_category:
                     counts[category] += 1
                     split = "test" if int(mesh.checksum, 16) % 5 == 0 else "train"
-                    found[mesh.checksum] = ShapeFile(category, category, split, f"worlds/{category}", mesh)
+                    found[mesh.checksum] = ShapeFile(category, category, split, f"{OF_WORLDS}{category}", mesh)
     return list(found.values())

@@ -2,28 +2,32 @@
 
 from __future__ import annotations
 
-import json
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import minimize
 
 from ...errors import UniSGError
 from ...meshes.normalise import size_channels
 from ...meshes.shape_feature import AtlasNetEncoder
 from ...meshes.shape_files import ShapeFile
 from ...meshes.similar import quarter_turn_features
+from ...predict.calibration import top_features
 from ...predict.category_model import LabelModel, distances, nearest_of_class
 from ...predict.category_proposals import beside
 from ...predict.name_evidence import words
-from ...pretrained import FOLDER
 from ...scene.graph import SceneGraph
+from ...words.room_kinds import room_kind
+from ..atlasnet.world_shapes import OF_WORLDS
 
 NAME_WEIGHT = 8.0
 BESIDE_WEIGHT = 0.5
 QUARTER_TURNS = 4
-WORDS_FILE = FOLDER / "labels_words.json"
+FARTHEST = 1e3
+LIGHTLY = 2e-3
+"""How much a square of a weight costs, nats."""
 
 
 def fit_labels(
@@ -61,18 +65,23 @@ def fit_labels(
     classes = np.repeat([vocabulary.index(model.category) for model in known], QUARTER_TURNS)
     families = np.repeat(np.unique([model.family for model in known], return_inverse=True)[1], QUARTER_TURNS)
     spread = float(np.linalg.norm(vectors - vectors.mean(axis=0), axis=1).mean())
+    of_files = [not model.family.startswith(OF_WORLDS) for model in known]  # what is made by rule tells nothing
+    apart = distances(vectors, sizes, vectors, sizes, spread)
+    warmth = temperature(apart, classes, families)
     return LabelModel(
         vocabulary=vocabulary,
         vectors=vectors.astype(np.float16),
         sizes=sizes.astype(np.float32),
         classes=classes.astype(np.int32),
         spread=spread,
-        temperature=temperature(distances(vectors, sizes, vectors, sizes, spread), classes, families),
-        lexicon=tuple(build_lexicon(vocabulary, known, json.loads(WORDS_FILE.read_text(encoding="utf-8")))),
+        temperature=warmth,
+        lexicon=tuple(build_lexicon(vocabulary, known)),
         together=standing_together(scenes, vocabulary).astype(np.float32),
         name_weight=NAME_WEIGHT,
         beside_weight=BESIDE_WEIGHT,
         provenance=provenance | {"meshes": len(known)},
+        settings=settings_of(scenes, vocabulary),
+        trust=trust(apart, classes, families, warmth, np.repeat(of_files, QUARTER_TURNS)),
     )
 
 
@@ -108,17 +117,55 @@ def _log_likelihood(scores: NDArray[np.float64], truth: NDArray[np.int64]) -> fl
     return float((scores[np.arange(len(truth)), truth] - total).mean())
 
 
-def build_lexicon(
-    vocabulary: Sequence[str], models: Sequence[ShapeFile], synonyms: Mapping[str, Sequence[str]]
-) -> list[dict[str, float]]:
-    """Words of each category: its own (the last one fully, the others half), its synonyms, and its models' names."""
+def trust(
+    apart: NDArray[np.float64], classes: NDArray[np.integer], families: NDArray[np.integer], warmth: float,
+    asked: NDArray[np.bool_],
+) -> tuple[float, ...]:  # fmt: skip
+    """How often the best guess is right, by logistic regression on :func:`~...predict.calibration.top_features`.
+
+    Each shape that is ``asked`` about, bool (M,), is judged by those of other families. Empty if no category has two.
+    """
+    mine = np.flatnonzero(asked)[::QUARTER_TURNS]
+    nearest = nearest_of_class(np.where(families[mine, None] == families, np.inf, apart[mine]), classes)
+    possible = np.isfinite(nearest[np.arange(len(mine)), classes[mine]])
+    if not possible.any():
+        return ()
+    nearest = np.minimum(nearest[possible], FARTHEST)
+    return _logistic(top_features(-nearest / warmth, nearest), nearest.argmin(axis=1) == classes[mine][possible])
+
+
+def _logistic(inputs: NDArray[np.float64], truth: NDArray[np.bool_]) -> tuple[float, ...]:
+    """Weights (F,) of a logistic regression, lightly held to zero."""
+    sign = np.where(truth, 1.0, -1.0)
+
+    def loss(found: NDArray[np.float64]) -> float:
+        return float(np.logaddexp(0, -sign * (inputs @ found)).mean() + LIGHTLY * found @ found)
+
+    found = minimize(loss, np.zeros(inputs.shape[1]), method="BFGS").x
+    return tuple(np.round(found, 4).tolist())
+
+
+def settings_of(scenes: Sequence[SceneGraph], vocabulary: Sequence[str]) -> dict[str, tuple[str, ...]]:
+    """By kind of room the categories that only its scenes have; nothing where the scenes are of one kind."""
+    seen: dict[str, set[str]] = {}
+    for graph in scenes:
+        things = {name for name in graph.vocabulary if name in vocabulary}
+        if kind := room_kind(things):
+            seen.setdefault(kind, set()).update(things)
+    if len(seen) < 2:
+        return {}
+    others = {kind: set().union(*(seen[other] for other in seen if other != kind)) for kind in seen}
+    return {kind: tuple(sorted(seen[kind] - others[kind])) for kind in sorted(seen)}
+
+
+def build_lexicon(vocabulary: Sequence[str], models: Sequence[ShapeFile]) -> list[dict[str, float]]:
+    """Words of each category: its own (the last one fully, the others half), and those of its models' names."""
     lexicon = []
     for category in vocabulary:
         own = words(category)
         names = Counter(w for model in models if model.category == category for w in set(words(model.name)))
         entry = {word: 0.4 for word in names}
-        entry |= {word: 0.5 for word in own[:-1]} | {word: 1.0 for word in own[-1:]}
-        lexicon.append(entry | {word: 1.0 for word in synonyms.get(category, ())})
+        lexicon.append(entry | {word: 0.5 for word in own[:-1]} | {word: 1.0 for word in own[-1:]})
     return lexicon
 
 

@@ -16,7 +16,7 @@ from ..scene import SceneGraph, Table
 from ..scene.assembly import index_categories
 from ..scene.components import COLLECTIONS, INSTANCES
 
-SECTIONS = ("objects", "collections", "scenes")
+SECTIONS = ("objects", "collections", "scenes", "words")
 
 Patterns = Mapping[str, Mapping[str, str]]
 """For each of :data:`SECTIONS` a mapping from pattern to name; the first pattern that fits counts."""
@@ -25,9 +25,10 @@ Patterns = Mapping[str, Mapping[str, str]]
 def read_mapping(path: str | os.PathLike[str]) -> dict[str, dict[str, str]]:
     """Read a mapping file, JSON or TOML.
 
-    It has up to three sections, each a table from pattern to name: ``objects``
+    It has up to four sections. Three are tables from pattern to name: ``objects``
     and ``collections`` give categories, ``scenes`` (patterns of the file's path)
-    the kind of scene. Patterns are those of the shell, case does not count.
+    the kind of scene. Patterns are those of the shell, case does not count. ``words``
+    says what a word for things means, in any name: ``{"Nightstand": "Cabinet"}``; "" is nothing.
 
     Raises
     ------
@@ -50,7 +51,9 @@ def checked_mapping(content: Any, name: str = "mapping") -> dict[str, dict[str, 
     if not isinstance(content, dict) or not content or not set(content) <= set(SECTIONS):
         raise UniSGError(f"{name} must have the sections {', '.join(SECTIONS)} and no others")
     for section, patterns in content.items():
-        if not isinstance(patterns, dict) or not all(isinstance(value, str) and value for value in patterns.values()):
+        if not isinstance(patterns, dict) or not all(
+            isinstance(value, str) and (value or section == "words") for value in patterns.values()
+        ):
             raise UniSGError(f"{name}: the section {section!r} must map patterns to names")
     return content
 

@@ -1,0 +1,76 @@
+"""Assets of others with what was said of them once, looking at pictures: what each is, and which side is its front.
+
+``foreign_assets.csv`` lists them. ``half`` is "unseen" for a third of the families, on which nothing was fitted. Where
+an asset has no front, or two sides would do, ``fronts`` says so.
+"""
+
+from __future__ import annotations
+
+import csv
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from unisg_blender.geometry.surface_contact import Triangles
+from unisg_blender.meshes.mesh_files import mesh_paths
+from unisg_blender.meshes.shape_files import ShapeFile, read_models
+from unisg_blender.scene import Mesh, mesh_from_faces
+
+LIST = Path(__file__).with_name("foreign_assets.csv")
+CENTIMETRES = 12
+"""Extent from which on a file without a unit is taken to be in centimetres."""
+
+
+@dataclass(frozen=True, eq=False)
+class ForeignAsset:
+    """An asset: its mesh in metres, z up, what it is ("" for nothing that the models know), and its fronts."""
+
+    name: str
+    mesh: Mesh
+    thing: str
+    fronts: tuple[str, ...]
+    unseen: bool
+    split: str
+
+    @property
+    def triangles(self) -> Triangles:
+        """(M, 3, 3) metres."""
+        return self.mesh.points.astype(float)[self.mesh.triangles]
+
+
+def read_assets(meshes: Path, others: list[Path]) -> list[ForeignAsset]:
+    """The assets of the list that are there: ``meshes`` is sweethome3d and kaykit, ``others`` hold Collada files."""
+    by_file = _by_file(meshes)
+    found = []
+    with LIST.open(newline="", encoding="utf-8") as file:
+        for row in csv.DictReader(file):
+            model = by_file.get(row["file"])
+            mesh = model.mesh if model else _collada(row["file"], others)
+            if mesh is not None:
+                split = model.split if model else ""
+                fronts = tuple(row["fronts"].split())
+                found.append(ForeignAsset(row["name"], mesh, row["thing"], fronts, row["half"] == "unseen", split))
+    return found
+
+
+def _by_file(folder: Path) -> dict[str, ShapeFile]:
+    names = [path.relative_to(folder).as_posix() for path in mesh_paths(folder)]
+    return dict(zip(names, read_models([folder]), strict=True))
+
+
+def _collada(stem: str, folders: list[Path]) -> Mesh | None:
+    """A mesh of the first Collada file of a name that can be read; needs pycollada."""
+    import trimesh
+
+    paths = [path for folder in folders for path in sorted(folder.rglob("*.[dD][aA][eE]")) if path.stem == stem]
+    for path in paths:
+        try:
+            scene = trimesh.load(path, process=False, force="scene")
+            whole = scene.to_geometry() if hasattr(scene, "to_geometry") else scene.dump(concatenate=True)
+        except Exception:  # some are cut off
+            continue
+        points = np.asarray(whole.vertices, float)
+        scale = 0.01 if np.ptp(points, axis=0).max() > CENTIMETRES else 1.0
+        return mesh_from_faces(stem, scale * points, np.asarray(whole.faces))
+    return None

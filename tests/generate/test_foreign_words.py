@@ -1,0 +1,47 @@
+"""Rooms of other kinds and in other words: told before anything is added, and nothing built is brought in."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tests.words.foreign_scenes import bedroom, kitchen, parlour
+from unisg_blender.errors import UniSGError
+from unisg_blender.generate import Generator
+from unisg_blender.pretrained import find_generator
+from unisg_blender.scene.categories import STRUCTURE
+
+
+@pytest.fixture(scope="module")
+def generator() -> Generator:
+    return Generator.load(find_generator("living_room"))
+
+
+@pytest.mark.parametrize("model", ["living_room", "operating_room"])
+@pytest.mark.parametrize("room", [kitchen, bedroom])
+def test_a_room_of_another_kind_is_not_filled_blindly(model: str, room) -> None:
+    with pytest.raises(UniSGError, match=r"looks like a (kitchen|bedroom), \d of its \d things are known.*--add"):
+        Generator.load(find_generator(model)).sample_counts(np.random.default_rng(0), room())
+
+
+def test_a_room_of_its_kind_gets_what_it_lacks(generator: Generator) -> None:
+    counts = generator.sample_counts(np.random.default_rng(1), parlour())
+    whole = generator.sample_counts(np.random.default_rng(1))
+    assert not set(STRUCTURE) & set(counts)
+    assert counts.get("Sofa", 0) == whole.get("Sofa", 0) - 1
+    assert counts["Book"] == whole["Book"]
+
+
+def test_other_words_are_seen_and_asked_for(generator: Generator) -> None:
+    made = generator.add(kitchen(), {"Teller": 2, "Stühle": 1}, 3)
+    assert [item.category for item in made.objects] == ["Chair", "Plate", "Plate"]
+    assert {item.support for item in made.objects if item.category == "Plate"} == {"Table"}
+    assert made.scene.category_name(made.scene.name.index("Table")) == ""  # the user's own scene keeps its words
+    assert made.reading is not None
+    assert (made.reading.known, len(made.reading.things), made.reading.kind) == (2, 6, "kitchen")
+
+
+def test_words_that_may_mean_several_are_asked_back(generator: Generator) -> None:
+    with pytest.raises(UniSGError, match="'Table': did you mean 'Dining Table' or 'Coffee Table' or 'Side Table'"):
+        generator.understood({"Table": 1})
+    assert generator.understood({"Table": 1}, {"table": "Side Table"}) == {"Side Table": 1}
