@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import os
 from collections import abc
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 
@@ -19,18 +19,22 @@ from ..scene import SceneGraph
 from ..scene.categories import FLOOR, STRUCTURE
 from ..spatial.structure import recognise_structure
 from .behaviour import ActionPolicy, Behaviour, add_behaviour, behaviour_path, load_behaviour
+from .check.holding_scene import only_what_holds
 from .counts import MOST_OBJECTS
 from .observe.contract import Contract
 from .observe.placement_order import in_order
 from .place.placement_record import Placement
 from .place.placer import ObjectPlacer
 from .place.room_shell import add_shell
-from .place.scene_extension import Names, extend, uid_maker
+from .place.scene_extension import Names, UidMaker, extend, uid_maker
 from .place.shape_library import Library
 from .propose.anchor_proposer import AnchorProposer
 from .propose.cgvae_proposer import CgvaeProposer
 from .propose.proposer import Proposer
 from .propose.trained_model import TrainedModel, load_model
+
+ROUNDS = 3
+"""How often places are looked for, for what the last check takes out."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -143,14 +147,12 @@ class Generator:
             scene, placements = add_shell(scene, counts, self.library, rng, names, make_uid)
             wanted = [name for name in wanted if name not in STRUCTURE]
             yield from placements
-        shapes = {self.categories.index(name): given for name, given in (assets or {}).items() if name in counts}
+        chosen = {self.categories.index(name): given for name, given in (assets or {}).items() if name in counts}
+        begin = partial(self._placer, rng=rng, settle=settle, chosen=chosen, on=on, beside=beside)
         numbers = [self.categories.index(name) for name in wanted]
-        work = ObjectPlacer(self.proposer, self.library, scene, rng, settle, numbers, shapes, on or beside)
-        work.request(on, beside)
-        for planned in work.order(bulk):
-            placements.append(work.place(planned, names, make_uid))
-            yield placements[-1]
-        result = extend(scene, work.scene.additions, names, make_uid)
+        rounds = (1 if chosen else ROUNDS) if settle else 0
+        result, placed = yield from _placing(begin, scene, numbers, bulk, rounds, names, make_uid)
+        placements += placed
         if behaviour and self.behaviour is not None:
             made = add_behaviour(result, [item.uid for item in placements if item.uid], self.behaviour, make_uid, rng)
             result, placements = made.scene, [_with_behaviour(item, made) for item in placements]
@@ -158,6 +160,43 @@ class Generator:
         return Generated(result, rows, tuple(placements), len(all_actions(result)) - len(all_actions(scene)))
 
     add = at_once(steps)
+
+    def _placer(
+        self, graph: SceneGraph, wanted: Sequence[int], rng: np.random.Generator, settle: bool,
+        chosen: Mapping[int, Sequence[Asset]], on: str, beside: str,
+    ) -> ObjectPlacer:  # fmt: skip
+        """The placing of some categories in a scene, on or beside what was asked for."""
+        work = ObjectPlacer(self.proposer, self.library, graph, rng, settle, wanted, chosen, on or beside)
+        work.request(on, beside)
+        return work
+
+
+def _placing(
+    begin: Callable[[SceneGraph, Sequence[int]], ObjectPlacer], scene: SceneGraph, numbers: Sequence[int], bulk: bool,
+    rounds: int, names: Names, make_uid: UidMaker,
+) -> abc.Generator[Placement, None, tuple[SceneGraph, list[Placement]]]:  # fmt: skip
+    """Place categories, check, and look for other places for what does not hold, in so many ``rounds``; 0: unchecked.
+
+    Yields what the first round placed; returns the scene, and what became of each object in the end.
+    """
+    result, done = scene, []
+    for again in range(max(rounds, 1)):
+        work, made = begin(result, numbers), []
+        for planned in work.order(bulk):
+            made.append(work.place(planned, names, make_uid))
+            if not again:
+                yield made[-1]
+        result, told = extend(result, work.scene.additions, names, make_uid), made
+        if rounds:
+            result, told = only_what_holds(scene, result, made)
+        out = [new.refused and not old.refused for old, new in zip(made, told, strict=True)]
+        last = again >= rounds - 1
+        done += [item for item, taken in zip(told, out, strict=True) if last or not taken]
+        if last or not any(out):
+            break
+        known = work.scene.vocabulary
+        numbers = [known.index(item.category) for item, taken in zip(told, out, strict=True) if taken]
+    return result, done
 
 
 def _proposer(model: TrainedModel) -> Proposer:
