@@ -88,3 +88,11 @@ def test_what_is_reported_as_placed_holds() -> None:
         assert made.added >= 5
         assert not faults(made.scene, house, [item.uid for item in made.objects if item.uid])
         assert {made.scene.name[row] for row in made.rows} >= {item.name for item in made.objects if item.name}
+
+
+@pytest.mark.parametrize(("size", "holds"), [(0.8, True), (4.0, False)])
+def test_there_is_ground_beside_furniture_but_neither_beside_a_building_nor_on_its_roof(size, holds) -> None:
+    before = {"thing": box((0, 0, 0), (size, size, size))}
+    beside, above = box((9, 9, 0), (9.5, 9.5, 0.5)), box((0.2, 0.2, size), (0.5, 0.5, size + 0.4))
+    after = scene(before | {"beside": beside, "above": above})
+    assert set(faults(after, scene(before), ["beside", "above"])) == (set() if holds else {"beside", "above"})

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...geometry.arrays import Bools, Floats, Ints
-from ...geometry.boxes import Boxes, orthonormal_axes
+from ...geometry.boxes import Boxes, orthonormal_axes, world_bounds
 from ...geometry.polygon import inside
 from ...geometry.triangle_crossings import crossings, edges_of
 from ...scene import SceneGraph
@@ -27,6 +27,9 @@ MOUNTED = 0.03
 
 AIR, ASIDE = 0.02, 0.03
 """Metres below which what carries a thing is, and beside or above which what holds it is."""
+
+BUILT = 2.5
+"""Metres of height and of length from which on something may be a building: what is beside it has no ground."""
 
 LEAST = 0.5
 """Share of its size that a thin thing keeps when it is made smaller."""
@@ -88,11 +91,11 @@ def _fault(around: Surroundings, row: int, gone: Bools) -> str:
     low, high = mine.min(axis=(0, 1)) - ASIDE, mine.max(axis=(0, 1)) + ASIDE
     near = rest & (around.triangles.min(axis=1) <= high).all(axis=1) & (around.triangles.max(axis=1) >= low).all(axis=1)
     others, other_row = around.triangles[near], around.row[near]
-    if _outside(around.room, (low + high) / 2):
+    if _outside(around, (low + high) / 2):
         return OUTSIDE
     kinds = _relations(around.graph, row)
     held = bool(kinds & HELD)
-    stands = _grounded(around.room, mine) or _carried(mine, others)
+    stands = _grounded(around, mine) or _carried(mine, others)
     if not stands and not (held and _touched(mine, others)):
         return FLOATING
     matrix = world_matrices(around.graph)[row]
@@ -141,9 +144,14 @@ def _within(skin: Floats, others: Floats, row: Ints) -> Ints:
     return np.flatnonzero((count % 2 == 1).all(axis=0))
 
 
-def _grounded(room: RoomObjects, mine: Floats) -> bool:
-    """Does a thing stand at height 0 in a scene without a floor?"""
-    return room.structure is None and room.outline is None and abs(mine[:, :, 2].min()) <= AIR
+def _grounded(around: Surroundings, mine: Floats) -> bool:
+    """Does a thing stand at height 0 in a scene without a floor and without what may be a building?"""
+    room = around.room
+    if room.structure is not None or room.outline is not None or abs(mine[:, :, 2].min()) > AIR:
+        return False
+    low, high = world_bounds(room.objects.parts)
+    size = high - low
+    return not ((size[:, 2] >= BUILT) & (size[:, :2].max(axis=1) >= BUILT)).any()
 
 
 def _carried(mine: Floats, others: Floats) -> bool:
@@ -176,10 +184,15 @@ def _relations(graph: SceneGraph, row: int) -> set[str]:
     return set() if said is None else set(said.of(row)["kind"])
 
 
-def _outside(room: RoomObjects, middle: Floats) -> bool:
-    if room.structure is not None:
-        return room.structure.room_at(middle) < 0
-    return room.outline is not None and not inside(room.outline, middle[None, :2])[0]
+def _outside(around: Surroundings, middle: Floats) -> bool:
+    """Is a point (3,) in no room, or on what is open to all sides and as high as a roof?"""
+    structure, outline = around.room.structure, around.room.outline
+    if structure is None:
+        return outline is not None and not inside(outline, middle[None, :2])[0]
+    number = structure.room_at(middle)
+    if number < 0 or structure.rooms[number].indoors:
+        return number < 0
+    return bool(structure.rooms[number].floor - around.triangles[:, :, 2].min() > BUILT)
 
 
 def _in_boxes(triangles: Floats, boxes: Boxes) -> bool:
