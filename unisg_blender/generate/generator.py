@@ -159,7 +159,9 @@ class Generator:
         new = New(Names(scene.name), uid_maker(scene, seed), np.random.default_rng(seed))
         room, placements, wanted = self._with_room(scene, counts, reading, new)
         yield from placements
-        rounds = PlacingRounds(self.proposer, self.library, partial(_read, contract=self.contract, words=words), how, new, room)
+        rounds = PlacingRounds(
+            self.proposer, self.library, partial(_read, contract=self.contract, words=words), how, new, room
+        )
         result, made = yield from rounds.steps(room, wanted)
         placements += made
         if others := [name for name, count in counts.items() if name not in self.categories for _ in range(count)]:

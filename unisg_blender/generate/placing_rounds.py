@@ -85,4 +85,6 @@ class PlacingRounds:
         numbers = [vocabulary.index(name) for name in wanted]
         shapes = {vocabulary.index(name): given for name, given in how.assets.items() if name in wanted}
         seen = as_whole(as_whole(self.read(scene), how.on), how.beside)
-        return ObjectPlacer(self.proposer, self.library, seen, self.new.rng, how.settle, numbers, shapes, how.on, how.beside)
+        return ObjectPlacer(
+            self.proposer, self.library, seen, self.new.rng, how.settle, numbers, shapes, how.on, how.beside
+        )

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from ...geometry.arrays import Bools, Floats
 from ...scene import SceneGraph
 from ...spatial.objects import find_object
+from ...spatial.structure.doorways import doorways
 from ...spatial.structure.room_objects import room_objects
 from ..observe.contract import Contract
 from ..observe.facing import facing
@@ -55,6 +56,8 @@ class GrowingScene:
         self.observed = ObservedScene.of(objects, room.world)
         self.space = FreeSpace(objects.parts, objects.owner, objects.category, room.outline, self.tables)
         self.space.take_up(room.obstacles, NOBODY)
+        if room.structure is not None:
+            self.space.take_up(doorways(room.structure.rooms), NOBODY)
         self.labels = [
             Label(graph.uid[row], graph.name[row], bool(floor))
             for row, floor in zip(objects.row, room.floor, strict=True)

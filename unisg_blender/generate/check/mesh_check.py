@@ -1,0 +1,205 @@
+"""Does what was placed hold: inside the building, on something, in nothing, before no door; judged by triangles."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...geometry.arrays import Bools, Floats, Ints
+from ...geometry.boxes import Boxes, orthonormal_axes, world_bounds
+from ...geometry.polygon import inside
+from ...geometry.triangle_crossings import crossings, edges_of
+from ...scene import SceneGraph
+from ...scene.categories import STRUCTURE
+from ...scene.components import RELATIONS
+from ...scene.hierarchy import subtree, world_matrices
+from ...spatial.structure.doorways import doorways
+from ...spatial.structure.room_objects import RoomObjects, room_objects
+from ...spatial.structure.scan import world_triangles
+
+DEEPEST = 0.005
+"""Metres that something may reach into another: its mesh is made so much smaller on every side before it is tested."""
+
+MOUNTED = 0.03
+"""Metres that something fixed to, hung from or put into a thing may reach into that."""
+
+AIR, ASIDE = 0.02, 0.03
+"""Metres below which what carries a thing is, and beside or above which what holds it is."""
+
+BUILT = 2.5
+"""Metres of height and of length from which on something may be a building: what is beside it has no ground."""
+
+LEAST = 0.5
+"""Share of its size that a thin thing keeps when it is made smaller."""
+
+INSIDE = "inside"
+HELD = {"hangs_from", INSIDE, "beside", "attached_to"}
+"""Relations of what need not stand on anything."""
+
+OUTSIDE, FLOATING, BLOCKING = "it would be outside the building", "it would be in the air", "it would block a door"
+
+
+@dataclass(frozen=True, eq=False)
+class Surroundings:
+    """All triangles (M, 3, 3) of a scene in the world with their rows (M,), metres, its room and its doorways."""
+
+    graph: SceneGraph
+    triangles: Floats
+    row: Ints
+    room: RoomObjects
+    doors: Boxes
+
+    @staticmethod
+    def of(graph: SceneGraph, before: SceneGraph) -> Surroundings:
+        """A scene to be judged; its rooms are those that it had ``before`` things were put into it."""
+        triangles, row = world_triangles(graph)
+        room = room_objects(before, ())
+        return Surroundings(graph, triangles, row, room, doorways(room.structure.rooms if room.structure else ()))
+
+
+def faults(graph: SceneGraph, before: SceneGraph, uids: Sequence[str]) -> dict[str, str]:
+    """What does not hold of things in a scene, by uid: a reason each; what holds is left out.
+
+    A thing is *in* another where its mesh, made 5 mm smaller on every side (3 cm for what it hangs from), crosses a
+    face of it or lies within it, unless it is said to be inside that; in the *air* where no face is within 2 cm below
+    it, nor what holds it within 3 cm; *outside* where its middle is in no room; and *blocks* a door where it reaches
+    into the 0.4 m before it.
+    Of two that are in each other it is the later one of ``uids`` that does not hold.
+    """
+    around, found = Surroundings.of(graph, before), {}
+    gone = np.zeros(len(graph), bool)
+    for uid in reversed(uids):
+        row = graph.row_of_uid[uid]
+        if graph.category_name(row) in STRUCTURE:
+            continue
+        reason = _fault(around, row, gone)
+        if reason:
+            found[uid] = reason
+            gone[subtree(graph, row)] = True
+    return found
+
+
+def _fault(around: Surroundings, row: int, gone: Bools) -> str:
+    """Why the thing at a row does not hold, "" if it does; what is ``gone`` (N,) is not looked at."""
+    rows = subtree(around.graph, row)
+    own = np.isin(around.row, rows)
+    mine, rest = around.triangles[own], ~own & ~gone[around.row]
+    if not len(mine):
+        return ""
+    low, high = mine.min(axis=(0, 1)) - ASIDE, mine.max(axis=(0, 1)) + ASIDE
+    near = rest & (around.triangles.min(axis=1) <= high).all(axis=1) & (around.triangles.max(axis=1) >= low).all(axis=1)
+    others, other_row = around.triangles[near], around.row[near]
+    if _outside(around, (low + high) / 2):
+        return OUTSIDE
+    kinds = _relations(around.graph, row)
+    held = bool(kinds & HELD)
+    stands = _grounded(around, mine) or _carried(mine, others)
+    if not stands and not (held and _touched(mine, others)):
+        return FLOATING
+    matrix = world_matrices(around.graph)[row]
+    holder = np.isin(other_row, subtree(around.graph, int(around.graph.parent[row]))) if held else other_row < 0
+    skin = smaller(mine, matrix)
+    inside_of = _entered(skin, others[~holder], other_row[~holder])
+    if not len(inside_of) and held and INSIDE not in kinds:
+        inside_of = other_row[holder][meets(smaller(mine, matrix, MOUNTED), others[holder])]
+    if len(inside_of):
+        return f"it would be in {around.graph.name[int(inside_of[0])]}"
+    return BLOCKING if _in_boxes(skin, around.doors) else ""
+
+
+def _entered(skin: Floats, others: Floats, row: Ints) -> Ints:
+    """Rows of the others whose faces a thing goes through, or else that it is within."""
+    met = meets(skin, others)
+    return row[met] if len(met) else _within(skin, others, row)
+
+
+def smaller(triangles: Floats, matrix: Floats, depth: float = DEEPEST) -> Floats:
+    """Triangles (M, 3, 3) of a thing with the matrix (4, 4), smaller by a depth on every side along its own axes."""
+    axes = orthonormal_axes(matrix[None, :3, :3])[0]
+    own = triangles @ axes
+    low, high = own.min(axis=(0, 1)), own.max(axis=(0, 1))
+    size = np.maximum(high - low, 1e-9)
+    middle = (low + high) / 2
+    return (middle + (own - middle) * np.maximum(1 - 2 * depth / size, LEAST)) @ axes.T
+
+
+def meets(first: Floats, second: Floats) -> Ints:
+    """Numbers of the triangles of the second (M, 3, 3) that go through triangles of the first (N, 3, 3)."""
+    low, high = first.min(axis=(0, 1)), first.max(axis=(0, 1))
+    near = np.flatnonzero((second.min(axis=1) <= high).all(axis=1) & (second.max(axis=1) >= low).all(axis=1))
+    hit = crossings(edges_of(first), second[near])[1]
+    hit = hit if len(hit) else crossings(edges_of(second[near]), first)[0] // 3
+    return near[hit]
+
+
+def _within(skin: Floats, others: Floats, row: Ints) -> Ints:
+    """Rows of the closed meshes that a thing is in without crossing a face: odd many faces in all directions."""
+    point, far = skin[0, 0], np.ptp(np.concatenate([others.reshape(-1, 3), skin.reshape(-1, 3)]), axis=0).max() + 1
+    ways = np.array([[0.02, 0.03, 1.0], [1.0, 0.025, 0.035], [0.015, -1.0, 0.045]]) * far
+    ray, face = crossings(np.stack([np.tile(point, (3, 1)), point + ways], axis=1), others)
+    count = np.zeros((3, int(row.max(initial=-1)) + 1), np.int64)
+    np.add.at(count, (ray, row[face]), 1)
+    return np.flatnonzero((count % 2 == 1).all(axis=0))
+
+
+def _grounded(around: Surroundings, mine: Floats) -> bool:
+    """Does a thing stand at height 0 in a scene without a floor and without what may be a building?"""
+    room = around.room
+    if room.structure is not None or room.outline is not None or abs(mine[:, :, 2].min()) > AIR:
+        return False
+    low, high = world_bounds(room.objects.parts)
+    size = high - low
+    return not ((size[:, 2] >= BUILT) & (size[:, :2].max(axis=1) >= BUILT)).any()
+
+
+def _carried(mine: Floats, others: Floats) -> bool:
+    """Is there a face of others close below a face of a thing?"""
+    up = np.array([0, 0, 1.0])
+    return _reach(_corners(mine), -AIR * up, DEEPEST * up, others) or _reach(
+        _corners(others), AIR * up, -DEEPEST * up, mine
+    )
+
+
+def _touched(mine: Floats, others: Floats) -> bool:
+    """Is there a face of others close beside or above a thing?"""
+    turns = np.arange(8) * np.pi / 4
+    ways = [*np.column_stack([np.cos(turns), np.sin(turns), 0 * turns]), np.array([0, 0, 1.0])]
+    return any(_reach(_corners(mine), ASIDE * way, -DEEPEST * way, others) for way in ways)
+
+
+def _reach(points: Floats, there: Floats, back: Floats, triangles: Floats) -> bool:
+    segments = np.stack([points + back, points + there], axis=1)
+    return bool(len(crossings(segments, triangles)[0]))
+
+
+def _corners(triangles: Floats) -> Floats:
+    """Corners and middles of triangles: flat things on flat things may have no corner over another's face."""
+    return np.concatenate([np.unique(triangles.reshape(-1, 3), axis=0), triangles.mean(axis=1)])
+
+
+def _relations(graph: SceneGraph, row: int) -> set[str]:
+    said = graph.components.get(RELATIONS)
+    return set() if said is None else set(said.of(row)["kind"])
+
+
+def _outside(around: Surroundings, middle: Floats) -> bool:
+    """Is a point (3,) in no room, or on what is open to all sides and as high as a roof?"""
+    structure, outline = around.room.structure, around.room.outline
+    if structure is None:
+        return outline is not None and not inside(outline, middle[None, :2])[0]
+    number = structure.room_at(middle)
+    if number < 0 or structure.rooms[number].indoors:
+        return number < 0
+    return bool(structure.rooms[number].floor - around.triangles[:, :, 2].min() > BUILT)
+
+
+def _in_boxes(triangles: Floats, boxes: Boxes) -> bool:
+    """Does a triangle reach into one of some boxes?"""
+    for center, axes, half in zip(boxes.center, boxes.axes, boxes.half, strict=True):
+        own = (triangles - center) @ axes
+        near = own[((own.min(axis=1) < half) & (own.max(axis=1) > -half)).all(axis=1)]
+        if len(near):
+            return True
+    return False
