@@ -25,14 +25,20 @@ def provenance(
     """Dataset, counts, software, settings, losses and date of a training on the first of ``scenes``, the second held
     out.
     """
+    return facts(dataset, settings, scenes) | {
+        "losses": {name: round(value, 6) for name, value in sorted(losses.items())},
+        "parameters": sum(parameter.numel() for parameter in network.parameters()),
+    }
+
+
+def facts(dataset: Dataset, settings: Settings, scenes: tuple[int, int]) -> dict[str, Any]:
+    """The same but losses and size."""
     return {
         "notes": dataset_notes(dataset),
         "dataset": {"sha256": dataset_checksum(dataset), "scenes": len(dataset), **dataset.manifest["counts"]},
         "scenes_trained": scenes[0],
         "scenes_held_out": scenes[1],
         "settings": settings.to_record(),
-        "losses": {name: round(value, 6) for name, value in sorted(losses.items())},
-        "parameters": sum(parameter.numel() for parameter in network.parameters()),
         "software": f"unisg_blender {__version__}, torch {torch.__version__}, Python {platform.python_version()}",
         "date": datetime.now(UTC).strftime("%Y-%m-%d"),
     }
