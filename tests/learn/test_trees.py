@@ -30,6 +30,7 @@ from unisg_blender.learn import job_list
 from unisg_blender.learn.hyperparameters import Settings
 from unisg_blender.learn.trees.fitting import fit_trees, write_trees
 from unisg_blender.learn.trees.held_out import GROUPS, POWERS, HeldOut, choices
+from unisg_blender.learn.trees.training_report import report_lines, write_report
 from unisg_blender.metrics.scene_validity import measure_scene
 from unisg_blender.runtime.onnx_session import open_model
 from unisg_blender.scene import SceneGraph, world_matrices
@@ -86,6 +87,26 @@ def test_what_was_measured_on_held_out_rooms_is_kept_and_decides(few_rooms_model
     assert all(record["taken"] <= record["plain"] for record in held_out.values() if record["objects"])
     assert set(contract.plain) | set(contract.sharpness) == set(contract.places)
     assert not set(contract.plain) & set(contract.sharpness)
+
+
+def record(category: str, rooms: int, taken: float = 0.5) -> dict[str, object]:
+    return {"category": category, "objects": 2 * rooms, "rooms": rooms, "plain": 1.0, "taken": taken}
+
+
+def test_the_page_says_what_is_known_and_what_to_add(tmp_path: Path) -> None:
+    seen = {"Lamp": 7, "Cat": 1, "Wall": 9}
+    categories = [record("Bed", 30), record("<b>", 30, 2.0), *(record(name, rooms) for name, rooms in seen.items())]
+    group = {"group": "floor", "objects": 9, "plain": 1.5, "taken": 0.75, "power": 1.0}
+    source = {"scenes_trained": 30, "categories": categories, "held_out": [group], "notes": ["few"]}
+    lines = report_lines(source, ("Wall",))
+    assert [line for line in lines if line.startswith("known")] == [
+        "known well: 1 (Bed)", "known hardly: 2 (<b>, Lamp)", "known not: 1 (Cat)",
+    ]  # fmt: skip
+    assert lines[-2:] == ["add 3 more rooms with a Lamp", "add 9 more rooms with a Cat"]
+    page = write_report(source, ("Wall",), tmp_path / "room.onnx").read_text()
+    assert "&lt;b&gt;" in page
+    assert "<b>" not in page
+    assert "Wall" not in page
 
 
 @pytest.mark.slow

@@ -102,6 +102,7 @@ def _lines(report: dict[str, Any], told: list[str]) -> list[str]:
             f"{report['model']}: {report['parameters']} trees of {report['scenes_trained']} rooms, "
             f"measured on each room while it was held out, {report['seconds']} s"
         ]
+        lines += report["report"]
         return lines + [f"note: {note}" for note in report["notes"] if note not in told]
     lines = [
         f"{report['model']}: {report['parameters']} parameters, {report['seconds']} s",

@@ -9,6 +9,7 @@ import numpy as np
 import onnx
 from numpy.typing import NDArray
 from onnx import TensorProto, helper
+from sklearn.ensemble import HistGradientBoostingClassifier
 
 from ... import __version__
 from ...runtime.atomic_files import write_file
@@ -24,8 +25,6 @@ NODES = (("featureids", "feature_idx"), ("values", "num_threshold"), ("truenodei
 
 def fit_trees(features: NDArray[np.float32], true: NDArray[np.float32], seed: int) -> Any:
     """A classifier of places (N, F) by whether they are true (N,)."""
-    from sklearn.ensemble import HistGradientBoostingClassifier
-
     trees = HistGradientBoostingClassifier(
         max_iter=ROUNDS, max_leaf_nodes=LEAVES, learning_rate=RATE, l2_regularization=SHRINKAGE, early_stopping=False,
         min_samples_leaf=FEWEST, max_features=SEEN, random_state=seed,

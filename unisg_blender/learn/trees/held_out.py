@@ -37,6 +37,10 @@ class HeldOut:
     plain: float
     powers: Floats
 
+    def taken(self, power: float | None) -> float:
+        """The energy with one of :data:`POWERS`; None: of plain places."""
+        return self.plain if power is None else float(self.powers[POWERS.index(power)])
+
 
 def measured(
     proposer: TreesProposer, scenes: Sequence[ObservedScene], tables: PriorTables, rng: np.random.Generator

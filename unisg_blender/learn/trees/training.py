@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -21,12 +21,14 @@ from ...generate.propose.place_features import CategoryKinds
 from ...generate.propose.trained_model import load_model
 from ...generate.propose.trees_proposer import TreesProposer
 from ...runtime.progress import Progress
+from ...scene.categories import STRUCTURE
 from ..hyperparameters import Settings
 from ..provenance import facts, save_model_assets
 from ..training_scenes import scenes_and_priors
 from .examples import examples
 from .fitting import fit_trees, write_trees
-from .held_out import HeldOut, choices, groups_of, measured
+from .held_out import Choice, HeldOut, choices, groups_of, measured
+from .training_report import report_lines, write_report
 
 MOST_EXAMPLES, MOST_ROUNDS = 5000, 2
 """True places that are learned from, about, and how often at most the same one with other things left out."""
@@ -85,7 +87,7 @@ def train_trees(datasets: Sequence[Dataset], out: Path, settings: Settings) -> d
     record = facts(datasets[0], settings, (len(scenes), 0)) | {
         "losses": {}, "parameters": fitted.trees.n_iter_, "folds": FOLDS,
         "held_out": [choice.to_record() for choice in chosen.values()],
-        "categories": category_records(found, vocabulary, observed),
+        "categories": category_records(found, vocabulary, observed, chosen),
     }  # fmt: skip
     record["notes"] += [note for choice in chosen.values() if (note := choice.note())]
     groups = groups_of(observed, PriorTables.of(priors, vocabulary))
@@ -96,7 +98,8 @@ def train_trees(datasets: Sequence[Dataset], out: Path, settings: Settings) -> d
     )  # fmt: skip
     replace(fitted, contract=contract).write(out)
     save_model_assets(datasets[0], out)
-    return record
+    page = write_report(record, STRUCTURE, out)
+    return record | {"report": [*report_lines(record, STRUCTURE), f"all of it: {page}"]}
 
 
 def _measure(
@@ -115,7 +118,7 @@ def _measure(
 
 
 def category_records(
-    found: Sequence[HeldOut], vocabulary: Sequence[str], scenes: Sequence[ObservedScene]
+    found: Sequence[HeldOut], vocabulary: Sequence[str], scenes: Sequence[ObservedScene], chosen: Mapping[str, Choice]
 ) -> list[dict[str, Any]]:
     """How often each category was seen, in how many rooms, and how it fared where it was held out."""
     result = []
@@ -125,7 +128,7 @@ def category_records(
         record: dict[str, Any] = {"category": name, "objects": sum(counts), "rooms": sum(map(bool, counts))}
         if mine:
             plain = float(np.mean([one.plain for one in mine]))
-            trees = float(np.mean([one.powers[-1] for one in mine]))
-            record |= {"held_out": len(mine), "plain": round(plain, 3), "trees": round(trees, 3)}
+            taken = float(np.mean([one.taken(chosen[one.group].power) for one in mine]))
+            record |= {"held_out": len(mine), "plain": round(plain, 3), "taken": round(taken, 3)}
         result.append(record)
     return result
