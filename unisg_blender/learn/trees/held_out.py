@@ -88,7 +88,7 @@ class Choice:
         if self.power is None:
             return f"{self.group}: learning does not help on held-out rooms; as in a training room is where things go"
         share = 1 - self.taken / self.plain
-        return f"{self.group}: {share:.0%} nearer on held-out rooms than places copied from training rooms"
+        return f"{self.group}: {share:.0%} less error on held-out rooms than places copied from training rooms"
 
 
 def choices(found: Sequence[HeldOut]) -> dict[str, Choice]:
