@@ -15,7 +15,7 @@ pytest.importorskip("torch")
 pytest.importorskip("sklearn")
 
 from tests.generate.rooms import room
-from unisg_blender.dataset import open_dataset
+from unisg_blender.dataset import open_dataset, write_dataset
 from unisg_blender.errors import UniSGError
 from unisg_blender.generate import Generator
 from unisg_blender.generate.observe.contract import Contract
@@ -28,12 +28,13 @@ from unisg_blender.generate.propose.plain_proposals import TriedRoom, plain_prop
 from unisg_blender.generate.propose.trees_proposer import BOOTSTRAP
 from unisg_blender.learn import job_list
 from unisg_blender.learn.hyperparameters import Settings
+from unisg_blender.learn.provenance import dataset_notes
 from unisg_blender.learn.trees.fitting import fit_trees, write_trees
 from unisg_blender.learn.trees.held_out import GROUPS, POWERS, HeldOut, choices
 from unisg_blender.learn.trees.training_report import report_lines, write_report
 from unisg_blender.metrics.scene_validity import measure_scene
 from unisg_blender.runtime.onnx_session import open_model
-from unisg_blender.scene import SceneGraph, world_matrices
+from unisg_blender.scene import SceneBuilder, SceneGraph, world_matrices
 from unisg_blender.spatial.objects import scene_objects
 
 NOTHING = CategoryPriors({}, {}, {}, [])
@@ -107,6 +108,15 @@ def test_the_page_says_what_is_known_and_what_to_add(tmp_path: Path) -> None:
     assert "&lt;b&gt;" in page
     assert "<b>" not in page
     assert "Wall" not in page
+
+
+def test_rooms_without_floors_or_walls_are_told_before_anything_is_trained(tmp_path: Path) -> None:
+    builder = SceneBuilder("Bare")
+    builder.add("Floor", uid="f", category="Floor")
+    write_dataset([builder.build()] * 5, tmp_path / "bare")
+    notes = dataset_notes(open_dataset(tmp_path / "bare"))
+    assert [note for note in notes if '"Wall"' in note]
+    assert not [note for note in notes if '"Floor"' in note]
 
 
 @pytest.mark.slow

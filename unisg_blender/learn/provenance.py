@@ -18,6 +18,12 @@ from ..generate.propose.trained_model import assets_path
 from .hyperparameters import Settings
 from .training_scenes import FEW_SCENES, dataset_checksum
 
+BUILDING = {
+    "Floor": "what stands on the ground and what is in the room cannot be told; give the floors that category",
+    "Wall": "the sides of the floor stand for walls; give the walls that category if there are any",
+}
+"""Categories of the building without which less can be learned, and what that means."""
+
 
 def provenance(
     dataset: Dataset, settings: Settings, scenes: tuple[int, int], losses: dict[str, float], network: nn.Module
@@ -49,6 +55,9 @@ def dataset_notes(dataset: Dataset) -> list[str]:
     notes = []
     if len(dataset) < FEW_SCENES:
         notes.append(f"{len(dataset)} scenes are few: expect little variety; {FEW_SCENES} or more make a useful model")
+    for name, why in BUILDING.items():
+        if name not in dataset.category_counts:
+            notes.append(f'no object has the category "{name}": {why}')
     if dataset.assets() is None:
         notes.append("the dataset keeps no shapes: new objects copy those of the scene, or are plain boxes")
     return notes
