@@ -25,6 +25,10 @@ BENCHMARKS = {
         "..experiments.meshes.meshes_report:write_meshes_report",
     ),
     "rooms": ("the frozen rooms to train and measure generators on", "..experiments.rooms.frozen_rooms:write_rooms"),
+    "own-rooms": (
+        "generators from few rooms of others (ProcTHOR), beside simple rules",
+        "..experiments.rooms.own_rooms:write_own_rooms",
+    ),
     "paper": (
         "the paper's experiments, and a fair comparison of forms",
         "..experiments.paper.paper_report:write_paper_report",
@@ -39,9 +43,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder for tables and figures")
     parser.add_argument("--count", type=whole(1, 10**7), default=1_000_000, help="poses to time (default: 1000000)")
     parser.add_argument("--repeats", type=whole(1, 1000), default=5, help="rounds whose median counts (default: 5)")
-    parser.add_argument("--data", type=Path, nargs="+", metavar="DIR", help="folders of mesh files (meshes)")
+    parser.add_argument(
+        "--data", type=Path, nargs="+", metavar="DIR", help="folders of mesh files (meshes), or of houses (own-rooms)"
+    )
     parser.add_argument("--seed", type=SEED, default=0, help="of everything random (default: 0)")
-    parser.add_argument("--quick", action="store_true", help="a first look in minutes (paper)")
+    parser.add_argument("--quick", action="store_true", help="a first look in minutes (paper, own-rooms)")
     parser.add_argument(
         "--jobs",
         metavar="N",

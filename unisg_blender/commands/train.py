@@ -97,6 +97,13 @@ def _check(args: argparse.Namespace) -> None:
 
 def _lines(report: dict[str, Any], told: list[str]) -> list[str]:
     losses = ", ".join(f"{name} {value:.4f}" for name, value in report["losses"].items())
+    if "held_out" in report:
+        lines = [
+            f"{report['model']}: {report['parameters']} trees of {report['scenes_trained']} rooms, "
+            f"measured on each room while it was held out, {report['seconds']} s"
+        ]
+        lines += report["report"]
+        return lines + [f"note: {note}" for note in report["notes"] if note not in told]
     lines = [
         f"{report['model']}: {report['parameters']} parameters, {report['seconds']} s",
         f"trained on {report['scenes_trained']} scenes, {report['scenes_held_out']} held out: {losses}",

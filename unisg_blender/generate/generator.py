@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections import Counter, abc
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 
@@ -32,6 +32,7 @@ from .propose.anchor_proposer import AnchorProposer
 from .propose.cgvae_proposer import CgvaeProposer
 from .propose.proposer import Proposer
 from .propose.trained_model import TrainedModel, load_model
+from .propose.trees_proposer import TreesProposer
 
 SHELL = (FLOOR, "Wall", "Ceiling")
 """What is never brought into a room that has it."""
@@ -229,7 +230,10 @@ def _generated(
 
 
 def _proposer(model: TrainedModel) -> Proposer:
-    return AnchorProposer(model) if model.contract.kind == "anchors" else CgvaeProposer(model)
+    kinds: dict[str, Callable[[TrainedModel], Proposer]] = {
+        "anchors": AnchorProposer, "cgvae": CgvaeProposer, "trees": TreesProposer
+    }  # fmt: skip
+    return kinds[model.contract.kind](model)
 
 
 def _with_behaviour(item: Placement, made: Behaviour) -> Placement:

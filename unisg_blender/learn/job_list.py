@@ -14,12 +14,15 @@ from .hyperparameters import Settings
 if TYPE_CHECKING:
     from ..dataset.format.reader import Dataset
 
-PACKAGES = ("torch", "torch_geometric", "pytorch_lightning", "onnx", "onnxscript")
+PACKAGES = ("torch", "torch_geometric", "pytorch_lightning", "onnx", "onnxscript", "sklearn")
+
+FEW_ROOMS = 60
+"""Up to so many rooms trees are trained, unless epochs or the like are asked for."""
 
 
 @dataclass(frozen=True)
 class Job:
-    """What a job trains: a model of this room, with ``--paper`` another, and what stands beside it.
+    """What a job trains: a model of this room, with ``--paper`` another, of ``few`` rooms a third, what stands beside.
 
     ``several``: it learns from several datasets together; ``alone``: on one device, whatever is asked for.
     """
@@ -27,6 +30,7 @@ class Job:
     text: str
     model: str
     paper: str = ""
+    few: str = ""
     several: bool = False
     behaviour: bool = False
     alone: bool = False
@@ -35,7 +39,7 @@ class Job:
 JOBS = {
     "cgvae": Job(
         "a generator of objects for scenes: conditional graph variational autoencoder",
-        model="anchors", paper="cgvae", behaviour=True,
+        model="anchors", paper="cgvae", few="trees", behaviour=True,
     ),
     "atiss": Job(
         "an autoregressive set model at small size, a baseline for 'unisg evaluate --also'", model="atiss", alone=True
@@ -66,6 +70,12 @@ def load(module: str) -> Any:
         raise
 
 
+def takes_few(dataset: Dataset, settings: Settings) -> bool:
+    """Whether rooms are so few that trees learn more of them, and nothing was asked for that only networks have."""
+    asked = settings.paper or settings.epochs or settings.form or settings.patience or settings.logs
+    return not asked and len(dataset) <= FEW_ROOMS
+
+
 def train(name: str, datasets: Sequence[Dataset], out: Path, settings: Settings) -> dict[str, Any]:
     """Do one of :data:`JOBS` that learn from datasets; returns the provenance that the model carries.
 
@@ -76,8 +86,11 @@ def train(name: str, datasets: Sequence[Dataset], out: Path, settings: Settings)
     """
     job = JOBS[name]
     settings = replace(settings, devices=1, nodes=1) if job.alone else settings
-    module = load(f"{job.paper if settings.paper and job.paper else job.model}.training")
-    source: dict[str, Any] = load("training_job").train_model(module, datasets, out, settings)
+    if job.few and takes_few(datasets[0], settings):
+        source: dict[str, Any] = load(f"{job.few}.training").train_trees(datasets, out, settings)
+    else:
+        module = load(f"{job.paper if settings.paper and job.paper else job.model}.training")
+        source = load("training_job").train_model(module, datasets, out, settings)
     if not job.behaviour:
         return source
     behaviour = load("behaviour.training").train_beside(datasets, out, settings)

@@ -18,6 +18,12 @@ from ..generate.propose.trained_model import assets_path
 from .hyperparameters import Settings
 from .training_scenes import FEW_SCENES, dataset_checksum
 
+BUILDING = {
+    "Floor": "what stands on the ground and what is in the room cannot be told; give the floors that category",
+    "Wall": "the sides of the floor stand for walls; give the walls that category if there are any",
+}
+"""Categories of the building without which less can be learned, and what that means."""
+
 
 def provenance(
     dataset: Dataset, settings: Settings, scenes: tuple[int, int], losses: dict[str, float], network: nn.Module
@@ -25,14 +31,20 @@ def provenance(
     """Dataset, counts, software, settings, losses and date of a training on the first of ``scenes``, the second held
     out.
     """
+    return facts(dataset, settings, scenes) | {
+        "losses": {name: round(value, 6) for name, value in sorted(losses.items())},
+        "parameters": sum(parameter.numel() for parameter in network.parameters()),
+    }
+
+
+def facts(dataset: Dataset, settings: Settings, scenes: tuple[int, int]) -> dict[str, Any]:
+    """The same but losses and size."""
     return {
         "notes": dataset_notes(dataset),
         "dataset": {"sha256": dataset_checksum(dataset), "scenes": len(dataset), **dataset.manifest["counts"]},
         "scenes_trained": scenes[0],
         "scenes_held_out": scenes[1],
         "settings": settings.to_record(),
-        "losses": {name: round(value, 6) for name, value in sorted(losses.items())},
-        "parameters": sum(parameter.numel() for parameter in network.parameters()),
         "software": f"unisg_blender {__version__}, torch {torch.__version__}, Python {platform.python_version()}",
         "date": datetime.now(UTC).strftime("%Y-%m-%d"),
     }
@@ -43,6 +55,9 @@ def dataset_notes(dataset: Dataset) -> list[str]:
     notes = []
     if len(dataset) < FEW_SCENES:
         notes.append(f"{len(dataset)} scenes are few: expect little variety; {FEW_SCENES} or more make a useful model")
+    for name, why in BUILDING.items():
+        if name not in dataset.category_counts:
+            notes.append(f'no object has the category "{name}": {why}')
     if dataset.assets() is None:
         notes.append("the dataset keeps no shapes: new objects copy those of the scene, or are plain boxes")
     return notes

@@ -74,6 +74,43 @@ class GaussianProposer(Proposer):
         return _log_normal(offset, place[3] - origin[3], mean, deviation)
 
 
+class CopyProposer(Proposer):
+    """Where an object of the category stood in a training room, as far from the middle of the room, with its heading.
+
+    Of all rooms that have one, or, ``nearest``, of that one whose floor and counts of categories are most alike.
+    """
+
+    def __init__(self, scenes: Sequence[ObservedScene], categories: int, nearest: bool) -> None:
+        self.scenes, self.categories, self.nearest = scenes, categories, nearest
+        self.signatures = np.array([self._signature(scene) for scene in scenes])
+
+    def _signature(self, scene: ObservedScene) -> Floats:
+        counts = np.bincount(scene.category[scene.category >= 0], minlength=self.categories)
+        root = scene.support < 0
+        return np.append(counts, 8 * np.sort(scene.half[root, :2].max(axis=0, initial=0)))
+
+    def propose(self, query: Query, count: int, rng: np.random.Generator) -> Proposals:
+        """See :class:`~unisg_blender.generate.propose.proposer.Proposer`."""
+        rooms = [scene for scene in self.scenes if (scene.category == query.category).any()]
+        if self.nearest and rooms:
+            order = nearest_room(self._signature(query.scene), self.signatures)
+            rooms = [scene for scene in map(self.scenes.__getitem__, order) if scene in rooms][:1]
+        seen = [_from_middle(scene, query.category) for scene in rooms]
+        found = np.concatenate(seen) if seen else np.zeros((1, 4))
+        places = found[rng.integers(len(found), size=count)]
+        places[:, :3] += (*query.scene.room.middle, query.scene.room.ground)
+        return Proposals(
+            np.array([carrier_of(query.scene, place, query.allowed) for place in places], np.int64), places
+        )
+
+
+def _from_middle(scene: ObservedScene, category: int) -> Floats:
+    """Places (P, 4) of the objects of a category as seen from the room's middle."""
+    mine = scene.category == category
+    bottom = scene.center[mine] - scene.half[mine] * (0, 0, 1) - (*scene.room.middle, scene.room.ground)
+    return np.column_stack([bottom, scene.yaw[mine]])
+
+
 class WorldGaussianProposer(Proposer):
     """One Gaussian per category over position and heading in the room, whose middle is the origin.
 

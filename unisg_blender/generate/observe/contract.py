@@ -14,6 +14,7 @@ from ...runtime.json_records import from_record
 from ...runtime.onnx_session import damaged, metadata_text
 from ..counts import MOST_OBJECTS
 from .prior_tables import PriorTables
+from .seen_places import WIDTH
 from .support_priors import CategoryPriors
 
 VERSION = 5
@@ -23,8 +24,11 @@ SINCE = {"anchors": 5}
 WIDEST, FARTHEST = 4096, 1e4
 """Largest latent, and largest length in metres, that a model may speak of."""
 
+SHARPEST = 8.0
+"""Largest power of odds."""
+
 TASK = "generate"
-KINDS = ("cgvae", "anchors")
+KINDS = ("cgvae", "anchors", "trees")
 
 PRIOR_KEYS = {"leaders": "references", "spans": "spanning"}
 """How files call some of the priors, which stand there under "habits"."""
@@ -52,6 +56,9 @@ class Contract:
         What the training scenes say about the categories.
     provenance
         Dataset, counts, software, command and seed that the model comes from.
+    places, plain, sharpness
+        Of trees, by category: the places seen in training (:mod:`.seen_places`), how often one of these is taken
+        without asking the trees, and the power of the trees' odds by which places are drawn; nothing for other kinds.
     """
 
     kind: str
@@ -63,6 +70,9 @@ class Contract:
     kept: tuple[int, ...] = ()
     latent: int = 0
     provenance: dict[str, Any] = field(default_factory=dict)
+    places: dict[str, list[list[float]]] = field(default_factory=dict)
+    plain: dict[str, float] = field(default_factory=dict)
+    sharpness: dict[str, float] = field(default_factory=dict)
 
     @cached_property
     def tables(self) -> PriorTables:
@@ -73,6 +83,9 @@ class Contract:
         """The metadata entry."""
         record = asdict(self)
         priors = record.pop("priors")
+        record = {
+            name: value for name, value in record.items() if value or name not in ("places", "plain", "sharpness")
+        }
         habits = {old: priors.pop(new) for old, new in PRIOR_KEYS.items()} | priors
         return metadata_text(TASK, VERSION, habits=habits, **record)
 
@@ -101,6 +114,11 @@ class Contract:
             "sizes": all(len(size) == 3 and 0 <= min(size) <= max(size) <= FARTHEST for size in priors.sizes.values()),
             "rooms": all(len(room) == names and min(room) >= 0 and sum(room) <= MOST_OBJECTS for room in priors.rooms),
             "gaps": all(abs(prior.gap) <= FARTHEST and prior.count > 0 for prior in found),
+            "places": all(
+                len(row) == WIDTH and max(map(abs, row)) <= FARTHEST for rows in self.places.values() for row in rows
+            ),
+            "plain": set(self.plain) <= set(self.places) and all(0 <= share <= 1 for share in self.plain.values()),
+            "sharpness": all(0 <= power <= SHARPEST for power in self.sharpness.values()),
             "overlaps": all(0 <= depth <= FARTHEST for depth in priors.overlaps.values()),
         }
         if not all(fits.values()):

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ...geometry.arrays import Floats, Ints
+from ...geometry.arrays import Bools, Floats, Ints
 from ...geometry.boxes import Boxes
 from ...spatial.objects import SceneObjects
 from ...spatial.support_surfaces import support_surfaces, surface_at
@@ -55,6 +55,16 @@ class ObservedScene:
         held = np.flatnonzero(objects.support >= 0)
         none[held] = [scene.surface_of(objects.bottom[obj], objects.support[obj]) for obj in held]
         return scene
+
+    def part(self, kept: Bools) -> ObservedScene:
+        """The scene with some objects only, bool (K,); what stood on others stands on nothing."""
+        rows = np.flatnonzero(kept)
+        number = np.append(np.where(kept, np.cumsum(kept) - 1, -1), -1)
+        parts = self.parts
+        return ObservedScene(
+            self.category[rows], number[self.support[rows]], self.world[rows], self.center[rows], self.half[rows],
+            self.yaw[rows], self.surface[rows], lambda obj: parts(int(rows[obj])),
+        )  # fmt: skip
 
     @property
     def room(self) -> RoomShape:

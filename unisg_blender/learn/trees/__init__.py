@@ -1,0 +1,1 @@
+"""Boosted trees that judge plain proposals: a generator from few rooms."""
