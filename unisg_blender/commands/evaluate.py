@@ -14,7 +14,7 @@ from ..errors import DONE, UniSGError
 from ..runtime.atomic_files import made_folder
 from .argument_types import PROCESSES, SEED, whole
 from .common import add_mapping, jobs_of
-from .outputs import check_folder
+from .outputs import check_results
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -64,7 +64,7 @@ def run(args: argparse.Namespace) -> int:
     from ..experiments.rooms.generation_benchmark import compare
     from ..experiments.rooms.generation_report import table, write_report
 
-    check_folder("--out", args.out, [args.data, args.training, args.model, *args.also])
+    check_results("--out", args.out, [args.data, args.training, args.model, *args.also])
     jobs, start = jobs_of(args), time.perf_counter()
     with _folder(args.out) as folder, _bars(args.quiet) as progress:
         plan = _plan(args, folder, jobs)
