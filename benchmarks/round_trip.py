@@ -101,7 +101,7 @@ def difference(before: dict[str, Any], after: dict[str, Any]) -> str:
         return "empty"
     for key in ("frame", "last", "meshes", "points"):
         free = (before["shapes"] and key == "points") or before[key] is None
-        if before[key] != after[key] and not free:
+        if not free and not np.isclose(before[key], after[key], rtol=1e-9):
             return f"{key}: {before[key]} before, {after[key]} after"
     size = max(np.subtract(before["high"], before["low"]).max(), np.abs([before["low"], before["high"]]).max() * CLOSE)
     for key in ("low", "high", "mean", "origins"):

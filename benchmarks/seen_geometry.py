@@ -83,7 +83,7 @@ def _open_usd(path: Path, shapes: list[str]) -> tuple[Any, tuple[float, float] |
     import bpy
 
     bpy.utils.expose_bundled_modules()
-    from pxr import Gf, Usd, UsdGeom, UsdSkel
+    from pxr import Usd, UsdGeom, UsdSkel
 
     stage = Usd.Stage.Open(str(path))
     stage.SetEditTarget(stage.GetSessionLayer())
@@ -91,8 +91,7 @@ def _open_usd(path: Path, shapes: list[str]) -> tuple[Any, tuple[float, float] |
         for prim in instances:
             prim.SetInstanceable(False)
     timed = (stage.GetStartTimeCode(), stage.GetEndTimeCode()) if stage.HasAuthoredTimeCodeRange() else None
-    first = timed[0] if timed else 0.0
-    UsdSkel.BakeSkinning(stage.Traverse(), Gf.Interval(first, first))
+    UsdSkel.BakeSkinning(stage.Traverse())
     unit = np.eye(4)
     if UsdGeom.GetStageUpAxis(stage) == "Y":
         unit[1:3, 1:3] = [[0, -1], [1, 0]]
