@@ -58,7 +58,7 @@ def try_kind(kind: str, count: int, seed: int, folder: Path) -> tuple[Counter[st
         for number in range(start, min(start + AT_ONCE, count)):
             rng = np.random.default_rng([seed, number])
             files.append(folder / f"{kind}_{seed}_{number}.{kind}")
-            files[-1].write_bytes(damaged(sound, kind in ("usda", "gltf", "json"), rng))
+            files[-1].write_bytes(damaged(sound, kind, rng))
         found = outcomes(files)
         faults |= {path.name: outcome for path, outcome in found.items() if is_fault(outcome)}
         for file in files:

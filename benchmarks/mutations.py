@@ -15,21 +15,32 @@ from __future__ import annotations
 
 import argparse
 import ast
+import csv
+import importlib
 import os
 import random
 import re
 import shutil
+import signal
 import sqlite3
-import subprocess
 import sys
 import tempfile
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass
+from multiprocessing import get_context
 from pathlib import Path
+
+import pytest
 
 ROOT = Path(__file__).resolve().parent.parent
 LEFT_OUT = shutil.ignore_patterns(".git", ".venv*", "build", "demo", "__pycache__", ".*_cache", ".hypothesis")
+OF_OTHERS = ("matplotlib", "scipy.spatial", "trimesh")
+"""What is loaded once, not for every change; not Blender, whose threads do not live in a forked process, nor torch."""
+AT_ONCE = 10
+NOTHING_RAN = "no test could be run"
+TOLD = "told.txt"
 NOTHING_TO_RUN = 5  # pytest's exit status when every test was left out
 SWAPS: dict[type[ast.AST], type[ast.AST]] = {
     ast.Add: ast.Sub, ast.Sub: ast.Add, ast.Mult: ast.Div, ast.Div: ast.Mult, ast.FloorDiv: ast.Mult,
@@ -98,23 +109,35 @@ def _swapped(node: ast.BinOp | ast.Compare | ast.BoolOp | ast.UnaryOp) -> Iterat
         node.op = kept
 
 
-def failing_test(copy: Path, tests: list[str], broken: set[str], args: argparse.Namespace) -> str:
-    """The first test that fails in the copy ("" for none), or in words that nothing could be run in that time."""
-    words = ["-x", "-q", "-rfE", "-p", "no:cacheprovider", "--timeout", str(args.seconds)]
+def failing_tests(copy: Path, words: list[str], broken: set[str], args: argparse.Namespace) -> list[str]:
+    """The tests that fail in the copy, or in words that they could not be run, or not in that time."""
+    words = ["-q", "-rfE", "-p", "no:cacheprovider", "--timeout", str(args.seconds), *words]
     words += ["-n", str(args.workers), "--dist", "loadfile"] if args.workers > 1 else []
-    words += [f"--deselect={test}" for test in sorted(broken)]
-    environment = os.environ | {"PYTHONPATH": str(copy), "PYTHONDONTWRITEBYTECODE": "1"}
-    chosen = copy / "chosen-tests.txt"  # more than fit on a command line
-    chosen.write_text("\n".join(tests), encoding="utf-8")
-    try:
-        done = subprocess.run(
-            [sys.executable, "-m", "pytest", *words, f"@{chosen}"],
-            cwd=copy, env=environment, capture_output=True, text=True, timeout=3 * args.seconds,
-        )  # fmt: skip
-    except subprocess.TimeoutExpired:
-        return "not done in time"
-    failed = re.search(r"^(?:FAILED|ERROR) (\S+::.+?)(?: - .*)?$", done.stdout, re.MULTILINE)
-    return "" if done.returncode in (0, NOTHING_TO_RUN) else failed[1] if failed else "no test could be run"
+    words += ["-m", "not slow"] if args.fast else []
+    process = get_context("fork").Process(target=run_tests, args=(copy, words + [f"--deselect={t}" for t in broken]))
+    process.start()
+    process.join(3 * args.seconds)
+    if process.exitcode is None:
+        os.killpg(process.pid or 0, signal.SIGKILL)
+        process.join()
+        return ["not done in time"]
+    told = (copy / TOLD).read_text(errors="replace")
+    failed = re.findall(r"^(?:FAILED|ERROR) (\S+::.+?)(?: - .*)?$", told, re.MULTILINE)
+    return [] if process.exitcode in (0, NOTHING_TO_RUN) else failed or [NOTHING_RAN]
+
+
+def run_tests(copy: Path, words: list[str]) -> None:
+    """Run pytest in this process, which has the libraries of others loaded already, and end it."""
+    os.setsid()
+    os.chdir(copy)
+    sys.path[0] = str(copy)
+    os.environ |= {"PYTHONPATH": str(copy), "PYTHONDONTWRITEBYTECODE": "1"}
+    with (copy / TOLD).open("wb") as file:
+        os.dup2(file.fileno(), 1)
+        os.dup2(file.fileno(), 2)
+    status = pytest.main(words)
+    sys.stdout.flush()
+    os._exit(status)
 
 
 def covering_tests(coverage: Path, mutation: Mutation, most: int) -> list[str]:
@@ -148,36 +171,72 @@ def drawn_mutations(room: str, count: int, seed: int) -> tuple[list[Mutation], i
     return random.Random(seed).sample(found, min(count, len(found))), len(found)
 
 
-def noticed(copy: Path, mutation: Mutation, tests: list[str], broken: set[str], args: argparse.Namespace) -> bool:
-    """Whether a test fails with the change and passes without; tests that fail without it are added to ``broken``."""
+def claim(copy: Path, mutation: Mutation, broken: set[str], args: argparse.Namespace) -> str:
+    """The first test that fails with the change, "" for none."""
+    tests = covering_tests(args.coverage, mutation, args.most) if args.coverage else []
+    words = ["-x", *(tests or tests_of(args, mutation.path.parts[1]))]
     before = (copy / mutation.path).read_bytes()
-    while True:
-        (copy / mutation.path).write_bytes(mutation.apply(before))
-        failing = failing_test(copy, tests, broken, args)
+    (copy / mutation.path).write_bytes(mutation.apply(before))
+    try:
+        failing = failing_tests(copy, words, broken, args)
+    finally:
         (copy / mutation.path).write_bytes(before)
-        if "::" not in failing:
-            return bool(failing)
-        if not failing_test(copy, [failing], set(), args):
-            return True
-        broken.add(failing)
+    if NOTHING_RAN in failing and NOTHING_RAN in failing_tests(copy, words, broken, args):
+        sys.exit((copy / TOLD).read_text(errors="replace"))
+    return next(iter(failing), "")
+
+
+def unsound(copy: Path, claims: Iterable[str], args: argparse.Namespace) -> set[str]:
+    """Those of the tests that fail without a change as well."""
+    tests = sorted({test for test in claims if "::" in test})
+    return set(failing_tests(copy, tests, set(), args) if tests else [])
 
 
 def check(args: argparse.Namespace) -> None:
-    """Draw the changes, try one after another, print what stayed unseen."""
+    """Draw the changes, try some after the other and then their tests without a change, print what stayed unseen."""
+    for name in OF_OTHERS:
+        with suppress(ImportError):
+            importlib.import_module(name)
     drawn, possible = drawn_mutations(args.room, args.count, args.seed)
-    unseen, broken = 0, set[str]()
+    seen, broken = kept(args.results, args.seed), set[str]()
+    left = [number for number in range(len(drawn)) if number not in seen]
     with tempfile.TemporaryDirectory() as name:
         copy = Path(name) / "copy"
         shutil.copytree(ROOT, copy, ignore=LEFT_OUT)
-        for number, mutation in enumerate(drawn, start=1):
-            tests = covering_tests(args.coverage, mutation, args.most) if args.coverage else []
-            tests = tests or tests_of(args, mutation.path.parts[1])
-            if not noticed(copy, mutation, [*tests, *(["-m", "not slow"] if args.fast else [])], broken, args):
-                unseen += 1
-                print(f"unseen  {mutation}", flush=True)
-            print(f"{number} of {len(drawn)}, {unseen} unseen", end="\r", file=sys.stderr, flush=True)
-    print(f"{len(drawn) - unseen} of {len(drawn)} noticed ({possible} possible changes, seed {args.seed})")
+        while left:
+            now, left = left[:AT_ONCE], left[AT_ONCE:]
+            claims = {number: claim(copy, drawn[number], broken, args) for number in now}
+            broken |= unsound(copy, claims.values(), args)
+            left = [number for number in now if claims[number] in broken] + left
+            for number in sorted(set(now) - set(left)):
+                seen[number] = bool(claims[number])
+                if not seen[number]:
+                    print(f"unseen  {drawn[number]}", flush=True)
+                if args.results:
+                    keep(args.results, args.seed, number, drawn[number], seen[number])
+            print(f"{len(seen)} of {len(drawn)}, {sum(seen.values())} noticed", end="\r", file=sys.stderr, flush=True)
+    print(f"{sum(seen.values())} of {len(drawn)} noticed ({possible} possible changes, seed {args.seed})")
     print(*(f"fails without a change: {test}" for test in sorted(broken)), sep="\n")
+
+
+def kept(results: Path | None, seed: int) -> dict[int, bool]:
+    """What an earlier call with this seed found, by the number of the change."""
+    if results is None or not results.exists():
+        return {}
+    with results.open(newline="", encoding="utf-8") as file:
+        rows = [row for row in csv.DictReader(file) if int(row["seed"]) == seed]
+    return {int(row["number"]): row["noticed"] == "1" for row in rows}
+
+
+def keep(results: Path, seed: int, number: int, mutation: Mutation, found: bool) -> None:
+    """Add a row to the results, so that a call that was stopped can go on."""
+    new = not results.exists()
+    with results.open("a", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        if new:
+            writer.writerow(["seed", "number", "room", "line", "old", "new", "noticed"])
+        place = f"{mutation.path.as_posix()}:{mutation.line}"
+        writer.writerow([seed, number, mutation.path.parts[1], place, mutation.old, mutation.new, int(found)])
 
 
 def tests_of(args: argparse.Namespace, room: str) -> list[str]:
@@ -199,4 +258,5 @@ if __name__ == "__main__":
     parser.add_argument("--fast", action="store_true", help="leave out the tests that are marked slow")
     parser.add_argument("--coverage", type=Path, help="a .coverage file with test contexts: choose tests by line")
     parser.add_argument("--most", type=int, default=150, help="with --coverage, tests for one change (default: 150)")
+    parser.add_argument("--results", type=Path, help="a .csv file that keeps what was found; a further call goes on")
     check(parser.parse_args())

@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 import os
 import re
@@ -13,6 +14,7 @@ import subprocess
 import sys
 import tempfile
 import traceback
+import zipfile
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -24,6 +26,7 @@ GUARDED = "guarded, "
 """Starts the outcome of a file over which Blender or USD crash or hang, which the command line tells."""
 UNFORESEEN = "refused: unforeseen, "
 """Starts the outcome of a file that some part of the reading stumbled over."""
+TEXT = ("usda", "gltf", "json")
 OF_A_CRASH = ("blender_", "st_python")
 """Starts of what Blender and USD leave of a process that crashed; where the command line reads, it is removed."""
 NUMBERS = (
@@ -53,11 +56,22 @@ def make_sound_files(folder: Path) -> None:
     subprocess.run([sys.executable, "-c", MAKE, str(folder)], check=True, capture_output=True, timeout=120)
 
 
-def damaged(data: bytes, text: bool, rng: np.random.Generator) -> bytes:
-    """The bytes of a file with one to three damages."""
+def damaged(data: bytes, kind: str, rng: np.random.Generator) -> bytes:
+    """The bytes of a file with one to three damages, of a package mostly within what it packs."""
+    if kind == "usdz" and rng.random() < 0.9:
+        return _repacked(data, rng)
     for _ in range(int(rng.integers(1, 4))):
-        data = _word_damage(data, rng) if text and rng.random() < 0.9 else _byte_damage(data, rng)
+        data = _word_damage(data, rng) if kind in TEXT and rng.random() < 0.9 else _byte_damage(data, rng)
     return data
+
+
+def _repacked(package: bytes, rng: np.random.Generator) -> bytes:
+    """A package whose layer is damaged, but whose checksums are right, so that USD opens it."""
+    new = io.BytesIO()
+    with zipfile.ZipFile(io.BytesIO(package)) as old, zipfile.ZipFile(new, "w", zipfile.ZIP_STORED) as packed:
+        for name in old.namelist():
+            packed.writestr(zipfile.ZipInfo(name), damaged(old.read(name), Path(name).suffix[1:], rng))
+    return new.getvalue()
 
 
 def _word_damage(data: bytes, rng: np.random.Generator) -> bytes:

@@ -44,7 +44,7 @@ def test_a_rehearsal_writes_a_timeline_a_picture_and_a_script_that_plays_again(f
     assert record["finished"]
     assert json.loads((out / "timeline.json").read_text()) == record
     assert (out / "timeline.png").read_bytes().startswith(b"\x89PNG")
-    assert sorted(path.name for path in out.iterdir()) == ["motion.json", "timeline.json", "timeline.png"]
+    assert sorted(path.name for path in out.glob("[!.]*")) == ["motion.json", "timeline.json", "timeline.png"]
     status, text, _ = simulate(capsys, file, "--motion", out / "motion.json", "--json")
     assert status == 0
     assert json.loads(text)["finished"]

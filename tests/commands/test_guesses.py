@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from unisg_blender.dataset import write_dataset
 from unisg_blender.errors import UniSGError, did_you_mean
 from unisg_blender.formats import write_scene_file
 from unisg_blender.pretrained import find_generator
@@ -49,6 +50,13 @@ def test_models() -> None:
         find_generator("operating-rom")
     assert find_generator("living-room").name == "living_room.onnx"
     assert find_generator("missing.onnx") == Path("missing.onnx")
+
+
+def test_models_to_evaluate(tmp_path: Path, run: Run) -> None:
+    write_dataset([cubes(seed=1)], tmp_path / "data")
+    words = ("evaluate", "--data", tmp_path / "data")
+    assert "(did you mean 'living_room'?)" in run(*words, "living-rom", status=1)[1]
+    assert "no category of things that living-room knows" in run(*words, "living-room", status=1)[1]
 
 
 def test_objects_of_a_scene(tmp_path: Path, run: Run) -> None:

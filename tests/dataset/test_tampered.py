@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from unisg_blender.cli import main
 from unisg_blender.dataset import open_dataset, write_dataset
 from unisg_blender.dataset.format.columns import Columns
 from unisg_blender.dataset.format.schema import COLUMNS, STRINGS, TABLES
@@ -148,13 +147,3 @@ def test_a_damaged_dataset_can_be_replaced(whole: Path, tmp_path: Path) -> None:
     write_dataset([living_room(1)], folder, overwrite=True)
     open_dataset(folder).check()
     assert len(list(folder.glob("scenes-*"))) == 1
-
-
-@pytest.mark.parametrize("report", ["{}", "[]", '{"software": {}, "completed": 1, "from_empty": 2}', "not JSON"])
-def test_a_folder_with_somebody_elses_report_is_no_demo(
-    tmp_path: Path, report: str, capsys: pytest.CaptureFixture[str]
-) -> None:
-    (tmp_path / "report.json").write_text(report)
-    assert main(["demo", "--out", str(tmp_path), "-q"]) == 1
-    assert "is no earlier demo" in capsys.readouterr().err
-    assert [path.name for path in tmp_path.iterdir()] == ["report.json"]

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from unisg_blender.errors import UniSGError
-from unisg_blender.runtime.atomic_files import filling, replacing, write_file
+from unisg_blender.runtime.atomic_files import replacing, write_file
 
 
 def stop_halfway(path: Path) -> None:
@@ -37,24 +37,6 @@ def test_places_that_cannot_be_written_are_told(tmp_path: Path) -> None:
     for path in (tmp_path / "folder", tmp_path / "missing" / "a", tmp_path / "file" / "a"):
         with pytest.raises(UniSGError, match="cannot write"):
             write_file(path, b"")
-    with pytest.raises(UniSGError, match="cannot write"), filling(tmp_path / "file"):
-        pass
-
-
-def test_a_folder_is_filled_at_once_and_keeps_what_is_not_ours(tmp_path: Path) -> None:
-    out = tmp_path / "out"
-    with pytest.raises(RuntimeError), filling(out) as draft:
-        stop_halfway(draft / "table.csv")
-    assert not out.exists()
-    (out / "rooms").mkdir(parents=True)
-    for name in ("table.csv", "rooms/old", "mine"):
-        (out / name).write_text("old")
-    with filling(out) as draft:
-        (draft / "table.csv").write_text("new")
-        (draft / "rooms").mkdir()
-        (draft / "rooms" / "new").write_text("new")
-    found = {path.relative_to(out).as_posix(): path.read_text() for path in out.rglob("*") if path.is_file()}
-    assert found == {"mine": "old", "table.csv": "new", "rooms/new": "new"}
 
 
 STARTER = """

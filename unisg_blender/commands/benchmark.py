@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import DONE
+from ..runtime.made_files import MARKER, own_folder
 from .argument_types import PROCESSES, SEED, number, whole
 from .common import jobs_of, print_report
 from .outputs import check_folder
@@ -76,6 +77,8 @@ def run(args: argparse.Namespace) -> int:
         if not args.quiet:
             print(f"{args.name}: {step}", file=sys.stderr, flush=True)
 
-    report = measure(args, args.out, progress)
-    print_report(args, report, [f"wrote {args.out}: {', '.join(sorted(p.name for p in args.out.iterdir()))}"])
+    with own_folder("--out", args.out):
+        report = measure(args, args.out, progress)
+    written = sorted(path.name for path in args.out.iterdir() if path.name != MARKER)
+    print_report(args, report, [f"wrote {args.out}: {', '.join(written)}"])
     return DONE

@@ -13,12 +13,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from tqdm import tqdm
 
-from ..errors import DONE, MissingPackageError, UniSGError
-from ..runtime.atomic_files import filling, read_plain
-from ..runtime.json_records import parse_json
+from ..errors import DONE, MissingPackageError
+from ..runtime.made_files import filling
 from .argument_types import SEED
 from .common import add_form, print_report
-from .outputs import check_folder
+from .outputs import check_results
 
 if TYPE_CHECKING:
     from ..generate import Generated, Generator
@@ -42,26 +41,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Write the demo's folder; the files of an earlier one are replaced when the new ones are complete."""
-    check_folder("--out", args.out)
-    if args.out.exists() and not _is_demo(args.out) and any(args.out.iterdir()):
-        raise UniSGError(f"{args.out} exists and is no earlier demo: give another --out")
+    check_results("--out", args.out)
     with filling(args.out) as work:
         with tqdm(total=len(STEPS), desc="demo", unit="step", disable=args.quiet, file=sys.stderr) as bar:
             report = _demo(args, work, bar)
         (work / "report.json").write_text(json.dumps(report, indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
     print_report(args, report, _lines(report, args.out))
     return DONE
-
-
-def _is_demo(folder: Path) -> bool:
-    """Whether a folder holds the report of an earlier demo, with the name and version of this software."""
-    try:
-        report = parse_json(read_plain(folder / "report.json"), "report.json")
-    except (OSError, UniSGError):
-        return False
-    software = report.get("software") if isinstance(report, dict) else None
-    named = isinstance(software, dict) and isinstance(software.get("unisg_blender"), str)
-    return named and report.keys() >= {"completed", "from_empty"}
 
 
 def _demo(args: argparse.Namespace, out: Path, bar: tqdm) -> dict[str, Any]:

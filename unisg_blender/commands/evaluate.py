@@ -11,10 +11,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..errors import DONE, UniSGError
+from ..pretrained import find_generator
 from ..runtime.atomic_files import made_folder
+from ..runtime.made_files import own_folder
 from .argument_types import PROCESSES, SEED, whole
 from .common import add_mapping, jobs_of
-from .outputs import check_folder
+from .outputs import check_results
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -29,7 +31,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """What the verb takes."""
     parser.add_argument(
         "model", metavar="MODEL_OR_ROOMS", type=Path,
-        help="a trained generator, or a folder of rooms that any generator furnished: docs/evaluating.md",
+        help="a generator, a shipped one by name, or a folder of rooms that any other furnished: docs/evaluating.md",
     )  # fmt: skip
     parser.add_argument("--data", metavar="DATASET", type=Path, required=True, help="rooms that it was not trained on")
     add_mapping(parser)
@@ -64,7 +66,7 @@ def run(args: argparse.Namespace) -> int:
     from ..experiments.rooms.generation_benchmark import compare
     from ..experiments.rooms.generation_report import table, write_report
 
-    check_folder("--out", args.out, [args.data, args.training, args.model, *args.also])
+    check_results("--out", args.out, [args.data, args.training, args.model, *args.also])
     jobs, start = jobs_of(args), time.perf_counter()
     with _folder(args.out) as folder, _bars(args.quiet) as progress:
         plan = _plan(args, folder, jobs)
@@ -100,6 +102,8 @@ def _plan(args: argparse.Namespace, work: Path, jobs: int) -> TablePlan:
         if path.is_dir():
             path = rooms_dataset(path, work, mapping, jobs)
             scenes = min(scenes, len(open_dataset(path)))  # as many real rooms as there are given ones
+        else:
+            path = find_generator(path)
         models.append(path)
         known &= set(open_dataset(path).category_counts if path.is_dir() else load_generator(path).categories)
     if not known - set(STRUCTURE):
@@ -119,7 +123,7 @@ def _folder(out: Path | None) -> Iterator[Path]:
         with tempfile.TemporaryDirectory(prefix="unisg-evaluate-") as name:
             yield Path(name)
         return
-    with made_folder(out / "measured"):
+    with own_folder("--out", out), made_folder(out / "measured"):
         yield out / "measured"
 
 

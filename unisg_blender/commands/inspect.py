@@ -18,7 +18,7 @@ from .common import (
     tell_lost,
     words_of,
 )
-from .outputs import check_folder
+from .outputs import check_results
 
 HELP = "Show the entity tree of a scene file, with components and behaviour, or the contents of a dataset."
 
@@ -52,7 +52,7 @@ def run(args: argparse.Namespace) -> int:
     from ..scene.lesson_node import lesson_to_json
     from ..scene.scene_text import entity_lines, lesson_lines, relation_lines, summary, to_records
 
-    check_folder("--figures", args.figures, [args.path])
+    check_results("--figures", args.figures, [args.path])
     graph, lost = read_shown(args, args.path, geometry=args.geometry, scene=args.scene)
     if args.json:
         lessons = [json.loads(lesson_to_json(operation)) for _, operation in graph.entries("lsa", "data")]

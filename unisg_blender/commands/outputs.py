@@ -9,6 +9,7 @@ from pathlib import Path
 
 from ..errors import UniSGError
 from ..runtime.atomic_files import made_folder
+from ..runtime.made_files import check_own
 
 
 def check_file(
@@ -46,6 +47,12 @@ def check_file(
             pass  # a name as long as the one that it will have until it is whole
     except OSError as error:
         raise UniSGError(f"cannot write {path}: {error.strerror or error}; give another {option}") from None
+
+
+def check_results(option: str, path: Path | None, others: Iterable[Path | None] = ()) -> None:
+    """Refuse a folder as :func:`check_folder` does, or one whose files are somebody else's."""
+    check_folder(option, path, others)
+    check_own(option, path)
 
 
 def check_folder(option: str, path: Path | None, others: Iterable[Path | None] = ()) -> None:

@@ -15,11 +15,12 @@ from typing import TYPE_CHECKING, Any
 from tqdm import tqdm
 
 from ..errors import DONE, MISUSE, UniSGError, did_you_mean
-from ..runtime.atomic_files import filling, read_plain
+from ..runtime.atomic_files import read_plain
 from ..runtime.file_endings import BLENDER, WRITABLE, is_of
+from ..runtime.made_files import filling
 from .argument_types import number
 from .common import add_limit, add_scene, print_report, read_shown, shown_lines
-from .outputs import check_file, check_folder
+from .outputs import check_file, check_results
 
 if TYPE_CHECKING:
     from ..behaviour import Moment
@@ -66,7 +67,7 @@ def run(args: argparse.Namespace) -> int:
     if args.render and args.out is None:
         print("unisg simulate: --render needs --out DIR", file=sys.stderr)
         return MISUSE
-    check_folder("--out", args.out)
+    check_results("--out", args.out)
     check_file("--record", args.record, WRITABLE, [args.file])
     from ..behaviour import prepare, simulate, timeline_record
     from ..behaviour.fulfilment.custom_types import load_types

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from ..errors import DONE, UniSGError
 from ..formats.scene_files import write_scene_file
+from ..runtime.made_files import check_made, mark_made
 from ..worlds.world_batches import make_many
 from .argument_types import PROCESSES, SEED, whole
 from .common import add_dataset_options, add_form, jobs_of, make_folder, mesh_encoder_of, print_report, vocabulary_of
@@ -82,7 +83,9 @@ def _write_files(args: argparse.Namespace, bar: Progress) -> list[str]:
     taken = next((path for path in paths if path.exists()), None)
     if taken is not None and not args.overwrite:
         raise UniSGError(f"{taken} exists already: choose another folder, or use --overwrite")
+    check_made(args.out, [path.name for path in paths])
     make_folder(args.out)
+    mark_made(args.out, [path.name for path in paths])
     for path, graph in zip(paths, _scenes(args, bar), strict=True):
         write_scene_file(graph, path)
     return [str(path) for path in paths]

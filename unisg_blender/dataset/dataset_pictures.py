@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ..errors import MissingPackageError
 from ..geometry.boxes import corners
-from ..runtime.atomic_files import filling
+from ..runtime.made_files import filling
 from ..spatial import oriented_boxes
 from .dataset_description import describe_dataset, entity_sizes, scene_numbers
 from .format.reader import Dataset, Scene, open_dataset

@@ -6,8 +6,6 @@ import contextlib
 import errno
 import hashlib
 import os
-import shutil
-import tempfile
 import uuid
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -82,7 +80,7 @@ def replacing(path: Path) -> Iterator[Path]:
             os.fsync(file.fileno())
         os.replace(temporary, path)
     except OSError as error:
-        raise _reason(path, error) from None
+        raise cannot_write(path, error) from None
     finally:
         temporary.unlink(missing_ok=True)
 
@@ -102,7 +100,7 @@ def made_folder(folder: Path) -> Iterator[None]:
             missing += [path for path in (folder, *folder.parents) if not path.exists()]
             folder.mkdir(parents=True, exist_ok=True)
         except OSError as error:
-            raise _reason(folder, error) from None
+            raise cannot_write(folder, error) from None
         yield
     finally:
         for path in missing:
@@ -110,30 +108,8 @@ def made_folder(folder: Path) -> Iterator[None]:
                 path.rmdir()
 
 
-@contextmanager
-def filling(folder: Path) -> Iterator[Path]:
-    """A folder to write to, whose contents go to ``folder`` (made if it is missing) when all of them are written.
-
-    A folder of the same name is replaced; what else is there stays.
-
-    Raises
-    ------
-    UniSGError
-        If the folder cannot be written to.
-    """
-    try:
-        with made_folder(folder), tempfile.TemporaryDirectory(dir=folder, prefix=".unfinished-") as name:
-            yield Path(name)
-            for made in sorted(Path(name).iterdir()):
-                target = folder / made.name
-                if target.is_dir():
-                    shutil.rmtree(target)
-                os.replace(made, target)
-    except OSError as error:
-        raise _reason(folder, error) from None
-
-
-def _reason(path: Path, error: OSError) -> UniSGError:
+def cannot_write(path: Path, error: OSError) -> UniSGError:
+    """The error for a file or folder that the system did not let be written."""
     if error.errno in (errno.ENOSPC, errno.EDQUOT):
         return DiskFullError(f"the disk is full: no room for {path}")
     return UniSGError(f"cannot write {path}: {error.strerror or error}")

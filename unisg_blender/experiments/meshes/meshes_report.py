@@ -10,7 +10,7 @@ from typing import Any
 from ...errors import UniSGError
 from ...learn.atlasnet.world_shapes import world_models
 from ...meshes.shape_files import ShapeFile, of_split, read_models
-from ...runtime.atomic_files import filling
+from ...runtime.made_files import filling
 from ..reports import Table, machine, markdown_table, write_csv, write_json
 from .meshes_benchmark import (
     measure_categories,

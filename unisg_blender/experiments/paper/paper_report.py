@@ -12,7 +12,8 @@ from typing import Any
 
 from ...errors import UniSGError
 from ...learn.paper.experiment_scenes import make_data
-from ...runtime.atomic_files import filling, write_file
+from ...runtime.atomic_files import write_file
+from ...runtime.made_files import filling
 from ...runtime.process_pool import processors
 from ..reports import machine, write_csv, write_json
 from .paper_figures import draw_errors, draw_panels

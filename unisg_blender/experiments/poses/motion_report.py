@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from ...errors import MissingPackageError
-from ...runtime.atomic_files import filling
+from ...runtime.made_files import filling
 from ..reports import machine, write_csv, write_json
 
 MILLIMETRES, DEGREES = 1.0, 0.1

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from ...runtime.atomic_files import filling
+from ...runtime.made_files import filling
 from ..reports import machine, write_csv, write_json
 from .poses_benchmark import measure_poses
 from .poses_figure import draw_poses

@@ -7,7 +7,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from ...runtime.atomic_files import filling
+from ...runtime.made_files import filling
 from ..reports import markdown_table, write_csv, write_json
 from .benchmark_columns import TableRow
 
