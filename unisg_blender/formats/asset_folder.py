@@ -13,6 +13,7 @@ from ..scene import Mesh
 from .mesh_parts import KINDS, whole_mesh
 
 MOST_FILES = 2_000_000
+PACKAGE_MARKS = ("model.config", "package.xml")
 PREFERRED = (".glb", ".gltf", ".obj", ".dae", ".stl", ".ply", ".off")
 """Where an asset lies there in several kinds, the first of these counts."""
 
@@ -65,6 +66,19 @@ class AssetFolder:
         """The mesh of an asset in our frame, z up; None where it is not there."""
         found = self.mesh_file(names)
         return None if found is None else whole_mesh(found)
+
+    def package(self, name: str) -> Path | None:
+        """The folder of that name, below the named folder, that holds a model of Gazebo or a package of ROS."""
+        return self._packages.get(name)
+
+    @cached_property
+    def _packages(self) -> dict[str, Path]:
+        found: dict[str, Path] = {}
+        for root, folders, names in os.walk(self.named) if self.named else ():
+            folders[:] = sorted(name for name in folders if not name.startswith("."))
+            if any(mark in names for mark in PACKAGE_MARKS):
+                found.setdefault(Path(root).name, Path(root))
+        return found
 
     @cached_property
     def _index(self) -> dict[str, Path]:

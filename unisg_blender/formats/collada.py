@@ -52,7 +52,9 @@ def collada_parts(root: Element, path: Path, upright: bool = True) -> list[Part]
 class _Document:
     def __init__(self, root: Element, path: Path) -> None:
         self.root, self.path = root, path
-        self.ids = {each.get("id", ""): each for each in root.iter() if each.get("id")}
+        self.ids = {
+            (each.tag, each.get("id")): each for each in root.iter() if each.get("id")
+        }  # a node's may be a mesh's
         self._meshes: dict[str, list[Mesh]] = {}
         self._arrays: dict[str, Array] = {}
 
@@ -68,12 +70,13 @@ class _Document:
     def scene(self) -> list[Element]:
         """The nodes of the scene that is shown, or of the first one."""
         shown = self.root.find("scene/instance_visual_scene")
-        scene = None if shown is None else self._named(shown)
+        scene = None if shown is None else self._named(shown, "url", "visual_scene")
         scene = self.root.find("library_visual_scenes/visual_scene") if scene is None else scene
         return [] if scene is None else scene.findall("node")
 
-    def _named(self, element: Element, key: str = "url") -> Element | None:
-        return self.ids.get(element.get(key, "").removeprefix("#"))
+    def _named(self, element: Element, key: str, *tags: str) -> Element | None:
+        name = element.get(key, "").removeprefix("#")
+        return next((self.ids[tag, name] for tag in tags if (tag, name) in self.ids), None)
 
     def parts(self, node: Element, above: Array, depth: int) -> Iterator[Part]:
         """What a node shows, and the nodes in it; UniSGError if they are within each other."""
@@ -84,7 +87,7 @@ class _Document:
         for child in node:
             if child.tag == "node":
                 yield from self.parts(child, local, depth + 1)
-            elif child.tag == "instance_node" and (other := self._named(child)) is not None:
+            elif child.tag == "instance_node" and (other := self._named(child, "url", "node")) is not None:
                 yield from self.parts(other, local, depth + 1)
             elif child.tag in ("instance_geometry", "instance_controller"):
                 geometry, bound = self._geometry(child)
@@ -92,14 +95,14 @@ class _Document:
 
     def _geometry(self, instance: Element) -> tuple[Element | None, Array]:
         """The geometry of an instance, and the matrix in which a skin takes it; unposed."""
-        found, bound = self._named(instance), np.eye(4)
+        found, bound = self._named(instance, "url", "geometry", "controller"), np.eye(4)
         for _ in range(DEEPEST):
             if found is None or found.tag != "controller":
                 break
             inner = found.find("skin") if found.find("skin") is not None else found.find("morph")
             text = None if inner is None else inner.findtext("bind_shape_matrix")
             bound = bound if not text else bound @ numbers(text.split(), 16).reshape(4, 4)
-            found = None if inner is None else self._named(inner, "source")
+            found = None if inner is None else self._named(inner, "source", "geometry", "controller")
         return found, bound
 
     def _meshes_of(self, geometry: Element | None) -> list[Mesh]:
@@ -150,9 +153,9 @@ class _Document:
         return self._points(vertex), corners, sizes
 
     def _points(self, vertex: Element) -> Array:
-        vertices = self._named(vertex, "source")
+        vertices = self._named(vertex, "source", "vertices")
         place = None if vertices is None else vertices.find("input[@semantic='POSITION']")
-        source = None if place is None else self._named(place, "source")
+        source = None if place is None else self._named(place, "source", "source")
         if source is None:
             return np.zeros((0, 3))
         if source.get("id") not in self._arrays:

@@ -16,12 +16,18 @@ from .asset_folder import AssetFolder
 from .json_scenes import KEY, read_json
 from .layout_file import HELD_AS_WRONG, LayoutFile, LayoutReader, texts
 from .layouts import (
+    front3d_houses,
+    habitat_scenes,
     internscenes_layouts,
     ithor_plans,
     procthor_houses,
+    sage_rooms,
+    scene_states,
+    ssr_rooms,
     tdw_layouts,
     virtualhome_graphs,
 )
+from .simulators import gazebo_worlds, mjcf_models, urdf_robots
 
 READERS: tuple[LayoutReader, ...] = (
     procthor_houses,
@@ -29,6 +35,14 @@ READERS: tuple[LayoutReader, ...] = (
     virtualhome_graphs,
     tdw_layouts,
     internscenes_layouts,
+    scene_states,
+    habitat_scenes,
+    sage_rooms,
+    front3d_houses,
+    ssr_rooms,
+    gazebo_worlds,
+    urdf_robots,
+    mjcf_models,
 )
 """Who reads a file: the first that recognises what it holds."""
 

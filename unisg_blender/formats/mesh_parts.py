@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
@@ -12,7 +13,7 @@ import numpy as np
 from ..errors import UniSGError
 from ..runtime.atomic_files import check_plain
 from ..scene import Mesh, mesh_from_faces
-from .axes import Y_UP, Array
+from .axes import Y_UP, Array, pose
 from .collada import Part, collada_parts
 from .plain_xml import parse_xml
 
@@ -83,18 +84,30 @@ def _mesh(name: str, part: Any, change: Array) -> Mesh:
 @lru_cache(maxsize=2048)
 def whole_mesh(path: Path, upright: bool = True) -> Mesh:
     """All that a file shows as one mesh in our frame."""
-    placed = [moved(mesh, matrix) for _, matrix, mesh in mesh_parts(path, upright)]
+    return joined_mesh(path.stem, [(matrix, mesh) for _, matrix, mesh in mesh_parts(path, upright)])
+
+
+def joined_mesh(name: str, parts: Sequence[tuple[Array, Mesh]]) -> Mesh:
+    """Meshes, each moved by a matrix (4, 4), as one; colours, normals and seams are left out."""
+    placed = [moved(mesh, matrix) for matrix, mesh in parts]
     starts = np.cumsum([0, *(len(mesh.points) for mesh in placed)])
     ends = np.cumsum([0, *(len(mesh.corners) for mesh in placed)])
+    corners = [mesh.corners + start for mesh, start in zip(placed, starts[:-1], strict=True)]
     offsets = [mesh.offsets[:-1] + end for mesh, end in zip(placed, ends[:-1], strict=True)]
     return Mesh(
-        path.stem,
-        np.concatenate([mesh.points for mesh in placed]),
-        np.concatenate([mesh.corners + start for mesh, start in zip(placed, starts[:-1], strict=True)]).astype(
-            np.int32
-        ),
+        name,
+        np.concatenate([np.zeros((0, 3), np.float32), *(mesh.points for mesh in placed)]),
+        np.concatenate([np.zeros(0), *corners]).astype(np.int32),
         np.concatenate([*offsets, ends[-1:]]).astype(np.int32),
     )
+
+
+def fitted(mesh: Mesh, size: Array) -> Mesh:
+    """A mesh stretched to a size (3,), so that it stands on the origin of its frame."""
+    low, high = mesh.bounds
+    foot = np.array([(low[0] + high[0]) / 2, (low[1] + high[1]) / 2, low[2]])
+    stretch = np.diag([*(size / np.maximum(high - low, 1e-6)), 1.0])
+    return moved(mesh, stretch @ pose(-foot))
 
 
 def moved(mesh: Mesh, matrix: Array) -> Mesh:

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import UniSGError
-from ..runtime.file_endings import BLENDER, JSON, LAYOUTS, MESHES, READABLE, USD, WRITABLE, is_of
+from ..runtime.file_endings import BLENDER, JSON, LAYOUTS, MESHES, READABLE, SCENE_STATE, USD, WRITABLE, is_of
 from ..runtime.guarded_work import reading, still_reading
 from ..runtime.output_capture import captured_output, heard
 from ..runtime.read_report import Loss, ReadReport
@@ -24,6 +24,7 @@ from .layout_scenes import FoundScene, asset_folder, layout_scenes
 from .licences import licence_of
 from .linked_files import files_beside
 from .mesh_scenes import mesh_scene
+from .scene_state_writer import write_scene_state
 
 Progress = Callable[[int, int], None]
 PRIM = re.compile(r"(/\S+): (.*)", re.DOTALL)
@@ -221,6 +222,8 @@ def write_scene_file(graph: SceneGraph, path: Path | str, progress: Progress | N
 
         write_usd(graph, path, progress)
         return ReadReport()
+    if is_of(path, (SCENE_STATE,)):
+        return write_scene_state(graph, path)
     if is_of(path, JSON):
         write_json(graph, path)
         return ReadReport()

@@ -27,6 +27,8 @@ PARTS = (*MESHES, ".glb", ".gltf", ".obj")
 
 READABLE = (*BLENDER, *USD, *JSON, *LAYOUTS, *MESHES)
 SCENE_STATE = ".scenestate.json"
+"""Written for SceneEval; read by what it holds."""
+
 WRITABLE = (".blend", *JSON, *USD)
 
 

@@ -21,7 +21,7 @@ from ...scene import SceneGraph
 from ..axes import Array, pose, unity_point, unity_turn
 from ..layout_file import LayoutFile, has_lists
 from ..mesh_parts import moved
-from ..room_builder import SHEET, RoomBuilder
+from ..room_builder import SHEET, RoomBuilder, wall_frame
 from .category_words import without_number, words
 
 NAME = "ProcTHOR house"
@@ -92,7 +92,7 @@ class _House:
         start, stop = _ends(np.array([unity_point(corner) for corner in wall["polygon"]]))
         hole = opening["holePolygon"]
         across, upright = [corner["x"] for corner in hole], [corner["y"] for corner in hole]
-        frame = _level(start, stop)
+        frame, _ = wall_frame(start, stop)
         along, up = (min(across), max(across)), (min(upright), max(upright))
         self.builder.in_wall(category, frame, along, up, 1.5 * SHEET, uid=opening["id"])
 
@@ -128,14 +128,8 @@ def _ends(points: Array) -> tuple[Array, Array]:
     return start, stop
 
 
-def _level(start: Array, stop: Array) -> Array:
-    from ..room_builder import wall_frame
-
-    return wall_frame(start, stop)[0]
-
-
 def _footprint(item: Mapping[str, Any], world: Array) -> Array | None:
-    """The size of what Holodeck puts on the floor: its corners are told in centimetres, its middle is at half height."""
+    """The size of what Holodeck puts on the floor: its corners are in centimetres, its middle at half height."""
     corners = item.get("vertices")
     if not corners or world[2, 3] <= 0:
         return None
