@@ -31,6 +31,7 @@ from . import (
     settle,
     understand,
 )
+from .interchange import import_layout
 from .registration import register_modules, unregister_modules
 
 MODULES = (
@@ -54,6 +55,7 @@ MODULES = (
     play,
     copy_repair,
     convert,
+    import_layout,
     relations,
     classify,
     recording,

@@ -3,7 +3,7 @@
     python benchmarks/interiors/measure.py FOLDER [--held-out] [--only NAME ...] [--out FILE.json [--part NAME]]
 
 FOLDER holds the repositories that interiors.json names, each as owner+name; `--fetch` clones those that are missing, at
-their commits. SDF and URDF files need trimesh and pycollada, IFC files ifcopenshell; what cannot be read is said.
+their commits. IFC files need ifcopenshell; what cannot be read is said.
 """
 
 from __future__ import annotations
@@ -21,6 +21,8 @@ import numpy as np
 
 from unisg_blender.experiments.reports import machine, markdown_table, write_json
 from unisg_blender.formats import read_scene_file
+from unisg_blender.formats.asset_folder import AssetFolder
+from unisg_blender.formats.layout_scenes import layout_scenes
 from unisg_blender.geometry.polygon import inside
 from unisg_blender.scene import SceneGraph
 from unisg_blender.spatial.structure import HoldingSurface, Room, recognise_structure
@@ -74,10 +76,9 @@ def read(entry: dict[str, Any], folder: Path) -> SceneGraph:
         from building_models import read_building
 
         return read_building(path)
-    if path.suffix in (".world", ".sdf", ".dae", ".urdf"):
-        from simulator_worlds import read_world
-
-        return read_world(path, root, (folder / "osrf+gazebo_models",))
+    if path.suffix in (".world", ".sdf", ".urdf"):
+        places = AssetFolder(root, (path.parent, folder / "osrf+gazebo_models"))
+        return next(layout_scenes(path, places)).graph
     return read_scene_file(path)[0]
 
 

@@ -314,6 +314,7 @@ def test_children_that_retired_are_replaced(
         "understand": None,
         "software": "",
         "mesh_encoder": "",
+        "assets": "",
     }
     job |= {"beside": {}, "instances": "keep"}
     try:

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from unisg_blender.errors import UniSGError
-from unisg_blender.experiments.layouts.designed_rooms import read_layouts, turn_of
+from unisg_blender.experiments.layouts.designed_rooms import read_layouts
 from unisg_blender.experiments.layouts.designed_supports import (
     bounds_of,
     by_boxes,
@@ -19,6 +19,7 @@ from unisg_blender.experiments.layouts.designed_supports import (
     support_table,
     times,
 )
+from unisg_blender.formats.axes import unity_turn
 from unisg_blender.scene import world_matrices
 
 
@@ -108,7 +109,7 @@ def test_what_they_say_of_supports(folder: Path) -> None:
     row = ithor.graph.row
     assert ithor.supports == {(row("Coffee Table"), row("Floor")), (row("Mug"), row("Coffee Table"))}
     row = home.graph.row
-    assert home.supports == {(row("desk"), row("floor"))}
+    assert home.supports == {(row("desk"), row("Floor"))}
     assert home.unclear == {(row("book"), row("desk"))}
     assert tdw.supports is None
     assert tdw.graph.name == ("stool",)
@@ -126,9 +127,9 @@ def test_rule_and_boxes_find_what_stands_on_what(folder: Path) -> None:
 
 
 def test_a_turn_about_their_up_axis_goes_the_other_way_here() -> None:
-    turn = turn_of({"x": 0, "y": 90, "z": 0})
+    turn = unity_turn({"x": 0, "y": 90, "z": 0})
     np.testing.assert_allclose(turn @ (1, 0, 0), (0, -1, 0), atol=1e-12)
-    assert np.linalg.det(turn_of({"x": 10, "y": 20, "z": 30})) == pytest.approx(1.0)
+    assert np.linalg.det(unity_turn({"x": 10, "y": 20, "z": 30})) == pytest.approx(1.0)
 
 
 def test_a_folder_without_layouts_and_a_damaged_file_are_told(folder: Path, tmp_path: Path) -> None:

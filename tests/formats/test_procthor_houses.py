@@ -10,8 +10,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from tests.formats.reading import found_in, relations
 from unisg_blender.errors import UniSGError
-from unisg_blender.formats.procthor_houses import read_houses
+from unisg_blender.formats.layouts.procthor_houses import room_types
 from unisg_blender.scene import SceneGraph
 from unisg_blender.spatial.objects import SceneObjects, scene_objects
 
@@ -64,9 +65,13 @@ def objects_of(graph: SceneGraph) -> tuple[SceneObjects, list[str]]:
 
 
 def test_a_house_is_read_with_its_building_and_its_supports(tmp_path: Path) -> None:
-    ((kind, graph), _) = read_houses(write(tmp_path, house(), house()))
+    first, second = found_in(write(tmp_path, house(), house()))
+    graph = first.graph
     objects, names = objects_of(graph)
-    assert kind == "Kitchen"
+    assert room_types(graph) == "Kitchen"
+    assert (graph.title, second.graph.title) == ("houses-000", "houses-001")
+    assert relations(graph) == {("Cup", "on_top_of", "Dining Table")}
+    assert list(first.report) == ["x: its asset is not in asset-database.json: it is left out"]
     assert sorted(names) == ["Cup", "Dining Table", "Floor", *["Wall"] * 4, "Window"]
     table, cup, floor, window = (names.index(name) for name in ("Dining Table", "Cup", "Floor", "Window"))
     np.testing.assert_allclose(objects.center[table], [1, 1, 0.4], atol=1e-6)
@@ -91,4 +96,22 @@ def test_a_damaged_file_is_told_in_one_line(tmp_path: Path, damage: str) -> None
     if damage == "assets":
         (tmp_path / "asset-database.json").unlink()
     with pytest.raises(UniSGError, match="cannot read"):
-        list(read_houses(path))
+        found_in(path)
+
+
+def test_holodeck_tells_the_size_of_what_stands_on_the_floor(tmp_path: Path) -> None:
+    corners = [[50, 100], [150, 100], [150, 300], [50, 300]]  # centimetres, turned by a quarter: 2 m by 1 m
+    sofa = {"id": "sofa-0 (room)", "object_name": "sofa-0", "assetId": "ab12", "position": point(1, 0.4, 2)}
+    sofa |= {"rotation": point(0, 90, 0), "vertices": corners}
+    lamp = {**sofa, "id": "lamp|sofa-0", "position": point(1, 0.9, 2)}
+    del lamp["vertices"], lamp["object_name"]
+    path = tmp_path / "home.json"
+    path.write_text(json.dumps(house() | {"objects": [sofa]}))
+    (found,) = found_in(path)
+    objects, names = objects_of(found.graph)
+    sofa_number = names.index("sofa")
+    np.testing.assert_allclose(objects.center[sofa_number], [1, 2, 0.4], atol=1e-6)
+    np.testing.assert_allclose(2 * objects.half[sofa_number], [2, 1, 0.8], atol=1e-6)
+    path.write_text(json.dumps(house() | {"objects": [sofa, lamp]}))
+    with pytest.raises(UniSGError, match=r"asset-database\.json"):
+        found_in(path)

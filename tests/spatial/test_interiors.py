@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from unisg_blender.formats import read_scene_file
 from unisg_blender.geometry.polygon import area
 from unisg_blender.spatial.structure import recognise_structure
 
@@ -57,7 +58,7 @@ def test_a_simulator_world_is_read_as_it_stands(tmp_path) -> None:
     (tmp_path / "slab" / "model.sdf").write_text(SLAB)
     (tmp_path / "slab" / "model.config").write_text("<model/>")
     (tmp_path / "room.world").write_text(WORLD.format(walls=walls))
-    graph = module("simulator_worlds").read_world(tmp_path / "room.world", tmp_path)
+    graph = read_scene_file(tmp_path / "room.world")[0]
     (room,) = recognise_structure(graph).rooms
     assert room.indoors
     assert room.area == pytest.approx(20, rel=1e-3)

@@ -35,9 +35,15 @@ def add_scene(parser: argparse.ArgumentParser, name: str = "file", meaning: str 
 
 
 def add_mapping(parser: argparse.ArgumentParser) -> None:
-    """What gives categories to objects that have none."""
+    """What gives categories to objects that have none, and where the meshes of layouts lie."""
     parser.add_argument(
         "--mapping", metavar="FILE", type=Path, help="JSON or TOML: name patterns to categories, and what words mean"
+    )
+    parser.add_argument(
+        "--assets",
+        metavar="FOLDER",
+        type=Path,
+        help="meshes, and their sizes, of layouts of other programs (else boxes)",
     )
 
 
@@ -56,7 +62,7 @@ def add_scene_options(parser: argparse.ArgumentParser) -> None:
         default="evaluated",
         help="of Blender scenes: meshes with modifiers applied (default), as they are edited, or none",
     )
-    parser.add_argument("--scene", default="", metavar="NAME", help="of a Blender file with several scenes: this one")
+    parser.add_argument("--scene", default="", metavar="NAME", help="of a file with several scenes: this one")
 
 
 def add_form(parser: argparse.ArgumentParser, default: str = "quaternion") -> None:
@@ -144,7 +150,7 @@ def read_shown(
     mapping = None if args.mapping is None else read_mapping(args.mapping)
     check_kinds(path, target)
     with shown(args.quiet or args.json, unit) as tell:
-        graph, lost = read_scene_file(path, tell, **options)
+        graph, lost = read_scene_file(path, tell, assets=args.assets, **options)
     return graph if mapping is None else apply_mapping(graph, mapping), lost
 
 

@@ -76,6 +76,7 @@ def run(args: argparse.Namespace) -> int:
         folder_labels=args.folder_labels,
         vocabulary=vocabulary_of(args),
         mesh_encoder=mesh_encoder_of(args),
+        assets="" if args.assets is None else str(args.assets.absolute()),
     )
     bar = Progress(0, "files", args.quiet)
     counts = {"done": 0, "failed": 0}
@@ -136,11 +137,17 @@ def _executor(address: str | None) -> Iterator[Executor | None]:
 
 
 def _report(args: argparse.Namespace, records: list[dict[str, Any]]) -> int:
+    from ..dataset.dataset_description import source_line
+    from ..dataset.format.source_counts import source_counts
+    from ..formats.licences import forbids_shipping
+
     failed = [record for record in records if record["status"] == "failed"]
     scenes = sum(record.get("scenes", 0) for record in records)
     entities = sum(record.get("entities", 0) for record in records)
     report = {"out": str(args.out), "files": len(records), "failed": len(failed), "scenes": scenes}
     words = f", {len(failed)} could not be read" if failed else ""
     line = f"{args.out}: {scenes} scenes with {entities} entities from {len(records)} files{words}"
-    print_report(args, report | {"entities": entities, "records": records}, [line])
+    sources = source_counts(records)
+    told = [source_line(entry) for entry in sources if entry["format"] or forbids_shipping(entry["licence"])]
+    print_report(args, report | {"entities": entities, "sources": sources, "records": records}, [line, *told])
     return SOME_FAILED if failed else DONE

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from ..formats.licences import forbids_shipping
 from ..runtime.wording import first_lines
 from .format.columns import Columns
 from .format.reader import Dataset, open_dataset
@@ -50,6 +51,7 @@ def describe_dataset(path: str | os.PathLike[str]) -> dict[str, Any]:
         "relations": _ranked(names["relations"], totals["relation.kind"]),
         "scenes": _ranked(names["scenes"], totals["scene.label"]),
         "files": len(files),
+        "sources": manifest.get("sources", []),
         "failures": [{key: file[key] for key in ("source", "reason")} for file in files if file["status"] == "failed"],
     }
 
@@ -97,8 +99,16 @@ def description_lines(record: dict[str, Any]) -> list[str]:
     lines.append(f"shapes: {shapes['things']} things of {shapes['categories']} categories, {shapes['rooms']} rooms")
     if record["files"]:
         lines.append(f"read from {record['files']} files, {len(record['failures'])} of them in vain")
+    lines += [f"  {source_line(entry)}" for entry in record["sources"] if entry["format"] or entry["licence"]]
     failures = [f"  {printable(failure['source'])}: {failure['reason']}" for failure in record["failures"]]
     return lines + first_lines(failures, SHOWN, "more (--json has them)")
+
+
+def source_line(entry: dict[str, Any]) -> str:
+    """What a dataset has of one kind of file under one licence, and what that forbids."""
+    kind, licence = printable(entry["format"]) or "scene files", printable(entry["licence"]) or "licence unknown"
+    told = "; a model trained on it is not to be shipped or sold" if forbids_shipping(licence) else ""
+    return f"{entry['scenes']} scenes from {entry['files']} files, {kind}, {licence}{told}"
 
 
 def printable(path: str) -> str:

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import UniSGError
-from ..runtime.atomic_files import read_plain, write_file
+from ..runtime.atomic_files import check_plain, read_plain, write_file
 from ..runtime.json_records import check_version, from_record, parse_json, to_record
 from ..scene import ActionData, FrameRange, LessonNode, Material, Mesh, SceneGraph, Table
 from ..scene.graph import TYPE_INDEX
@@ -28,6 +28,9 @@ from ..scene.scene_text import to_records
 
 KEY = "unisg_scene"
 VERSION = 1
+HEAD = 200
+"""Bytes at the start of a file among which its key is looked for."""
+
 ARRAYS = ("points", "corners", "offsets", "edges", "normals", "material_index")
 
 
@@ -43,6 +46,16 @@ def write_json(graph: SceneGraph, path: Path) -> None:
     record = {KEY: VERSION} | writer.scene(graph)
     record |= {"meshes": [writer.mesh(mesh) for mesh in writer.meshes], "prototypes": writer.prototypes}
     write_file(path, json.dumps(record))
+
+
+def is_own_scene(path: Path) -> bool:
+    """Whether a file begins as :func:`write_json` begins; that it cannot be read is for its reader to say."""
+    try:
+        check_plain(path)
+        with open(path, "rb") as file:
+            return KEY.encode() in file.read(len(KEY) + HEAD)
+    except OSError:
+        return True
 
 
 def read_json(path: Path) -> SceneGraph:

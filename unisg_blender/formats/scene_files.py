@@ -7,17 +7,24 @@ import re
 import sys
 import warnings
 from collections.abc import Callable
+from dataclasses import dataclass, field
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
 from ..errors import UniSGError
-from ..runtime.file_endings import BLENDER, JSON, READABLE, USD, WRITABLE, is_of
+from ..runtime.file_endings import BLENDER, JSON, LAYOUTS, MESHES, READABLE, SCENE_STATE, USD, WRITABLE, is_of
 from ..runtime.guarded_work import reading, still_reading
 from ..runtime.output_capture import captured_output, heard
 from ..runtime.read_report import Loss, ReadReport
 from ..scene.graph import SceneGraph
-from .json_scenes import read_json, write_json
+from .json_scenes import is_own_scene, read_json, write_json
+from .layout_file import LayoutReader
+from .layout_scenes import FoundScene, asset_folder, layout_scenes
+from .licences import licence_of
+from .linked_files import files_beside
+from .mesh_scenes import mesh_scene
+from .scene_state_writer import write_scene_state
 
 Progress = Callable[[int, int], None]
 PRIM = re.compile(r"(/\S+): (.*)", re.DOTALL)
@@ -52,12 +59,13 @@ def read_scene_file(
     geometry: Any = "evaluated",
     animation: bool = False,
     scene: str = "",
+    assets: Path | None = None,
 ) -> tuple[SceneGraph, ReadReport]:
     """The scenegraph of a file, and what it could not hold.
 
-    USD and JSON files are read directly, all others through Blender, which samples their
-    motion where ``animation`` is wanted; ``progress`` then counts frames. ``scene`` names
-    one of a Blender file's scenes.
+    Files of :data:`~..runtime.file_endings.BLENDER` are read through Blender, which samples their motion where
+    ``animation`` is wanted (``progress`` then counts frames), all others directly. ``scene`` names one of several
+    scenes of a file, of a layout also by number; ``assets`` is a folder with the meshes of a layout's things.
 
     Raises
     ------
@@ -65,9 +73,11 @@ def read_scene_file(
         If the file cannot be read.
     """
     path = Path(path)
-    if is_of(path, (*USD, *JSON)):
+    if not is_of(path, BLENDER):
+        if is_layout(path):
+            return _one_layout(path, scene, assets, progress)
         if scene:
-            raise UniSGError(f"{path}: only a Blender file has several scenes")
+            raise UniSGError(f"{path}: only a Blender file or one with several layouts has several scenes")
         return _read_directly(path, progress)
     from ..blender.blend_files import read_file
 
@@ -75,21 +85,92 @@ def read_scene_file(
         return read_file(path, geometry=geometry, animation=animation, scene=scene, progress=_alive(progress))
 
 
-def read_all_scenes(path: Path) -> tuple[list[SceneGraph], str]:
-    """As :func:`read_scene_file`, all scenes of a file that have entities, and in one line what they could not hold."""
-    if is_of(path, (*USD, *JSON)):
-        graph, lost = _read_directly(path, None)
-        return [graph] if len(graph) else [], lost.summary()
-    from ..blender.blend_files import read_all_scenes
+@dataclass(frozen=True, eq=False)
+class AllScenes:
+    """What a file holds.
 
+    Attributes
+    ----------
+    graphs
+        Its scenes that have entities.
+    note
+        In one line what they could not hold, "" for nothing.
+    beside
+        The other files that they are made of, as far as they can be known; missing ones too.
+    format
+        Which kind of layout it is, "" for none.
+    licence
+        As :func:`~.licences.licence_of` says.
+    """
+
+    graphs: list[SceneGraph]
+    note: str = ""
+    beside: list[Path] = field(default_factory=list)
+    format: str = ""
+    licence: str = ""
+
+
+def read_all_scenes(path: Path, assets: Path | None = None) -> AllScenes:
+    """As :func:`read_scene_file`, all scenes of a file."""
+    if is_layout(path):
+        return _all_layouts(path, assets)
+    if is_of(path, BLENDER):
+        from ..blender.blend_files import read_all_scenes
+
+        with reading(path):
+            graphs, report = read_all_scenes(path)
+    else:
+        graph, report = _read_directly(path, None)
+        graphs = [graph]
+    kept = [graph for graph in graphs if len(graph)]
+    return AllScenes(kept, report.summary(), files_beside(path), licence=licence_of(path))
+
+
+def _all_layouts(path: Path, assets: Path | None) -> AllScenes:
+    graphs, report, places = [], ReadReport(), asset_folder(path, assets)
+    reader: LayoutReader | None = None
+    for found in layout_scenes(path, places):
+        reader = found.reader
+        graphs.append(found.graph)
+        report.extend(found.report)
+    kind, usual = (reader.NAME, reader.LICENCE) if reader else ("", "")
+    kept = [graph for graph in graphs if len(graph)]
+    return AllScenes(kept, report.summary(), sorted(places.used), kind, licence_of(path, usual))
+
+
+def is_layout(path: Path) -> bool:
+    """Whether a file is one of another program's layouts, by its ending, or for a .json by what it holds."""
+    return is_of(path, LAYOUTS) or (is_of(path, JSON) and not is_own_scene(path))
+
+
+def _one_layout(
+    path: Path, scene: str, assets: Path | None, progress: Progress | None
+) -> tuple[SceneGraph, ReadReport]:
+    """The first scene of a file of layouts, or the one of that title or number."""
+    first: FoundScene | None = None
     with reading(path):
-        graphs, report = read_all_scenes(path)
-    return [graph for graph in graphs if len(graph)], report.summary()
+        for number, found in enumerate(layout_scenes(path, asset_folder(path, assets), _alive(progress))):
+            if scene in (found.graph.title, str(number)):
+                return found.graph, found.report
+            if not scene and first is not None:
+                first.report.add("", f"other scenes of the file: this is {first.graph.title!r}, the first (--scene)")
+                break
+            first = first or found
+    if first is None:
+        raise UniSGError(f"cannot read {path}: it holds no scene")
+    if scene:
+        raise UniSGError(
+            f"{path} has no scene {scene!r}: the first is {first.graph.title!r}, or give its number, from 0"
+        )
+    return first.graph, first.report
 
 
 def _read_directly(path: Path, progress: Progress | None) -> tuple[SceneGraph, ReadReport]:
     if is_of(path, JSON):
         return read_json(path), ReadReport()
+    if is_of(path, MESHES):
+        with reading(path):
+            return mesh_scene(path)
     from ..usd import read_usd
     from ..usd.pxr_library import require_pxr
 
@@ -141,6 +222,8 @@ def write_scene_file(graph: SceneGraph, path: Path | str, progress: Progress | N
 
         write_usd(graph, path, progress)
         return ReadReport()
+    if is_of(path, (SCENE_STATE,)):
+        return write_scene_state(graph, path)
     if is_of(path, JSON):
         write_json(graph, path)
         return ReadReport()

@@ -9,10 +9,29 @@ BLENDER = (".blend", ".glb", ".gltf", ".fbx", ".obj")
 
 USD = (".usd", ".usda", ".usdc", ".usdz")
 JSON = (".json",)
-READABLE = (*BLENDER, *USD, *JSON)
+
+LAYOUT_LINES = (".jsonl", ".jsonl.gz")
+"""A layout a line."""
+
+LAYOUTS = (*LAYOUT_LINES, ".json.gz", ".world", ".sdf", ".urdf", ".mjcf", ".xml")
+"""Rooms of other programs; which program's is told by what they hold, as with a .json."""
+
+ANYTHING = (*JSON, ".json.gz", ".xml")
+"""What may be a layout or anything else."""
+
+MESHES = (".dae", ".ply", ".stl", ".off", ".3mf")
+"""Geometry alone, read without Blender."""
+
+PARTS = (*MESHES, ".glb", ".gltf", ".obj")
+"""What a layout's meshes are in, where a folder holds layouts."""
+
+READABLE = (*BLENDER, *USD, *JSON, *LAYOUTS, *MESHES)
+SCENE_STATE = ".scenestate.json"
+"""Written for SceneEval; read by what it holds."""
+
 WRITABLE = (".blend", *JSON, *USD)
 
 
 def is_of(path: Path, kinds: tuple[str, ...]) -> bool:
     """Whether a file's name has one of these endings, in whatever case."""
-    return path.suffix.lower() in kinds
+    return path.name.lower().lstrip(".").endswith(kinds)

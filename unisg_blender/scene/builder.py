@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,12 +46,14 @@ class SceneBuilder:
         actions: tuple[ActionData, ...] = (),
         relations: tuple[Relation, ...] = (),
         lsa: LessonNode | None = None,
+        others: Mapping[str, Any] | None = None,
     ) -> int:
         """Add an entity and return its number, to be given as ``parent`` of others.
 
         ``local`` is the 4x4 child-to-parent matrix in metres (identity when
         omitted); the same ``mesh`` object given twice is stored once; ``kind`` is
-        the object type, by default "MESH" with a mesh and "EMPTY" without.
+        the object type, by default "MESH" with a mesh and "EMPTY" without; ``others``
+        are further custom properties, of values that JSON can hold.
 
         Raises
         ------
@@ -66,7 +70,7 @@ class SceneBuilder:
         if mesh is not None:
             self._mesh_table.setdefault(id(mesh), (len(self._mesh_table), mesh))
         self._meshes.append(-1 if mesh is None else self._mesh_table[id(mesh)][0])
-        self._properties.append(ObjectProperties(category, uid, actions, relations, lsa))
+        self._properties.append(ObjectProperties(category, uid, actions, relations, lsa, others=others or {}))
         return len(self._names) - 1
 
     def build(self) -> SceneGraph:

@@ -98,3 +98,8 @@ EVENTS = "events"
 object (str): uid of the action that it is about. Rows are the entities that the actions belong to: "started",
 "performed", "skipped", "early" (before its turn), "failed" (a wrong answer), "answered:0,2" (positions chosen); or
 tools: "pressed" and "released" (the trigger), "force:5" (newtons), with ``action`` "". Several per entity."""
+
+JOINTS = "joints"
+"""How entities can move against their parents, several per entity. ``name`` object (str); ``kind`` object (str):
+"revolute", "prismatic", "ball" or "free"; in the entity's frame ``axis`` (K, 3), a direction, and ``anchor`` (K, 3), a
+point on it; float64 ``low`` and ``high``: radians or metres from where the entity stands, infinite without a limit."""

@@ -56,6 +56,8 @@ class ExportOptions:
         Names to number as another dataset does; new ones are added behind them.
     reader
         "package.module:function" of a :data:`.reader_process.Reader`, "" for the one of the file's kind.
+    assets
+        A folder with the meshes of what layouts of other programs place, "" for none.
     """
 
     form: str = "quaternion"
@@ -68,6 +70,7 @@ class ExportOptions:
     mesh_encoder: str = ""
     vocabulary: Mapping[str, Sequence[str]] | None = None
     reader: str = ""
+    assets: str = ""
 
 
 def export_steps(
@@ -177,6 +180,7 @@ def _job(path: Path, options: ExportOptions, parts: Path, before: _Before) -> Re
         "instances": options.instances,
         "reader": options.reader,
         "mesh_encoder": options.mesh_encoder,
+        "assets": options.assets,
         "software": f"{__version__}, schema {VERSION}, assets {ASSETS_VERSION}",
     }
 

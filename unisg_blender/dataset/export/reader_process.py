@@ -20,8 +20,7 @@ from pathlib import Path
 from typing import Any, TextIO
 
 from ...errors import UniSGError
-from ...formats.linked_files import files_beside
-from ...formats.scene_files import load_blender, read_all_scenes
+from ...formats.scene_files import AllScenes, load_blender, read_all_scenes
 from ...runtime.atomic_files import DiskFullError, write_named
 from ...runtime.process_end import end_process
 from ...scene import SceneGraph
@@ -49,11 +48,14 @@ Reader = Callable[[Path], tuple[list[SceneGraph], str, list[Path]]]
 """Opens a file: its scenes, in one line what they could not represent ("" for nothing), other files they come from."""
 
 
-def read_file(path: Path) -> tuple[list[SceneGraph], str, list[Path]]:
-    """All scenes of a file of any kind that have objects."""
+def read_file(request: dict[str, Any]) -> AllScenes:
+    """All scenes of the file of a request, by the reader that it names, else by that of the file's kind."""
+    path = Path(request["path"])
+    if request["reader"]:
+        read: Reader = load_function(request["reader"])
+        return AllScenes(*read(path))
     load_blender()  # a later file may need it
-    graphs, note = read_all_scenes(path)
-    return graphs, note, files_beside(path)
+    return read_all_scenes(path, Path(request["assets"]) if request["assets"] else None)
 
 
 def load_function(name: str) -> Callable[..., Any]:
@@ -125,10 +127,9 @@ def handle(request: dict[str, Any]) -> dict[str, Any]:
 
 def _export(request: dict[str, Any]) -> dict[str, Any]:
     """Read a file and write its scenes as a shard of their own."""
-    read: Reader = load_function(request["reader"]) if request["reader"] else read_file
     encoder = load_function(request["mesh_encoder"]) if request["mesh_encoder"] else None
-    path = Path(request["path"])
-    graphs, note, others = read(path)
+    read = read_file(request)
+    graphs, note = read.graphs, read.note
     if request["mapping"]:
         graphs = [apply_mapping(graph, request["mapping"]) for graph in graphs]
     notes = [note]
@@ -142,7 +143,8 @@ def _export(request: dict[str, Any]) -> dict[str, Any]:
     note = "; ".join(filter(None, [*notes, _left_out(graphs)]))
     note = note if len(note) <= LONGEST_NOTE else note[:LONGEST_NOTE] + " ..."
     answer: dict[str, Any] = {"status": "ok", "scenes": len(samples), "not_represented": note, "part": None}
-    answer["beside"] = checksums(path, others)
+    answer["beside"] = checksums(Path(request["path"]), read.beside)
+    answer |= {key: value for key, value in (("format", read.format), ("licence", read.licence)) if value}
     answer["entities"] = sum(len(sample.graph) for sample in samples)
     if samples:
         vocabulary, collector = Vocabulary(), AssetCollector()

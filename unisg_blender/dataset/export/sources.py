@@ -8,10 +8,15 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from ...errors import UniSGError
-from ...runtime.file_endings import BLENDER, USD
+from ...formats.layout_scenes import holds_layout
+from ...runtime.file_endings import ANYTHING, BLENDER, JSON, LAYOUTS, MESHES, PARTS, USD, is_of
 
-SUFFIXES = (*BLENDER, *USD)
-"""Kinds of scene file that are looked for in folders; a .json may be anything, and is read where it is named."""
+SUFFIXES = (*BLENDER, *USD, *LAYOUTS, *MESHES)
+"""Kinds of scene file that are looked for in folders, and those .json that hold a layout of another program.
+
+A scene that was saved as .json is read where it is named: it may stand beside the file that it was made of. Where a
+folder has layouts, files of meshes are what these are made of, and no scenes.
+"""
 
 
 def find_sources(inputs: Iterable[str | os.PathLike[str]], suffixes: tuple[str, ...] = SUFFIXES) -> list[Path]:
@@ -69,13 +74,22 @@ def _files(item: Path, suffixes: tuple[str, ...]) -> Iterator[Path]:
         for match in matches:
             if Path(match).is_dir():
                 yield from _below(Path(match), suffixes)
-            elif Path(match).suffix.lower() in suffixes:
+            elif is_of(Path(match), suffixes):
                 yield Path(match)
 
 
-def _below(folder: Path, suffixes: tuple[str, ...]) -> Iterator[Path]:
+def _below(folder: Path, suffixes: tuple[str, ...]) -> list[Path]:
+    found = list(_found(folder, suffixes))
+    if suffixes == SUFFIXES and any(is_of(path, (*LAYOUTS, *JSON)) for path in found):
+        return [path for path in found if not is_of(path, PARTS)]
+    return found
+
+
+def _found(folder: Path, suffixes: tuple[str, ...]) -> Iterator[Path]:
     for root, folders, names in os.walk(folder):
         folders[:] = [name for name in folders if not name.startswith(".")]
         for name in names:
-            if not name.startswith(".") and Path(name).suffix.lower() in suffixes:
-                yield Path(root, name)
+            path = Path(root, name)
+            asked = suffixes == SUFFIXES and is_of(path, ANYTHING)
+            if not name.startswith(".") and (holds_layout(path) if asked else is_of(path, suffixes)):
+                yield path

@@ -33,7 +33,18 @@ ROOT = Path(__file__).parents[2]
 
 START_LIMIT = 180.0
 FILES_PER_CHILD = 200
-SETTINGS = ("source", "label", "form", "mapping", "understand", "instances", "reader", "mesh_encoder", "software")
+SETTINGS = (
+    "source",
+    "label",
+    "form",
+    "mapping",
+    "understand",
+    "instances",
+    "reader",
+    "mesh_encoder",
+    "software",
+    "assets",
+)
 """What, beside a file's bytes, decides what is written of it."""
 
 

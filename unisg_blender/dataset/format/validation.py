@@ -48,6 +48,16 @@ class ShardEntry:
 
 
 @dataclass(frozen=True)
+class SourceEntry:
+    """How much of a dataset is of one kind of file, under one licence; "" for unknown."""
+
+    format: str
+    licence: str
+    files: int
+    scenes: int
+
+
+@dataclass(frozen=True)
 class ManifestRecord:
     """What a manifest holds, as far as it is read."""
 
@@ -64,6 +74,7 @@ class ManifestRecord:
     shards: tuple[ShardEntry, ...]
     files: FileEntry | None
     assets: FileEntry | None = None
+    sources: tuple[SourceEntry, ...] = ()
     extra: dict[str, Any] = field(default_factory=dict)
 
 

@@ -34,6 +34,7 @@ from .columns import Columns, Vocabulary, join, scene_count
 from .encoding import MeshEncoder, Sample, as_sample, encode_scenes, known_form
 from .schema import INFO_CHANNELS, MESH_CHANNELS, SCHEMA, TABLES, VERSION
 from .shards import pack_shard
+from .source_counts import source_counts
 
 MANIFEST = "manifest.json"
 PARTS = ".parts"
@@ -136,6 +137,7 @@ class DatasetWriter:
             "shards": self._shards,
             "assets": None,
             "files": None,
+            "sources": source_counts(files or ()),
         }
         if self.assets:
             manifest["assets"] = self._write("assets", ".safetensors", assets_bytes(*self.assets.pack()))

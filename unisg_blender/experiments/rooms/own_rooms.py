@@ -25,7 +25,8 @@ from scipy.stats import wilcoxon
 from ...dataset import Sample, open_dataset, write_dataset
 from ...dataset.scenes_with_shapes import scenes_with_shapes
 from ...errors import UniSGError
-from ...formats.procthor_houses import read_houses
+from ...formats.layout_scenes import asset_folder, layout_scenes
+from ...formats.layouts.procthor_houses import room_types
 from ...generate import Generator
 from ...geometry.arrays import Floats
 from ...learn import job_list
@@ -72,8 +73,9 @@ def write_own_rooms(args: argparse.Namespace, folder: Path, progress: Progress) 
     if not args.data or not (args.data[0] / HOUSES).is_file():
         raise UniSGError(f"give the folder of ProcTHOR's houses: --data FOLDER with {HOUSES}")
     kinds: dict[str, list[SceneGraph]] = defaultdict(list)
-    for kind, graph in read_houses(args.data[0] / HOUSES):
-        kinds[kind].append(graph)
+    houses = args.data[0] / HOUSES
+    for house in layout_scenes(houses, asset_folder(houses)):
+        kinds[room_types(house.graph)].append(house.graph)
     folder.mkdir(parents=True, exist_ok=True)
     lines, seconds, found = [], {}, []
     for kind, rooms in sorted(kinds.items()):

@@ -1,0 +1,1 @@
+"""Rooms that other programs keep as JSON: a module for each kind, recognised by what the file holds."""
