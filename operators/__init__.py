@@ -9,6 +9,7 @@ from __future__ import annotations
 from . import (
     action_properties,
     actions,
+    building_marks,
     categories,
     classify,
     command_line,
@@ -25,6 +26,7 @@ from . import (
     meshes,
     motion,
     play,
+    recognised,
     recording,
     relations,
     scene_lookup,
@@ -35,6 +37,8 @@ from .registration import register_modules, unregister_modules
 
 MODULES = (
     scene_lookup,
+    recognised,
+    building_marks,
     generation_settings,
     generate,
     understand,

@@ -7,9 +7,37 @@ own ``register`` and ``unregister``. Sub-panels derive from :class:`~.main.SubPa
 from __future__ import annotations
 
 from ..operators.registration import register_modules, unregister_modules
-from . import export, forms, generate, lesson, main, meshes, motion, object_actions, overlay, recording, relations
+from . import (
+    building,
+    building_overlay,
+    export,
+    forms,
+    generate,
+    lesson,
+    main,
+    meshes,
+    motion,
+    object_actions,
+    overlay,
+    recording,
+    relations,
+)
 
-MODULES = (main, generate, forms, motion, meshes, export, lesson, object_actions, overlay, relations, recording)
+MODULES = (
+    main,
+    generate,
+    building,
+    building_overlay,
+    forms,
+    motion,
+    meshes,
+    export,
+    lesson,
+    object_actions,
+    overlay,
+    relations,
+    recording,
+)
 
 
 def register() -> None:

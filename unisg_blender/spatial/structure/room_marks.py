@@ -12,13 +12,19 @@ from .structure import Structure
 
 def marked_rooms(structure: Structure, graph: SceneGraph) -> dict[int, str]:
     """What is said of rooms, by their numbers: marks of what is the floor of one room only, or else is in a room."""
+    said = marks(graph, ROOM_MARK)
+    return {number: said[row] for row, number in marked_by(structure, graph).items()}
+
+
+def marked_by(structure: Structure, graph: SceneGraph) -> dict[int, int]:
+    """By row of what has a mark of rooms the number of the room that it is about."""
     found = {}
-    for row, kind in marks(graph, ROOM_MARK).items():
+    for row in marks(graph, ROOM_MARK):
         floor_of = [number for number, room in enumerate(structure.rooms) if room.floor_row == row]
         middle = middle_of(graph, graph.uid[row])
         number = floor_of[0] if len(floor_of) == 1 else structure.room_at(middle) if middle is not None else -1
         if number >= 0:
-            found[number] = kind
+            found[row] = number
     return found
 
 
