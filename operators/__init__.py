@@ -9,7 +9,6 @@ from __future__ import annotations
 from . import (
     action_properties,
     actions,
-    building_marks,
     categories,
     classify,
     command_line,
@@ -26,7 +25,6 @@ from . import (
     meshes,
     motion,
     play,
-    recognised,
     recording,
     relations,
     scene_lookup,
@@ -34,11 +32,12 @@ from . import (
     understand,
 )
 from .registration import register_modules, unregister_modules
+from .room import corrections, recognised
 
 MODULES = (
     scene_lookup,
     recognised,
-    building_marks,
+    corrections,
     generation_settings,
     generate,
     understand,

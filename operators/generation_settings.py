@@ -13,7 +13,7 @@ import bpy
 
 from ..unisg_blender.errors import UniSGError
 from .base import redraw_views
-from .building_marks import rooms_to_choose
+from .room.corrections import rooms_to_choose
 
 if TYPE_CHECKING:
     from ..unisg_blender.generate import Generator

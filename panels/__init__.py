@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from ..operators.registration import register_modules, unregister_modules
 from . import (
-    building,
     building_overlay,
     export,
     forms,
@@ -19,6 +18,7 @@ from . import (
     motion,
     object_actions,
     overlay,
+    recognised_building,
     recording,
     relations,
 )
@@ -26,7 +26,7 @@ from . import (
 MODULES = (
     main,
     generate,
-    building,
+    recognised_building,
     building_overlay,
     forms,
     motion,

@@ -7,8 +7,8 @@ from typing import Any
 
 import bpy
 
-from ..operators.recognised import Recognised, recognised
-from ..operators.structure_shapes import LEGEND, StructureShapes
+from ..operators.room.recognised import Recognised, recognised
+from ..operators.room.structure_shapes import LEGEND, StructureShapes
 
 TEXT, MARGIN = 13, 22
 """Size of the labels, and how far the legend is from the corner, pixels."""
@@ -17,7 +17,7 @@ _handles: list[Any] = []
 
 
 @dataclass
-class Drawn:
+class DrawnBuilding:
     """What is drawn: of what, and a batch for each colour with its shader,
     and whether that draws lines."""
 
@@ -25,7 +25,7 @@ class Drawn:
     batches: list[tuple[Any, Any, Any, bool]] = field(default_factory=list)
 
 
-_drawn = Drawn()
+_drawn = DrawnBuilding()
 
 
 def _prepared(context: bpy.types.Context) -> StructureShapes | None:

@@ -23,7 +23,7 @@ def recognised(extension: ModuleType) -> ModuleType:
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     write_scene(house(), bpy.context.scene)
     bpy.ops.object.select_all(action="DESELECT")
-    return sys.modules[f"{extension.__name__}.operators.recognised"]
+    return sys.modules[f"{extension.__name__}.operators.room.recognised"]
 
 
 def select(*names: str) -> None:
@@ -132,7 +132,7 @@ def test_things_are_generated_in_a_room(recognised: ModuleType) -> None:
 
 
 def test_rooms_to_choose_are_what_each_is_or_its_number(recognised: ModuleType, extension: ModuleType) -> None:
-    choose = sys.modules[f"{extension.__name__}.operators.building_marks"].rooms_to_choose
+    choose = sys.modules[f"{extension.__name__}.operators.room.corrections"].rooms_to_choose
     bpy.data.objects["Doppelbett"][ROOM_MARK] = "kitchen"
     recognised.recognise_now(bpy.context.scene)
     assert [name for name, _ in choose(None, bpy.context, "")] == ["0", "1"]
@@ -144,7 +144,7 @@ def test_rooms_to_choose_are_what_each_is_or_its_number(recognised: ModuleType, 
 
 def test_what_is_drawn_covers_the_rooms(recognised: ModuleType, extension: ModuleType) -> None:
     shapes = recognised.recognise_now(bpy.context.scene).shapes
-    module = sys.modules[f"{extension.__name__}.operators.structure_shapes"]
+    module = sys.modules[f"{extension.__name__}.operators.room.structure_shapes"]
     first, second, third = shapes.triangles[module.ROOM].reshape(-1, 3, 3).transpose(1, 0, 2)
     assert np.linalg.norm(np.cross(second - first, third - first), axis=1).sum() / 2 == pytest.approx(40, rel=0.02)
     assert sorted(text for text, _ in shapes.labels) == ["bedroom, 20.0 m2", "kitchen, 20.0 m2"]

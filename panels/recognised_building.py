@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import bpy
 
-from ..operators.building_marks import PARTS
-from ..operators.recognised import looking, problem, recognised
-from ..operators.structure_shapes import LEGEND
+from ..operators.room.corrections import PARTS
+from ..operators.room.recognised import looking, problem, recognised
+from ..operators.room.structure_shapes import LEGEND
 from ..unisg_blender.scene.structure_marks import PART_MARK
 from .main import ClosedPanel, draw_text
 

@@ -11,7 +11,7 @@ from mathutils.geometry import tessellate_polygon
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
-    from ..unisg_blender.spatial.structure import Opening, Structure
+    from ...unisg_blender.spatial.structure import Opening, Structure
 
 Points: TypeAlias = NDArray[np.float32]
 Colour: TypeAlias = tuple[float, float, float, float]

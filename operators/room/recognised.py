@@ -10,14 +10,14 @@ from typing import TYPE_CHECKING
 import bpy
 from bpy.app.handlers import persistent
 
-from ..unisg_blender.errors import UniSGError
-from .base import redraw_views
+from ...unisg_blender.errors import UniSGError
+from ..base import redraw_views
 from .structure_shapes import StructureShapes, structure_shapes
 
 if TYPE_CHECKING:
-    from ..unisg_blender.scene import SceneGraph
-    from ..unisg_blender.spatial.structure import Structure
-    from ..unisg_blender.spatial.structure.room_things import RoomName
+    from ...unisg_blender.scene import SceneGraph
+    from ...unisg_blender.spatial.structure import Structure
+    from ...unisg_blender.spatial.structure.room_things import RoomName
 
 QUIET, POLL, PATIENCE = 0.6, 0.1, 10.0
 """Seconds without a change after which a scene is looked at again, between two looks whether that is done, and that the
@@ -115,20 +115,20 @@ def recognise_soon(delay: float = 0.01) -> None:
 
 
 def _read(scene: bpy.types.Scene) -> SceneGraph:
-    from ..unisg_blender.blender import read_scene
+    from ...unisg_blender.blender import read_scene
 
     return read_scene(scene, details=False)
 
 
 def _units(scene: bpy.types.Scene) -> float:
-    from ..unisg_blender.blender.scene_units import metres_per_unit
+    from ...unisg_blender.blender.scene_units import metres_per_unit
 
     return 1.0 / metres_per_unit(scene)
 
 
 def _look(graph: SceneGraph, units: float) -> Recognised:
-    from ..unisg_blender.generate.observe.named_rooms import room_names
-    from ..unisg_blender.spatial.structure import recognise_structure
+    from ...unisg_blender.generate.observe.named_rooms import room_names
+    from ...unisg_blender.spatial.structure import recognise_structure
 
     structure = recognise_structure(graph)
     return Recognised(graph, structure, room_names(structure, graph), units)

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 import bpy
 import numpy as np
 
-from ..unisg_blender.errors import UniSGError
-from .base import Operator
+from ...unisg_blender.errors import UniSGError
+from ..base import Operator
 from .recognised import Recognised, recognise_now, recognise_soon, recognised
 
 PARTS = (
@@ -43,7 +43,7 @@ class UNISG_OT_mark_part(Operator):
         return "" if any(item.library is None for item in context.selected_objects) else "Select objects of this file"
 
     def run(self, context: bpy.types.Context) -> None:
-        from ..unisg_blender.blender.authoring.building_marks import mark_parts
+        from ...unisg_blender.blender.authoring.building_marks import mark_parts
 
         part = "" if self.part == "CLEAR" else self.part
         count = mark_parts(context.selected_objects, part)
@@ -53,8 +53,8 @@ class UNISG_OT_mark_part(Operator):
 
 
 def _kinds(operator: object, context: bpy.types.Context, text: str) -> Iterator[str]:
-    from ..unisg_blender.scene.structure_marks import NO_ROOM
-    from ..unisg_blender.words.room_kinds import room_table
+    from ...unisg_blender.scene.structure_marks import NO_ROOM
+    from ...unisg_blender.words.room_kinds import room_table
 
     return (kind for kind in (*room_table().things, NO_ROOM) if text.casefold() in kind)
 
@@ -83,8 +83,8 @@ class UNISG_OT_mark_room(Operator):
         return context.window_manager.invoke_props_dialog(self)
 
     def run(self, context: bpy.types.Context) -> None:
-        from ..unisg_blender.blender import objects_by_uid
-        from ..unisg_blender.blender.authoring.building_marks import mark_room
+        from ...unisg_blender.blender import objects_by_uid
+        from ...unisg_blender.blender.authoring.building_marks import mark_room
 
         found = recognise_now(context.scene)
         number = self._number(context, found)
@@ -96,7 +96,7 @@ class UNISG_OT_mark_room(Operator):
         recognise_soon()
 
     def _number(self, context: bpy.types.Context, found: Recognised) -> int:
-        from ..unisg_blender.spatial.objects import middle_of
+        from ...unisg_blender.spatial.objects import middle_of
 
         count = len(found.structure.rooms)
         number = self.number
@@ -112,8 +112,8 @@ class UNISG_OT_mark_room(Operator):
 
 def _marker_of(found: Recognised, number: int) -> str:
     """The uid of what says which kind a room is, "" where nothing does."""
-    from ..unisg_blender.scene.structure_marks import ROOM_MARK, marks
-    from ..unisg_blender.spatial.structure.room_marks import marked_by
+    from ...unisg_blender.scene.structure_marks import ROOM_MARK, marks
+    from ...unisg_blender.spatial.structure.room_marks import marked_by
 
     by = marked_by(found.structure, found.graph)
     return next((found.graph.uid[row] for row in marks(found.graph, ROOM_MARK) if by.get(row) == number), "")
