@@ -54,7 +54,7 @@ class UNISG_PT_generate(SubPanel):
 def _where(layout: bpy.types.UILayout, settings: UNISG_GenerationSettings, active: bpy.types.Object | None) -> None:
     """The choice of a place, and in full which object is meant: a button would cut off its name."""
     column = layout.column(align=True)
-    column.row(align=True).prop(settings, "where", expand=True)
+    column.prop(settings, "where")
     if settings.where == "ANYWHERE":
         return
     if settings.where == "IN":
