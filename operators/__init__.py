@@ -32,12 +32,13 @@ from . import (
     understand,
 )
 from .registration import register_modules, unregister_modules
-from .room import corrections, recognised
+from .room import checking, corrections, recognised
 
 MODULES = (
     scene_lookup,
     recognised,
     corrections,
+    checking,
     generation_settings,
     generate,
     understand,

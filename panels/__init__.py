@@ -9,6 +9,7 @@ from __future__ import annotations
 from ..operators.registration import register_modules, unregister_modules
 from . import (
     building_overlay,
+    check,
     export,
     forms,
     generate,
@@ -28,6 +29,7 @@ MODULES = (
     generate,
     recognised_building,
     building_overlay,
+    check,
     forms,
     motion,
     meshes,

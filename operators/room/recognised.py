@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import threading
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -12,6 +11,7 @@ from bpy.app.handlers import persistent
 
 from ...unisg_blender.errors import UniSGError
 from ..base import redraw_views
+from .background import Background
 from .structure_shapes import StructureShapes, structure_shapes
 
 if TYPE_CHECKING:
@@ -19,9 +19,8 @@ if TYPE_CHECKING:
     from ...unisg_blender.spatial.structure import Structure
     from ...unisg_blender.spatial.structure.room_things import RoomName
 
-QUIET, POLL, PATIENCE = 0.6, 0.1, 10.0
-"""Seconds without a change after which a scene is looked at again, between two looks whether that is done, and that the
-end of the extension waits for it."""
+QUIET = 0.6
+"""Seconds without a change after which a scene is looked at again."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,41 +67,43 @@ def _many(count: int, word: str) -> str:
 
 
 @dataclass
-class Work:
-    """What is known of scenes, by name, and what is being looked at: by a thread, which touches no Blender data."""
+class Known:
+    """What is known of scenes, by name, why nothing is, and whether to look once more after the look that goes on."""
 
-    known: dict[str, Recognised] = field(default_factory=dict)
-    problem: dict[str, str] = field(default_factory=dict)
-    thread: threading.Thread | None = None
-    scene: str = ""
-    result: Recognised | BaseException | None = None
+    scenes: dict[str, Recognised] = field(default_factory=dict)
+    problems: dict[str, str] = field(default_factory=dict)
     again: bool = False
 
 
-_work = Work()
+_known, _background = Known(), Background["Recognised"]()
 
 
 def recognised(scene: bpy.types.Scene) -> Recognised | None:
     """What is known of a scene, None where nobody has looked yet."""
-    return _work.known.get(scene.name)
+    return _known.scenes.get(scene.name)
 
 
 def looking() -> bool:
     """Whether a scene is being looked at."""
-    return _work.thread is not None or bpy.app.timers.is_registered(_begin)
+    return _background.busy or bpy.app.timers.is_registered(_begin)
 
 
 def problem(scene: bpy.types.Scene) -> str:
     """Why nothing is known of a scene, "" where nothing went wrong."""
-    return _work.problem.get(scene.name, "")
+    return _known.problems.get(scene.name, "")
 
 
 def recognise_now(scene: bpy.types.Scene) -> Recognised:
     """Look at a scene and wait for it."""
     found = _look(_read(scene), _units(scene))
-    _work.known[scene.name] = found
-    _work.problem.pop(scene.name, None)
+    _keep(scene.name, found)
     return found
+
+
+def _keep(name: str, found: Recognised) -> None:
+    _ = found.shapes  # made here: nothing is computed while the viewport draws
+    _known.scenes[name] = found
+    _known.problems.pop(name, None)
 
 
 def recognise_soon(delay: float = 0.01) -> None:
@@ -135,47 +136,26 @@ def _look(graph: SceneGraph, units: float) -> Recognised:
 
 
 def _begin() -> None:
-    if _work.thread is not None:
-        _work.again = True
+    if _background.busy:
+        _known.again = True
         return
     scene = bpy.context.scene
     if scene is None:
         return
+    name, _known.again = scene.name, False
     try:
         graph, units = _read(scene), _units(scene)
     except UniSGError as error:
-        _work.problem[scene.name] = str(error)
+        _known.problems[name] = str(error)
         return
-    _work.scene, _work.result, _work.again = scene.name, None, False
 
-    def look() -> None:
-        """What the thread does; numpy arrays only."""
-        try:
-            _work.result = _look(graph, units)
-        except Exception as error:  # told where it can be: in the main thread
-            _work.result = error
+    def done(found: Recognised) -> None:
+        """Keep it, and look once more if something has changed meanwhile."""
+        _keep(name, found)
+        if _known.again:
+            recognise_soon()
 
-    _work.thread = threading.Thread(target=look, name="UniSG structure", daemon=True)
-    _work.thread.start()
-    bpy.app.timers.register(_end, first_interval=POLL)
-
-
-def _end() -> float | None:
-    if _work.thread is not None and _work.thread.is_alive():
-        return POLL
-    result, _work.thread = _work.result, None
-    if isinstance(result, Recognised):
-        _work.known[_work.scene] = result
-        _ = result.shapes  # made here: nothing is computed while the viewport draws
-        _work.problem.pop(_work.scene, None)
-    elif isinstance(result, UniSGError | MemoryError):
-        _work.problem[_work.scene] = str(result) or "there is not enough memory"
-    redraw_views(bpy.context)
-    if _work.again:
-        recognise_soon()
-    if isinstance(result, BaseException) and not isinstance(result, UniSGError | MemoryError):
-        raise result
-    return None
+    _background.start(lambda: _look(graph, units), done, lambda text: _known.problems.update({name: text}))
 
 
 def wanted() -> bool:
@@ -199,8 +179,8 @@ def _undone(*_: object) -> None:
 
 @persistent
 def _loaded(*_: object) -> None:
-    _work.known.clear()
-    _work.problem.clear()
+    _known.scenes.clear()
+    _known.problems.clear()
     _undone()
 
 
@@ -223,12 +203,9 @@ PROPERTIES = (
 
 
 def unregister() -> None:
-    """Forget what is known; wait for a look that is going on, since Blender may end now."""
-    for timer in (_begin, _end):
-        if bpy.app.timers.is_registered(timer):
-            bpy.app.timers.unregister(timer)
-    if _work.thread is not None:
-        _work.thread.join(PATIENCE)
-    _work.thread, _work.result = None, None
-    _work.known.clear()
-    _work.problem.clear()
+    """Forget what is known."""
+    if bpy.app.timers.is_registered(_begin):
+        bpy.app.timers.unregister(_begin)
+    _background.end()
+    _known.scenes.clear()
+    _known.problems.clear()

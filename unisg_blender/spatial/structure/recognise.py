@@ -59,7 +59,7 @@ def recognise_structure(graph: SceneGraph) -> Structure:
     a scenegraph is kept as long as that is.
     """
     if graph not in _known:
-        _known[graph] = without_marked(_recognised(graph), graph)
+        _known[graph] = _recognised(graph)
     return _known[graph]
 
 
@@ -75,7 +75,8 @@ def _recognised(graph: SceneGraph) -> Structure:
     rooms = [replace(room, storey=of_height[room.floor]) for room in rooms]
     order = sorted(range(len(rooms)), key=lambda number: (rooms[number].storey, -rooms[number].area))
     surfaces = holding_surfaces(scan, [regions[number] for number in order])
-    return Structure(tuple(rooms[number] for number in order), tuple(surfaces), scan.grid.cell, _notes(scan, rooms))
+    ordered, notes = tuple(rooms[number] for number in order), _notes(scan, rooms)
+    return without_marked(Structure(ordered, tuple(surfaces), scan.grid.cell, notes), graph)
 
 
 def _closer(graph: SceneGraph, scan: Scan) -> tuple[Scan, list[Region]]:
