@@ -32,13 +32,14 @@ from . import (
     understand,
 )
 from .registration import register_modules, unregister_modules
-from .room import checking, corrections, recognised
+from .room import add_room, checking, corrections, recognised
 
 MODULES = (
     scene_lookup,
     recognised,
     corrections,
     checking,
+    add_room,
     generation_settings,
     generate,
     understand,

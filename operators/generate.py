@@ -48,6 +48,16 @@ class UNISG_OT_generate(GenerationChoices, SteppedOperator):
     def why_grey(cls, context: bpy.types.Context) -> str:
         return "" if context.mode == "OBJECT" else "Leave edit mode first"
 
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        if not self.add:  # from a menu: what is chosen in the panel
+            settings = context.window_manager.unisg
+            self.add = ",".join(f"{name}={count}" for name, count in settings.wanted().items())
+            self.model, self.behaviour, self.words = settings.model_file(), settings.behaviour, settings.words
+            if not self.add:
+                self.report({"ERROR"}, "Nothing is chosen: set counts in the sidebar (N), tab UniSG, Generate")
+                return {"CANCELLED"}
+        return super().invoke(context, event)
+
     def steps(self, context: bpy.types.Context) -> Steps:
         """Read the scene and place one object after another; Blender's data is not touched before the end."""
         from ..unisg_blender.generate.counts import parse_counts

@@ -15,6 +15,7 @@ from . import (
     generate,
     lesson,
     main,
+    menus,
     meshes,
     motion,
     object_actions,
@@ -25,6 +26,7 @@ from . import (
 )
 
 MODULES = (
+    menus,
     main,
     generate,
     recognised_building,
