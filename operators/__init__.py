@@ -33,9 +33,14 @@ from . import (
 )
 from .interchange import import_layout
 from .registration import register_modules, unregister_modules
+from .room import add_room, checking, corrections, recognised
 
 MODULES = (
     scene_lookup,
+    recognised,
+    corrections,
+    checking,
+    add_room,
     generation_settings,
     generate,
     understand,

@@ -29,16 +29,34 @@ class UNISG_OT_generate(GenerationChoices, SteppedOperator):
         name="Beside", description="Name of an object beside which all are wanted; empty: anywhere"
     )
 
+    within: bpy.props.StringProperty(
+        name="In", description='The room in which all are wanted: "kitchen", or its number; empty: anywhere'
+    )
+
     @classmethod
     def description(cls, context: bpy.types.Context, properties: UNISG_OT_generate) -> str:
         """The tooltip: it says where they go."""
-        places = [f"{word} {name}" for word, name in (("on", properties.on), ("beside", properties.beside)) if name]
+        places = [
+            f"{word} {name}"
+            for word, name in (("on", properties.on), ("beside", properties.beside), ("in room", properties.within))
+            if name
+        ]
         where = " and ".join(places) or "where the model thinks they belong"
         return f"Add objects {where}; nothing that is there already is moved"
 
     @classmethod
     def why_grey(cls, context: bpy.types.Context) -> str:
         return "" if context.mode == "OBJECT" else "Leave edit mode first"
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        if not self.add:  # from a menu: what is chosen in the panel
+            settings = context.window_manager.unisg
+            self.add = ",".join(f"{name}={count}" for name, count in settings.wanted().items())
+            self.model, self.behaviour, self.words = settings.model_file(), settings.behaviour, settings.words
+            if not self.add:
+                self.report({"ERROR"}, "Nothing is chosen: set counts in the sidebar (N), tab UniSG, Generate")
+                return {"CANCELLED"}
+        return super().invoke(context, event)
 
     def steps(self, context: bpy.types.Context) -> Steps:
         """Read the scene and place one object after another; Blender's data is not touched before the end."""
@@ -55,7 +73,7 @@ class UNISG_OT_generate(GenerationChoices, SteppedOperator):
         self._began, total = time.perf_counter(), sum(counts.values())
         placing = generator.steps(
             scene_in_words(context.scene, mapping), counts, self.seed, bulk=self.bulk, behaviour=self.behaviour,
-            on=self.on, beside=self.beside, words=mapping.get("words", {}),
+            on=self.on, beside=self.beside, within=self.within, words=mapping.get("words", {}),
         )  # fmt: skip
         done = 0
         while True:

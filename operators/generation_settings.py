@@ -13,6 +13,7 @@ import bpy
 
 from ..unisg_blender.errors import UniSGError
 from .base import redraw_views
+from .room.corrections import rooms_to_choose
 
 if TYPE_CHECKING:
     from ..unisg_blender.generate import Generator
@@ -120,8 +121,13 @@ class UNISG_GenerationSettings(GenerationChoices, bpy.types.PropertyGroup):
             ("ANYWHERE", "Anywhere", "Where the model thinks they belong"),
             ("ON", "On", "On the active object"),
             ("BESIDE", "Beside", "Beside the active object, within half a metre if there is room"),
+            ("IN", "In Room", "In one of the rooms that are recognised in the scene"),
         ),
     )
+    room: bpy.props.StringProperty(
+        name="Room", description='Which room: what it is, such as "kitchen", or its number',
+        search=rooms_to_choose, search_options={"SUGGESTION"},
+    )  # fmt: skip
 
     def model_file(self) -> str:
         """Path of the chosen model, "" for none."""

@@ -37,7 +37,8 @@ ARROWS: dict[str, set[str]] = {
     room: set(targets.split())
     for room, targets in {
         "panels": "operators blender scene",
-        "operators": "cli generate predict dataset formats blender usd meshes spatial behaviour words scene poses",
+        "operators": "cli generate predict dataset formats blender usd worlds meshes spatial behaviour words scene"
+        " poses",
         "cli": "",
         "commands": "experiments learn metrics generate predict dataset formats blender worlds meshes spatial"
         " behaviour words scene poses",

@@ -7,9 +7,41 @@ own ``register`` and ``unregister``. Sub-panels derive from :class:`~.main.SubPa
 from __future__ import annotations
 
 from ..operators.registration import register_modules, unregister_modules
-from . import export, forms, generate, lesson, main, meshes, motion, object_actions, overlay, recording, relations
+from . import (
+    building_overlay,
+    check,
+    export,
+    forms,
+    generate,
+    lesson,
+    main,
+    menus,
+    meshes,
+    motion,
+    object_actions,
+    overlay,
+    recognised_building,
+    recording,
+    relations,
+)
 
-MODULES = (main, generate, forms, motion, meshes, export, lesson, object_actions, overlay, relations, recording)
+MODULES = (
+    menus,
+    main,
+    generate,
+    recognised_building,
+    building_overlay,
+    check,
+    forms,
+    motion,
+    meshes,
+    export,
+    lesson,
+    object_actions,
+    overlay,
+    relations,
+    recording,
+)
 
 
 def register() -> None:

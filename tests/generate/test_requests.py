@@ -172,7 +172,7 @@ def test_the_command_line_takes_requests(model_file: Path, tmp_path: Path, capsy
     assert main([*words, "--add", "Cup=1", "--beside", "Nothing", "--out", str(tmp_path / "no.json")]) == 1
     assert "nothing in the scene is called 'Nothing'" in capsys.readouterr().err
     assert main(["generate", "--add", "Cup=1", "--on", name, "--out", str(tmp_path / "no.json")]) == 1
-    assert "--on and --beside need a --scene" in capsys.readouterr().err
+    assert "--on, --beside and --in need a --scene" in capsys.readouterr().err
     assert not (tmp_path / "no.json").exists()
 
 

@@ -34,6 +34,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--add", metavar="WHAT", help='such as "Scalpel=2,Monitor=1" (default: a whole room)')
     parser.add_argument("--on", metavar="NAME", default="", help="thing of the scene on which all of it is wanted")
     parser.add_argument("--beside", metavar="NAME", default="", help="thing of the scene beside which it is wanted")
+    parser.add_argument(
+        "--in", dest="within", metavar="ROOM", default="",
+        help='room of the scene in which it is wanted: "kitchen", "the bedroom", or its number (inspect --structure)',
+    )  # fmt: skip
     parser.add_argument("--out", metavar="OUT", type=Path, required=True, help=f"file to write: {', '.join(WRITABLE)}")
     parser.add_argument("--seed", type=SEED, help="same seed, same result (default: another result every time)")
     mode = parser.add_mutually_exclusive_group()
@@ -68,7 +72,7 @@ def run(args: argparse.Namespace) -> int:
     start = time.perf_counter()
     result = generator.add(
         scene, counts, args.seed, bulk=args.bulk, settle=not args.raw, behaviour=not args.no_behaviour, on=args.on,
-        beside=args.beside, words=words,
+        beside=args.beside, within=args.within, words=words,
     )  # fmt: skip
     spent = time.perf_counter() - start
     _write(args, result)
@@ -80,8 +84,10 @@ def run(args: argparse.Namespace) -> int:
 def _check(args: argparse.Namespace) -> None:
     check_file("--out", args.out, WRITABLE, [args.scene, args.render])
     check_file("--render", args.render, (".png",))
-    if (args.on or args.beside) and (args.scene is None or args.add is None):
-        raise UniSGError("--on and --beside need a --scene that has such a thing, and --add for what is wanted there")
+    if (args.on or args.beside or args.within) and (args.scene is None or args.add is None):
+        raise UniSGError(
+            "--on, --beside and --in need a --scene that has such a thing or room, and --add for what is wanted there"
+        )
     if args.render is not None:
         load_blender()
     check_kinds(args.scene, args.out)

@@ -72,6 +72,7 @@ def run(args: argparse.Namespace) -> int:
 
 def _inspect_structure(args: argparse.Namespace) -> int:
     """What is building in the scene, for ``--structure`` and ``--plan``."""
+    from ..generate.observe.named_rooms import room_names
     from ..spatial.structure import recognise_structure
     from ..spatial.structure.plan_picture import check_plan, draw_plan
     from ..spatial.structure.structure_text import structure_lines, structure_record
@@ -80,10 +81,11 @@ def _inspect_structure(args: argparse.Namespace) -> int:
         check_plan(args.plan)
     graph, _ = read_shown(args, args.path, geometry=args.geometry, scene=args.scene)
     structure = recognise_structure(graph)
+    names = room_names(structure, graph)
     if args.plan is not None:
-        draw_plan(structure, args.plan)
-    report = {"file": str(args.path), **structure_record(structure, graph)}
-    print_report(args, report, structure_lines(structure, graph))
+        draw_plan(structure, args.plan, names)
+    report = {"file": str(args.path), **structure_record(structure, graph, names)}
+    print_report(args, report, structure_lines(structure, graph, names))
     return DONE
 
 

@@ -13,13 +13,14 @@ import numpy as np
 from ..behaviour import all_actions
 from ..dataset.assets.asset import Asset
 from ..errors import UniSGError
-from ..geometry.arrays import Ints
+from ..geometry.arrays import Floats, Ints
 from ..runtime.steps import at_once
 from ..scene import SceneGraph
 from ..scene.categories import FLOOR, STRUCTURE
 from .behaviour import ActionPolicy, Behaviour, add_behaviour, behaviour_path, load_behaviour
 from .counts import MOST_OBJECTS
 from .observe.contract import Contract
+from .observe.named_rooms import point_in_room
 from .observe.placement_order import in_order
 from .observe.scene_reading import SceneReading, missing_counts, understood_counts
 from .place.placed_by_rules import by_rules, contract_with, rules_for
@@ -119,7 +120,7 @@ class Generator:
     def steps(
         self, scene: SceneGraph, counts: Mapping[str, int], seed: int | None = None, *, bulk: bool = False,
         settle: bool = True, assets: Mapping[str, Sequence[Asset]] | None = None, behaviour: bool = True,
-        on: str = "", beside: str = "", words: Mapping[str, str] | None = None,
+        on: str = "", beside: str = "", within: str = "", words: Mapping[str, str] | None = None,
     ) -> abc.Generator[Placement, None, Generated]:  # fmt: skip
         """Add objects to a scene, each a step; what is there already stays as it is. :meth:`add` is the same at once.
 
@@ -146,6 +147,8 @@ class Generator:
         on, beside
             uid or name of an object of the scene on which, or beside which, all objects are wanted. What finds
             no room there is refused (on), or stands as near as there is room (beside). A group is meant as a whole.
+        within
+            The room in which all are wanted: "kitchen", or a number, see :func:`~.observe.named_rooms.find_room`.
         words
             What the user says of words for things: word to category, before the table of words.
 
@@ -153,10 +156,11 @@ class Generator:
         ------
         UniSGError
             For a category that the model does not know in any words, a number below 1, nothing to add or more than
-            :data:`MOST_OBJECTS`, an object that is missing, or a model that gives no finite numbers.
+            :data:`MOST_OBJECTS`, an object or a room that is missing, or a model that gives no finite numbers.
         """
         counts = self.understood(_checked(counts), words)
-        reading, how = self.read(scene, words), How(bulk, settle, assets or {}, on, beside)
+        how = How(bulk, settle, assets or {}, on, beside, _point(scene, within, on or beside))
+        reading = self.read(scene, words)
         new = New(Names(scene.name), uid_maker(scene, seed), np.random.default_rng(seed))
         room, placements, wanted = self._with_room(scene, counts, reading, new)
         yield from placements
@@ -214,6 +218,13 @@ class Generator:
         uids = [item.uid for item in placements if item.uid]
         made = add_behaviour(scene, uids, self.behaviour, new.make_uid, new.rng)
         return made.scene, [_with_behaviour(item, made) for item in placements]
+
+
+def _point(scene: SceneGraph, within: str, thing: str) -> Floats | None:
+    """A point (3,) in the room in which objects are wanted, None for any room."""
+    if within and thing:
+        raise UniSGError("give either a room, or an object on or beside which it is wanted")
+    return point_in_room(scene, within) if within else None
 
 
 def _read(scene: SceneGraph, contract: Contract, words: Mapping[str, str] | None) -> SceneGraph:

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..dataset.assets.asset import Asset
+from ..geometry.arrays import Floats
 from ..scene import SceneGraph
 from ..spatial.objects import as_whole
 from .check.holding_scene import only_what_holds
@@ -27,13 +28,14 @@ Placing = abc.Generator[Placement, None, tuple[SceneGraph, list[Placement]]]
 
 @dataclass(frozen=True, eq=False)
 class How:
-    """How objects are wanted, see :meth:`~.generator.Generator.steps`."""
+    """How objects are wanted, see :meth:`~.generator.Generator.steps`; ``within`` is a point (3,) in their room."""
 
     bulk: bool
     settle: bool
     assets: Mapping[str, Sequence[Asset]]
     on: str
     beside: str
+    within: Floats | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,5 +88,5 @@ class PlacingRounds:
         shapes = {vocabulary.index(name): given for name, given in how.assets.items() if name in wanted}
         seen = as_whole(as_whole(self.read(scene), how.on), how.beside)
         return ObjectPlacer(
-            self.proposer, self.library, seen, self.new.rng, how.settle, numbers, shapes, how.on, how.beside
+            self.proposer, self.library, seen, self.new.rng, how.settle, numbers, shapes, how.on, how.beside, how.within
         )

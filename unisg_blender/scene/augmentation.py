@@ -126,7 +126,7 @@ def quarter_turns(graph: SceneGraph, turns: int) -> SceneGraph:
     cos, sin = [(1, 0), (0, 1), (-1, 0), (0, -1)][turns % 4]
     turn = np.eye(4)
     turn[:2, :2] = [[cos, -sin], [sin, cos]]
-    return _moved(graph, turn)
+    return moved_scene(graph, turn)
 
 
 def mirrored(graph: SceneGraph) -> SceneGraph:
@@ -159,7 +159,7 @@ def _mirrored_mesh(mesh: Mesh) -> Mesh:
     )
 
 
-def _moved(graph: SceneGraph, motion: NDArray[np.float64]) -> SceneGraph:
+def moved_scene(graph: SceneGraph, motion: NDArray[np.float64]) -> SceneGraph:
     """The whole scene moved in the world; reference poses in the world's frame move along."""
     local = graph.local.copy()
     roots = graph.parent < 0

@@ -14,7 +14,8 @@ from ..geometry.polygon import convex_hull
 from ..geometry.surface_contact import Triangles
 from ..scene.components import VISIBILITY
 from ..scene.graph import SceneGraph
-from ..scene.hierarchy import world_matrices
+from ..scene.hierarchy import subtree, world_matrices
+from ..scene.structure_marks import NOTHING, PART_MARK, THING, marks
 from .part_boxes import PartBoxes, part_boxes
 
 
@@ -206,10 +207,24 @@ def find_objects(graph: SceneGraph, empty: bool = True) -> Objects:
 
 
 def shown(graph: SceneGraph) -> Bools:
-    """Which rows have a mesh with points that is there, bool (N,): not what neither viewport nor render shows."""
+    """Which rows have a mesh with points that is there, bool (N,): not what neither viewport nor render shows, nor what
+    is marked as nothing."""
     found = np.array([len(mesh.points) > 0 for mesh in graph.meshes] + [False], bool)[graph.mesh]
     visibility = graph.components.get(VISIBILITY)
     if visibility is not None:
         columns = visibility.columns
         found[visibility.rows[(columns["hidden"] | columns["viewport"]) & columns["render"]]] = False
+    return found & ~_marked(graph, NOTHING)
+
+
+def marked_things(graph: SceneGraph) -> Bools:
+    """Which rows the user marked as no building, with what hangs under them, bool (N,)."""
+    return _marked(graph, THING)
+
+
+def _marked(graph: SceneGraph, wanted: str) -> Bools:
+    found = np.zeros(len(graph), bool)
+    for row, mark in marks(graph, PART_MARK).items():
+        if mark == wanted:
+            found[subtree(graph, row)] = True
     return found

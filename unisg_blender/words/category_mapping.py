@@ -15,8 +15,12 @@ from ..runtime.json_records import parse_json
 from ..scene import SceneGraph, Table
 from ..scene.assembly import index_categories
 from ..scene.components import COLLECTIONS, INSTANCES
+from ..scene.structure_marks import NOTHING, ROOM_MARK, THING, with_marks, with_parts
 
-SECTIONS = ("objects", "collections", "scenes", "words")
+SECTIONS = ("objects", "collections", "scenes", "words", "structure", "rooms")
+
+PARTS = ("Floor", "Wall", "Ceiling", "Door", "Window", THING, NOTHING)
+"""What the section ``structure`` says of things."""
 
 Patterns = Mapping[str, Mapping[str, str]]
 """For each of :data:`SECTIONS` a mapping from pattern to name; the first pattern that fits counts."""
@@ -25,10 +29,13 @@ Patterns = Mapping[str, Mapping[str, str]]
 def read_mapping(path: str | os.PathLike[str]) -> dict[str, dict[str, str]]:
     """Read a mapping file, JSON or TOML.
 
-    It has up to four sections. Three are tables from pattern to name: ``objects``
+    It has up to six sections. Three are tables from pattern to name: ``objects``
     and ``collections`` give categories, ``scenes`` (patterns of the file's path)
     the kind of scene. Patterns are those of the shell, case does not count. ``words``
-    says what a word for things means, in any name: ``{"Nightstand": "Cabinet"}``; "" is nothing.
+    says what a word for things means, in any name: ``{"Nightstand": "Cabinet"}``; "" is nothing. Two correct what is
+    recognised of the building, whatever category there was: ``structure`` maps patterns of names to one of
+    :data:`PARTS`, ``rooms`` patterns of the name of a floor, or of anything in a room, to what that room is ("none":
+    it is no room).
 
     Raises
     ------
@@ -55,6 +62,11 @@ def checked_mapping(content: Any, name: str = "mapping") -> dict[str, dict[str, 
             isinstance(value, str) and (value or section == "words") for value in patterns.values()
         ):
             raise UniSGError(f"{name}: the section {section!r} must map patterns to names")
+    for pattern, part in content.get("structure", {}).items():
+        if part.casefold() not in map(str.casefold, PARTS):
+            raise UniSGError(
+                f"{name}: {pattern!r} cannot be {part!r}: the section 'structure' knows {', '.join(PARTS)}"
+            )
     return content
 
 
@@ -94,7 +106,15 @@ def apply_mapping(graph: SceneGraph, mapping: Patterns, groups: Sequence[str] = 
             if graph.category[row] < 0 and names[row] in prototype.vocabulary:
                 names[row] = ""
     category, vocabulary = index_categories(names)
-    return graph.replace(category=category, vocabulary=vocabulary)
+    return _corrected(graph.replace(category=category, vocabulary=vocabulary), mapping)
+
+
+def _corrected(graph: SceneGraph, mapping: Patterns) -> SceneGraph:
+    """The scene with what the mapping says of its building and rooms."""
+    found = {row: first_match(mapping.get("structure", {}), [name]) for row, name in enumerate(graph.name)}
+    graph = with_parts(graph, {row: part for row, part in found.items() if part})
+    kinds = {row: first_match(mapping.get("rooms", {}), [name]) for row, name in enumerate(graph.name)}
+    return with_marks(graph, ROOM_MARK, {row: kind for row, kind in kinds.items() if kind})
 
 
 def _mapped_instances(instances: Table, mapping: Patterns) -> Table:

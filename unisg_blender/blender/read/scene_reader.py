@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ...runtime.read_report import ReadReport
 from ...scene.assembly import Columns, assemble
 from ...scene.component_table import table
-from ...scene.components import WORLD
+from ...scene.components import COLLECTIONS, WORLD
 from ...scene.graph import SceneGraph
 from ...scene.mesh import Material
 from ...scene.properties import ObjectProperties, decode_properties
@@ -28,7 +28,7 @@ from ..unsupported.of_objects import report_losses
 from ..unsupported.of_scenes import report_scene_losses
 from .collection_instances import instance_table
 from .mesh_cache import MeshShelf
-from .object_components import component_tables
+from .object_components import collection_table, component_tables
 from .object_hierarchy import read_hierarchy
 from .sampled_animation import may_move, sample_animation
 from .usd_import import IMPORTED, as_written, is_imported, join_shapes
@@ -82,7 +82,7 @@ def read_scene(
         texts as meshes; "original": meshes as they are edited; "none".
     details
         False reads hierarchy, matrices, geometry and custom properties only (categories,
-        behaviour and relations among them): enough for whoever does not write the scene
+        behaviour and relations among them) and collections: enough for whoever does not write the scene
         into a file.
     instances
         Of collections, and those that geometry nodes and particles make: "kept" as
@@ -139,6 +139,7 @@ def read_objects(
         HELPER: table([row for row, (_, marks) in enumerate(found) if HELPER in marks]),
         IMPORTED: table([row for row, (_, marks) in enumerate(found) if IMPORTED in marks]),
     }
+    components[COLLECTIONS] = collection_table(items, top)
     if reader.details:
         components |= component_tables(objects, items, hierarchy, top, reader.view_layer, reader.depsgraph)
         components |= instance_table(items, reader.shelf, reader.read_collection, reader.report)

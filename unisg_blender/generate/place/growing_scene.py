@@ -48,8 +48,10 @@ class Target:
 class GrowingScene:
     """The objects of a scene by number, those that are added last; categories are numbers of the model's vocabulary."""
 
-    def __init__(self, graph: SceneGraph, contract: Contract, near: Floats | None = None) -> None:
-        room = room_objects(graph, contract.vocabulary, near)
+    def __init__(
+        self, graph: SceneGraph, contract: Contract, near: Floats | None = None, alone: bool = False
+    ) -> None:  # see :func:`room_objects`
+        room = room_objects(graph, contract.vocabulary, near, alone)
         self.vocabulary, self.tables = contract.vocabulary, contract.tables
         movable = ~self.tables.structural[room.objects.category]
         objects = facing(room.objects, graph, movable, room.outline)

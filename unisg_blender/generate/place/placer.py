@@ -11,7 +11,7 @@ import numpy as np
 
 from ...dataset.assets.asset import Asset
 from ...errors import UniSGError
-from ...geometry.arrays import Bools
+from ...geometry.arrays import Bools, Floats
 from ...scene import SceneGraph
 from ...spatial.objects import middle_of
 from ..observe.placeable import Placeable
@@ -41,16 +41,17 @@ class ObjectPlacer:
     """One call of :meth:`Generator.add`: the scene while it grows, and what is to be placed there.
 
     All objects are put ``on``, or ``beside``, the object with that uid or name; "" for anywhere. Of a house with
-    several rooms it is the room that this object is in, else the largest.
+    several rooms it is the one that the point ``within`` (3,) is in, or else that this object is in, or the largest.
     """
 
     def __init__(
         self, proposer: Proposer, library: Library, graph: SceneGraph, rng: np.random.Generator, settle: bool,
         wanted: Sequence[int], assets: Mapping[int, Sequence[Asset]], on: str = "", beside: str = "",
+        within: Floats | None = None,
     ) -> None:  # fmt: skip
         self.proposer, self.library, self.graph, self.rng, self.settle = proposer, library, graph, rng, settle
-        near = middle_of(graph, on or beside) if on or beside else None
-        self.scene = GrowingScene(graph, library.model.contract, near)
+        near = middle_of(graph, on or beside) if on or beside else within
+        self.scene = GrowingScene(graph, library.model.contract, near, within is not None)
         self.coming = Counter(wanted)
         left = {category: [Placeable(asset) for asset in shapes] for category, shapes in assets.items()}
         self.targets = [

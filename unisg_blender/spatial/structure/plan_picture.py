@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -9,6 +10,7 @@ import numpy as np
 
 from ...errors import MissingPackageError, UniSGError
 from ...geometry.arrays import Floats
+from .room_things import RoomName
 from .structure import Room, Structure
 
 ENDINGS = (".svg", ".png", ".pdf")
@@ -35,8 +37,11 @@ def check_plan(path: Path) -> None:
         raise UniSGError(f"there is no folder {path.parent} to write {path.name} to")
 
 
-def draw_plan(structure: Structure, path: Path) -> None:
-    """Draw rooms, walls, openings and surfaces from above, a storey beside the other; see :func:`check_plan`."""
+def draw_plan(structure: Structure, path: Path, names: Sequence[RoomName] | None = None) -> None:
+    """Draw rooms, walls, openings and surfaces from above, a storey beside the other; see :func:`check_plan`.
+
+    Rooms are labelled with what they are, if that is known.
+    """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -47,7 +52,7 @@ def draw_plan(structure: Structure, path: Path) -> None:
         axes = figure.add_subplot(1, storeys, storey + 1)
         for number, room in enumerate(structure.rooms):
             if room.storey == storey:
-                _draw_room(axes, number, room)
+                _draw_room(axes, f"{number}: {names[number].label}" if names else f"{number}:", number, room)
         for surface in structure.surfaces:
             if structure.rooms[surface.room].storey == storey:
                 axes.fill(*surface.outline.T, fill=False, edgecolor=SURFACE, linewidth=0.6)
@@ -58,7 +63,7 @@ def draw_plan(structure: Structure, path: Path) -> None:
     figure.savefig(path, dpi=100)
 
 
-def _draw_room(axes: Any, number: int, room: Room) -> None:
+def _draw_room(axes: Any, label: str, number: int, room: Room) -> None:
     axes.fill(*room.outline.T, color=FLOORS[number % len(FLOORS)], hatch="" if room.indoors else "//")
     for hole in room.holes:
         axes.fill(*hole.T, color="white")
@@ -66,7 +71,7 @@ def _draw_room(axes: Any, number: int, room: Room) -> None:
         axes.fill(*_strip(wall.start, wall.stop, max(wall.thickness, THIN)).T, color=WALL)
     for opening in room.openings:
         axes.plot(*np.stack([opening.start, opening.stop]).T, color=COLOURS[opening.kind], linewidth=3)
-    axes.text(*room.outline.mean(axis=0), f"{number}: {room.area:.1f} m2", ha="center", fontsize=7)
+    axes.text(*room.outline.mean(axis=0), f"{label.strip()} {room.area:.1f} m2", ha="center", fontsize=7)
 
 
 def _strip(start: Floats, stop: Floats, thickness: float) -> Floats:

@@ -14,6 +14,7 @@ from ...geometry.polygon import area
 from ...geometry.traced_outlines import simplified_all
 from ...scene.graph import SceneGraph
 from .looks import FAR_ROOFED, FARTHEST
+from .room_marks import without_marked
 from .scan import FINEST, HEADROOM, LEVEL, Scan
 from .storeys import LEAST_OPEN, Region, find_regions
 from .structure import Room, Structure
@@ -52,7 +53,7 @@ def recognise_structure(graph: SceneGraph) -> Structure:
     much has 1.8 m free above; a place on it is inside where there is a roof and walls on most sides, or walls all
     around; rooms are what walls, and the lintels over doors, part from each other. Outlines are then moved onto the
     very edges of walls and floors. What the user gave a category that is not of a building does not count, and what
-    the user called a floor is the floor.
+    the user called a floor is the floor; marks (:mod:`...scene.structure_marks`) say what is no building, or no room.
 
     A scene too large for the finest cells is scanned coarsely, and again where most walls stand. What was recognised of
     a scenegraph is kept as long as that is.
@@ -74,7 +75,8 @@ def _recognised(graph: SceneGraph) -> Structure:
     rooms = [replace(room, storey=of_height[room.floor]) for room in rooms]
     order = sorted(range(len(rooms)), key=lambda number: (rooms[number].storey, -rooms[number].area))
     surfaces = holding_surfaces(scan, [regions[number] for number in order])
-    return Structure(tuple(rooms[number] for number in order), tuple(surfaces), scan.grid.cell, _notes(scan, rooms))
+    ordered, notes = tuple(rooms[number] for number in order), _notes(scan, rooms)
+    return without_marked(Structure(ordered, tuple(surfaces), scan.grid.cell, notes), graph)
 
 
 def _closer(graph: SceneGraph, scan: Scan) -> tuple[Scan, list[Region]]:

@@ -15,6 +15,7 @@ from ...scene.categories import FLOOR, STRUCTURE
 from ...scene.graph import SceneGraph
 from ...scene.hierarchy import world_matrices
 from ..floor_plan import room_outline
+from ..object_rows import marked_things
 from ..objects import SceneObjects, scene_objects
 from .recognise import recognise_structure
 from .scan import world_triangles
@@ -67,11 +68,14 @@ class RoomObjects:
     structure: Structure | None = None
 
 
-def room_objects(graph: SceneGraph, vocabulary: Sequence[str], near: Floats | None = None) -> RoomObjects:
+def room_objects(
+    graph: SceneGraph, vocabulary: Sequence[str], near: Floats | None = None, alone: bool = False
+) -> RoomObjects:
     """The objects of a scene, categories numbered as in ``vocabulary``, and its room.
 
     A scene whose floor has its category, and whose walls have boxes that leave the room free, is taken as it is. In
     any other the structure is recognised, and the room is the one that the point ``near`` (3,) is in, or the largest.
+    With ``alone`` it is recognised anyway, and what is in other rooms is left out.
     """
     objects = scene_objects(graph, vocabulary)
     names = [graph.category_name(int(row)) for row in objects.row]
@@ -80,22 +84,25 @@ def room_objects(graph: SceneGraph, vocabulary: Sequence[str], near: Floats | No
     outline = room_outline(graph) if (floor & solid).any() else None
     world = world_matrices(graph)[objects.row]
     plain = RoomObjects(objects, world, floor, outline, objects.parts.take(np.zeros(0, np.int64)))
-    if not solid.any() or (outline is not None and not _in_the_way(objects, names, outline)):
+    things = marked_things(graph)[objects.row]
+    clear = outline is not None and not alone and not _in_the_way(objects, names, things, outline)
+    if not solid.any() or clear:
         return plain
     structure = recognise_structure(graph)
     if not structure.rooms:
         return plain
     number = structure.room_at(near) if near is not None else -1
     room = structure.rooms[number] if number >= 0 else max(structure.rooms, key=lambda room: (room.indoors, room.area))
-    return _rebuilt(graph, vocabulary, objects, names, structure, room)
+    elsewhere = np.array([alone and structure.room_at(middle) not in (number, -1) for middle in objects.center], bool)
+    return _rebuilt(graph, vocabulary, objects, names, structure, room, elsewhere)
 
 
-def _in_the_way(objects: SceneObjects, names: Sequence[str], outline: Floats) -> bool:
-    """Does the box of a wall, or of what may be a building, cover what is room?"""
+def _in_the_way(objects: SceneObjects, names: Sequence[str], things: Bools, outline: Floats) -> bool:
+    """Does the box of a wall, or of what may be a building and is not marked as one of ``things``, cover the room?"""
     low, high = world_bounds(objects.parts)
     size = high - low
     built = np.array([name in STRUCTURE and name != FLOOR for name in names], bool)[objects.owner]
-    nameless = np.array([not name for name in names], bool)[objects.owner]
+    nameless = (np.array([not name for name in names], bool) & ~things)[objects.owner]
     built |= nameless & (size[:, 2] >= HIGH) & (size[:, :2].max(axis=1) >= LONG) & (size[:, :2].min(axis=1) > SHEET)
     steps = (np.arange(12) + 0.5) / 12
     grid = np.stack(np.meshgrid(steps, steps), axis=-1).reshape(-1, 2)
@@ -131,15 +138,18 @@ class _Made:
 
 def _rebuilt(
     graph: SceneGraph, vocabulary: Sequence[str], objects: SceneObjects, names: Sequence[str], structure: Structure,
-    room: Room,
+    room: Room, elsewhere: Bools,
 ) -> RoomObjects:  # fmt: skip
-    """The objects with what is building replaced by the room's floor, walls and openings, which come first."""
+    """The objects with what is building replaced by the room's floor, walls and openings, which come first.
+
+    What is ``elsewhere`` (K,) is left out.
+    """
     free = np.array([not name or name in STRUCTURE for name in names], bool)
     building = np.isin(names, [FLOOR, "Wall", "Ceiling"]) | (free & np.isin(objects.row, list(structure.parts)))
     made = _parts_of_room(room, named={"Door", "Window"} & set(names))
     built_in = [top for top in structure.surfaces if structure.rooms[top.room] is room]
     _add_built_in(made, [top for top in built_in if top.row in objects.row[building]])
-    kept = np.flatnonzero(~building)
+    kept = np.flatnonzero(~building & ~elsewhere)
     numbers = np.full(len(objects) + 1, -1, np.int64)
     numbers[kept] = len(made.rows) + np.arange(len(kept))
     support = numbers[objects.support[kept]]

@@ -1,10 +1,26 @@
-"""Which things are in which room."""
+"""Which things are in which room, and what each room is."""
 
 from __future__ import annotations
+
+from dataclasses import dataclass
 
 from ...scene.graph import SceneGraph
 from ..objects import scene_objects
 from .structure import Structure
+
+
+@dataclass(frozen=True)
+class RoomName:
+    """Which ``kind`` of room one is ("kitchen"), "" where nothing tells, ``why``, in words, and what it is ``also``."""
+
+    kind: str = ""
+    why: str = ""
+    also: tuple[str, ...] = ()
+
+    @property
+    def label(self) -> str:
+        """All that it is: "living room and kitchen"."""
+        return " and ".join(filter(None, (self.kind, *self.also)))
 
 
 def things_in_rooms(structure: Structure, graph: SceneGraph) -> tuple[tuple[int, ...], ...]:

@@ -13,7 +13,7 @@ from ...geometry.surface_contact import STEEPEST, Triangles
 from ...scene.categories import FLOOR, STRUCTURE, has_category
 from ...scene.graph import SceneGraph
 from ...scene.hierarchy import world_matrices
-from ..object_rows import object_rows, shown
+from ..object_rows import marked_things, object_rows, shown
 
 FINEST, MOST_CELLS = 0.05, 150_000
 """Metres of a cell, at least; and cells at most: larger scenes are scanned more coarsely."""
@@ -79,8 +79,9 @@ class Scan:
         cell = max(cell, float(np.sqrt(_seen_from_above(triangles, low, high) / MOST_CROSSINGS)))
         owner = object_rows(graph)
         named = graph.category[owner] >= 0
-        building = ~named | has_category(graph, STRUCTURE)[owner]
-        is_floor = has_category(graph, [FLOOR])[owner]
+        free = ~marked_things(graph)
+        building = (~named | has_category(graph, STRUCTURE)[owner]) & free
+        is_floor = has_category(graph, [FLOOR])[owner] & free
         return Scan(triangles, row, building[row], is_floor[row], Grid.around(low, high, cell))
 
     @cached_property

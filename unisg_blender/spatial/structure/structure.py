@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...geometry.arrays import Bools, Floats
-from ...geometry.polygon import area, inside
+from ...geometry.polygon import area, inside, to_edges
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,6 +77,18 @@ class Room:
     def area(self) -> float:
         """Square metres of floor."""
         return abs(area(self.outline)) - sum(abs(area(hole)) for hole in self.holes)
+
+    @property
+    def inner_point(self) -> Floats:
+        """A point (2,) of the floor far from its rim."""
+        low, high = self.outline.min(axis=0), self.outline.max(axis=0)
+        steps = (np.arange(GRID) + 0.5) / GRID
+        points = low + (high - low) * np.stack(np.meshgrid(steps, steps), axis=-1).reshape(-1, 2)
+        mine = points[self.contains(points)]
+        if not len(mine):
+            return np.asarray(self.outline.mean(axis=0))
+        ways = np.concatenate([to_edges(loop, mine) for loop in (self.outline, *self.holes)], axis=1)
+        return np.asarray(mine[np.linalg.norm(ways, axis=2).min(axis=1).argmax()])
 
     def contains(self, points: Floats) -> Bools:
         """Which points (..., 2) are over the floor of the room."""
@@ -152,6 +164,9 @@ class Structure:
                 return number
         return -1
 
+
+GRID = 32
+"""Steps along each side of a room in which its inner point is looked for."""
 
 BELOW = 0.3
 """Metres below its floor where things still count as in a room: they are sunk in."""

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from ...scene.graph import SceneGraph
-from .room_things import things_in_rooms
+from .room_things import RoomName, things_in_rooms
 from .structure import Room, Structure
 
 DIGITS = 4
@@ -17,13 +18,18 @@ FEW = 5
 """Things of a room that are named in a line, at most."""
 
 
-def structure_record(structure: Structure, graph: SceneGraph) -> dict[str, Any]:
-    """JSON-ready: rooms, surfaces, parts by name, notes; lengths in metres."""
+def structure_record(
+    structure: Structure, graph: SceneGraph, names: Sequence[RoomName] | None = None
+) -> dict[str, Any]:
+    """JSON-ready: rooms with what they are, if that is known, surfaces, parts by name, notes; lengths in metres."""
+    names = names or [RoomName()] * len(structure.rooms)
     return {
         "storeys": structure.storeys,
         "rooms": [
-            _room_record(room, graph) | {"things": [graph.name[row] for row in rows]}
-            for room, rows in zip(structure.rooms, things_in_rooms(structure, graph), strict=True)
+            {"kind": name.kind or None, "why": name.why or None, "also": list(name.also)}
+            | _room_record(room, graph)
+            | {"things": [graph.name[row] for row in rows]}
+            for name, room, rows in zip(names, structure.rooms, things_in_rooms(structure, graph), strict=True)
         ],
         "surfaces": [
             {
@@ -71,14 +77,16 @@ def _number(value: float) -> float | None:
     return round(value, DIGITS) if np.isfinite(value) else None
 
 
-def structure_lines(structure: Structure, graph: SceneGraph) -> list[str]:
-    """A line for each room, what its parts are, and the notes."""
+def structure_lines(structure: Structure, graph: SceneGraph, names: Sequence[RoomName] | None = None) -> list[str]:
+    """A line for each room, with what it is if that is known; what its parts are; and the notes."""
     if not structure.rooms:
         return list(structure.notes)
     lines = [f"{_many(len(structure.rooms), 'room')} on {_many(structure.storeys, 'storey')}"]
     things = things_in_rooms(structure, graph)
     for number, room in enumerate(structure.rooms):
         kind = "room" if room.indoors else "open place"
+        if names and names[number].kind:
+            kind = f"{names[number].label} ({names[number].why})"
         height = f", {room.ceiling - room.floor:.2f} m high" if np.isfinite(room.ceiling) else ", no ceiling"
         told = [_many(len(room.walls), "wall")]
         told += [_many(count, kind) for kind, count in sorted(Counter(hole.kind for hole in room.openings).items())]

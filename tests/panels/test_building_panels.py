@@ -1,0 +1,95 @@
+"""The panels of the building and of the check say what is known, whatever state the scene is in."""
+
+from __future__ import annotations
+
+import sys
+from types import ModuleType, SimpleNamespace
+from unittest.mock import MagicMock
+
+import pytest
+
+bpy = pytest.importorskip("bpy")
+
+from tests.generate.house import KITCHEN, house  # noqa: E402
+from tests.spatial.built_rooms import box  # noqa: E402
+from unisg_blender.blender import write_scene  # noqa: E402
+
+
+def labels(extension: ModuleType, module: str, panel: str) -> str:
+    """All labels of a panel, one after the other."""
+    layout = MagicMock()
+    for name in ("row", "column", "box", "grid_flow"):
+        getattr(layout, name).return_value = layout
+    context = SimpleNamespace(
+        region=SimpleNamespace(width=400),
+        **{name: getattr(bpy.context, name) for name in ("scene", "window_manager", "active_object")},
+    )
+    getattr(getattr(extension.panels, module), panel).draw(SimpleNamespace(layout=layout), context)
+    return " ".join(call.kwargs.get("text", "") for call in layout.label.call_args_list)
+
+
+@pytest.fixture
+def recognised(extension: ModuleType) -> ModuleType:
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    write_scene(house(things=KITCHEN | {"High": box((2, 1, 0.2), (2.5, 1.5, 0.6))}), bpy.context.scene)
+    bpy.context.view_layer.objects.active = bpy.data.objects["ground"]
+    return sys.modules[f"{extension.__name__}.operators.room.recognised"]
+
+
+def test_rooms_and_what_the_active_object_is_are_told(extension: ModuleType, recognised: ModuleType) -> None:
+    def told() -> str:
+        return labels(extension, "recognised_building", "UNISG_PT_building")
+
+    assert told() == "ground is:"
+    recognised.recognise_now(bpy.context.scene)
+    assert "kitchen, 20.0 m2" in told()
+    assert "ground: Floor, as recognised" in told()
+    bpy.context.view_layer.objects.active = bpy.data.objects["High"]
+    assert "High is:" in told()
+    bpy.data.objects["High"].select_set(True)
+    bpy.ops.unisg.mark_part(part="WALL")
+    assert "High: Wall, as you say" in told()
+    bpy.context.window_manager.unisg_structure_shown = True
+    assert "green: doors" in told()
+    bpy.context.window_manager.unisg_structure_shown = False
+
+
+def test_the_check_is_told(extension: ModuleType, recognised: ModuleType) -> None:
+    assert labels(extension, "check", "UNISG_PT_check") == ""
+    bpy.ops.unisg.check()
+    assert labels(extension, "check", "UNISG_PT_check") == "4 things: 3 fine, 1 float"
+
+
+def test_switching_the_overlay_in_background_is_harmless(extension: ModuleType, recognised: ModuleType) -> None:
+    bpy.context.window_manager.unisg_structure_shown = True
+    bpy.data.objects["High"].location.x += 1
+    bpy.context.view_layer.update()
+    assert not recognised.looking()
+    bpy.context.window_manager.unisg_structure_shown = False
+
+
+def test_background_work_is_taken_or_told(extension: ModuleType) -> None:
+    module = sys.modules[f"{extension.__name__}.operators.room.background"]
+    errors = sys.modules[f"{extension.__name__}.unisg_blender.errors"]
+    done, failed = [], []
+
+    def refuse() -> int:
+        raise errors.UniSGError("no room")
+
+    def break_down() -> int:
+        raise ZeroDivisionError
+
+    work = module.Background()
+    for job in (lambda: 3, refuse, break_down):
+        work.start(job, done.append, failed.append)
+        assert work.busy
+        work._thread.join()
+        if job is break_down:
+            with pytest.raises(ZeroDivisionError):
+                work._timer()
+        else:
+            work._timer()
+        assert not work.busy
+    assert done == [3]
+    assert failed == ["no room", "it failed: the system console says why"]
+    work.end()
