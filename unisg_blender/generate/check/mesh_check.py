@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -59,8 +59,12 @@ class Surroundings:
         return Surroundings(graph, triangles, row, room, doorways(room.structure.rooms if room.structure else ()))
 
 
-def faults(graph: SceneGraph, before: SceneGraph, uids: Sequence[str]) -> dict[str, str]:
+def faults(
+    graph: SceneGraph, before: SceneGraph, uids: Sequence[str], holders: Mapping[str, int] | None = None
+) -> dict[str, str]:
     """What does not hold of things in a scene, by uid: a reason each; what holds is left out.
+
+    ``holders`` are rows of what things hang from or are fixed to; else their relations say so, of their parents.
 
     A thing is *in* another where its mesh, made 5 mm smaller on every side (3 cm for what it hangs from), crosses a
     face of it or lies within it, unless it is said to be inside that; in the *air* where no face is within 2 cm below
@@ -74,14 +78,14 @@ def faults(graph: SceneGraph, before: SceneGraph, uids: Sequence[str]) -> dict[s
         row = graph.row_of_uid[uid]
         if graph.category_name(row) in STRUCTURE:
             continue
-        reason = _fault(around, row, gone)
+        reason = _fault(around, row, gone, (holders or {}).get(uid, -1))
         if reason:
             found[uid] = reason
             gone[subtree(graph, row)] = True
     return found
 
 
-def _fault(around: Surroundings, row: int, gone: Bools) -> str:
+def _fault(around: Surroundings, row: int, gone: Bools, holder_row: int) -> str:
     """Why the thing at a row does not hold, "" if it does; what is ``gone`` (N,) is not looked at."""
     rows = subtree(around.graph, row)
     own = np.isin(around.row, rows)
@@ -94,12 +98,13 @@ def _fault(around: Surroundings, row: int, gone: Bools) -> str:
     if _outside(around, (low + high) / 2):
         return OUTSIDE
     kinds = _relations(around.graph, row)
-    held = bool(kinds & HELD)
+    held = holder_row >= 0 or bool(kinds & HELD)
+    holder_row = holder_row if holder_row >= 0 else int(around.graph.parent[row])
     stands = _grounded(around, mine) or _carried(mine, others)
     if not stands and not (held and _touched(mine, others)):
         return FLOATING
     matrix = world_matrices(around.graph)[row]
-    holder = np.isin(other_row, subtree(around.graph, int(around.graph.parent[row]))) if held else other_row < 0
+    holder = np.isin(other_row, subtree(around.graph, holder_row)) if held and holder_row >= 0 else other_row < 0
     skin = smaller(mine, matrix)
     inside_of = _entered(skin, others[~holder], other_row[~holder])
     if not len(inside_of) and held and INSIDE not in kinds:

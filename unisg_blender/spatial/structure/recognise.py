@@ -12,7 +12,9 @@ from ...geometry.column_raster import cells_on
 from ...geometry.mask_outline import components, outlines, snapped
 from ...geometry.polygon import area
 from ...geometry.traced_outlines import simplified_all
+from ...scene.categories import STRUCTURE, has_category
 from ...scene.graph import SceneGraph
+from ..object_rows import shown
 from .looks import FAR_ROOFED, FARTHEST
 from .scan import FINEST, HEADROOM, LEVEL, Scan
 from .storeys import LEAST_OPEN, Region, find_regions
@@ -55,11 +57,25 @@ def recognise_structure(graph: SceneGraph) -> Structure:
     the user called a floor is the floor.
 
     A scene too large for the finest cells is scanned coarsely, and again where most walls stand. What was recognised of
-    a scenegraph is kept as long as that is.
+    a scenegraph is kept as long as that is, also for others that look the same, such as one in other words.
     """
     if graph not in _known:
-        _known[graph] = _recognised(graph)
+        alike = next((known for known in list(_known.keys()) if look_alike(known, graph)), None)
+        _known[graph] = _recognised(graph) if alike is None else _known[alike]
     return _known[graph]
+
+
+def look_alike(one: SceneGraph, two: SceneGraph) -> bool:
+    """Do two scenegraphs have the same meshes at the same places, and the same that is building by its category?"""
+    if len(one) != len(two) or len(one.meshes) != len(two.meshes):
+        return False
+    return (
+        all(first is second for first, second in zip(one.meshes, two.meshes, strict=True))
+        and all(np.array_equal(getattr(one, name), getattr(two, name)) for name in ("mesh", "parent", "world"))
+        and np.array_equal(shown(one), shown(two))
+        and np.array_equal(one.category >= 0, two.category >= 0)
+        and all(np.array_equal(has_category(one, [kind]), has_category(two, [kind])) for kind in STRUCTURE)
+    )
 
 
 def _recognised(graph: SceneGraph) -> Structure:
