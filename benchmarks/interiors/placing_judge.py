@@ -23,6 +23,9 @@ SKIN, MOUNT_SKIN, LEAST = 0.006, 0.035, 0.4
 """Metres that a thing is made smaller on every side before it may meet nothing: one that stands, and one that is fixed
 to something; and the share of its size that is left of a thin one."""
 
+BUILT = 2.5
+"""Metres of height and length from which on what is around a thing is a building, and no thing that it is in."""
+
 GAP, ASIDE = 0.025, 0.035
 """Metres below a thing in which something must carry it; and around what hangs or is fixed."""
 
@@ -33,8 +36,8 @@ CELL, PERSON, LOW, HIGH, POCKET = 0.05, 0.25, 0.15, 1.8, 1.5
 """Metres: cells of the plan, half the width of a person, heights between which a person is; and the square metres of a
 place that a thing may not cut off."""
 
-BELOW, STOREY = 0.3, 3.5
-"""Metres below a marked floor, and above it, in which a thing belongs to it."""
+BELOW, STOREY, MARKED = 0.3, 5.0, 0.1
+"""Metres below a marked floor, and above it, in which a thing belongs to it; and within which outlines are marked."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,9 +134,9 @@ class Judge:
         """Within a marked outline; where no storey was marked at that height, under a roof or within walls."""
         here = [item for item in self.storeys if item["floor"] - BELOW <= bottom <= item["floor"] + STOREY]
         if here:
-            storey = max(here, key=lambda item: item["floor"])
-            shapes = [*storey["outline"], *storey["unclear"]]
-            return any(_within(np.array(shape), middle[:2]) for shape in shapes)
+            shapes = [shape for item in here for shape in (*item["outline"], *item["unclear"])]
+            around = middle[:2] + MARKED * np.array([[0, 0], [1, 0], [-1, 0], [0, 1], [0, -1]])
+            return any(_within(np.array(shape), point) for shape in shapes for point in around)
         eye = Vector((*middle[:2].tolist(), bottom + 1.4))
         turns = np.arange(16) * np.pi / 8
         hits = sum(self.room.tree.ray_cast(eye, Vector((np.cos(a), np.sin(a), 0)))[0] is not None for a in turns)
@@ -245,7 +248,9 @@ def _meets(skin: Any, around: Soup, others: Soup) -> bool:
     low, high = skin.min(axis=(0, 1)), skin.max(axis=(0, 1))
     for row in np.unique(around.row):
         own = others.triangles[others.row == row]
-        if (own.min(axis=(0, 1)) < low).all() and (own.max(axis=(0, 1)) > high).all() and _odd(tree_of(own), point):
+        first, last = own.min(axis=(0, 1)), own.max(axis=(0, 1))
+        house = last[2] - first[2] > BUILT and (last - first)[:2].max() > BUILT  # a room of one sheet is closed, too
+        if not house and (first < low).all() and (last > high).all() and _odd(tree_of(own), point):
             return True
     return False
 

@@ -18,6 +18,7 @@ from ...scene.hierarchy import subtree, world_matrices
 from ...spatial.structure.doorways import doorways
 from ...spatial.structure.room_objects import RoomObjects, room_objects
 from ...spatial.structure.scan import world_triangles
+from .ways_through import in_the_way
 
 DEEPEST = 0.005
 """Metres that something may reach into another: its mesh is made so much smaller on every side before it is tested."""
@@ -38,7 +39,8 @@ INSIDE = "inside"
 HELD = {"hangs_from", INSIDE, "beside", "attached_to"}
 """Relations of what need not stand on anything."""
 
-OUTSIDE, FLOATING, BLOCKING = "it would be outside the building", "it would be in the air", "it would block a door"
+OUTSIDE, FLOATING = "it would be outside the building", "it would be in the air"
+BLOCKING, CUTTING = "it would block a door", "it would block the way through the room"
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,8 +71,8 @@ def faults(
     A thing is *in* another where its mesh, made 5 mm smaller on every side (3 cm for what it hangs from), crosses a
     face of it or lies within it, unless it is said to be inside that; in the *air* where no face is within 2 cm below
     it, nor what holds it within 3 cm; *outside* where its middle is in no room; and *blocks* a door where it reaches
-    into the 0.4 m before it.
-    Of two that are in each other it is the later one of ``uids`` that does not hold.
+    into the 0.4 m before it. In a room that was recognised none may cut a place off, see
+    :func:`~.ways_through.in_the_way`. Of two that are in each other it is the later one of ``uids`` that does not hold.
     """
     around, found = Surroundings.of(graph, before), {}
     gone = np.zeros(len(graph), bool)
@@ -82,6 +84,29 @@ def faults(
         if reason:
             found[uid] = reason
             gone[subtree(graph, row)] = True
+    return found | dict.fromkeys(_cutting(around, [uid for uid in uids if uid not in found], gone), CUTTING)
+
+
+def _cutting(around: Surroundings, uids: Sequence[str], gone: Bools) -> list[str]:
+    """Which of some things cut a place in their room off."""
+    graph, structure = around.graph, around.room.structure
+    if structure is None:
+        return []
+    new = {uid: np.isin(around.row, subtree(graph, graph.row_of_uid[uid])) for uid in uids}
+    there = ~np.logical_or.reduce([gone[around.row], *new.values()])
+    of_room: dict[int, list[str]] = {}
+    for uid, mine in new.items():
+        if mine.any():
+            points = around.triangles[mine]
+            number = structure.room_at((points.min(axis=(0, 1)) + points.max(axis=(0, 1))) / 2)
+            of_room.setdefault(number, []).append(uid)
+    found = []
+    for number, own in of_room.items():
+        if number >= 0:
+            cut = in_the_way(
+                structure.rooms[number], around.triangles[there], [around.triangles[new[uid]] for uid in own]
+            )
+            found += [own[place] for place in cut]
     return found
 
 

@@ -11,7 +11,7 @@ from ...geometry.arrays import Floats
 from ...scene import SceneGraph, placed
 from ...spatial.structure.room_objects import room_objects
 from ..place.settle_existing import Settled, resting_places
-from .mesh_check import BLOCKING, OUTSIDE, faults
+from .mesh_check import BLOCKING, CUTTING, OUTSIDE, faults
 
 
 def settle_rows(graph: SceneGraph, rows: Iterable[int]) -> list[Settled]:
@@ -20,14 +20,14 @@ def settle_rows(graph: SceneGraph, rows: Iterable[int]) -> list[Settled]:
     An object is put on the highest surface below its middle, or held as it is held by what it is
     parented to if it hangs there or is fixed to its side. Objects that stand on others come after
     them. What finds no free place, or none that holds by :func:`~.mesh_check.faults`, stays where it is, with a note;
-    who was outside, or before a door, may stay there. Structure is left alone.
+    who was outside, or in the way, may stay there. Structure is left alone.
     """
     found = _in_their_rooms(graph, list(rows))
     moved = [item for item in found if not item.note]
     uids = [graph.uid[item.row] for item in moved]
     holders = {graph.uid[item.row]: item.holder for item in moved if item.holder >= 0}
     said = faults(_with(graph, moved), graph, uids, holders) if moved else {}
-    allowed = [uid for uid, reason in said.items() if reason in (OUTSIDE, BLOCKING)]
+    allowed = [uid for uid, reason in said.items() if reason in (OUTSIDE, BLOCKING, CUTTING)]
     was = faults(graph, graph, allowed, holders) if allowed else {}
     said = {uid: reason for uid, reason in said.items() if uid not in allowed or was.get(uid) != reason}
     return [
