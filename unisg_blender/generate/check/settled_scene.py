@@ -10,6 +10,7 @@ import numpy as np
 from ...geometry.arrays import Floats
 from ...scene import SceneGraph, placed
 from ...spatial.structure.room_objects import room_objects
+from ..place.instanced_scene import with_instances
 from ..place.settle_existing import Settled, resting_places
 from .mesh_check import BLOCKING, CUTTING, OUTSIDE, faults
 
@@ -22,6 +23,10 @@ def settle_rows(graph: SceneGraph, rows: Iterable[int]) -> list[Settled]:
     them. What finds no free place, or none that holds by :func:`~.mesh_check.faults`, stays where it is, with a note;
     who was outside, or in the way, may stay there. Structure is left alone.
     """
+    shown = with_instances(graph)
+    if shown is not graph:
+        found = settle_rows(shown, [shown.row_of_uid[graph.uid[row]] for row in rows])
+        return [replace(item, row=graph.row_of_uid[shown.uid[item.row]]) for item in found]
     found = _in_their_rooms(graph, list(rows))
     moved = [item for item in found if not item.note]
     uids = [graph.uid[item.row] for item in moved]
