@@ -51,7 +51,7 @@ def main() -> None:
 def _picture(graph: SceneGraph, path: Path) -> Image.Image:
     new_file()
     write_scene(graph, bpy.context.scene)
-    render_picture(path, view="top", size=SIZE, leave_out=HIDDEN)
+    render_picture(path, view="top", size=SIZE, leave_out=HIDDEN, by_category=True)
     image = Image.open(path).convert("RGB")
     path.unlink()
     return image

@@ -26,7 +26,7 @@ class UNISG_OT_settle(Operator):
 
         from ..unisg_blender.blender import objects_by_uid, read_scene
         from ..unisg_blender.blender.scene_units import metres_per_unit, scale_translations
-        from ..unisg_blender.generate.place.settle_existing import settle_rows
+        from ..unisg_blender.generate.check.settled_scene import settle_rows
         from ..unisg_blender.runtime.wording import grouped
 
         graph = read_scene(context.scene, details=False)

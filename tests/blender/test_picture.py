@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from tests.blender.helpers import add, box
-from tests.spatial.built_rooms import SQUARE, joined, room
+from tests.spatial.built_rooms import SQUARE, joined, room, slab
 from unisg_blender import UniSGError
 from unisg_blender.blender import RoomView, render_picture
 from unisg_blender.blender.render.picture import category_colors
@@ -32,7 +32,7 @@ def two_boxes() -> None:
 @pytest.mark.slow
 def test_the_view_from_above(tmp_path: Path) -> None:
     two_boxes()
-    render_picture(tmp_path / "top.png", view="top", size=(160, 120))
+    render_picture(tmp_path / "top.png", view="top", size=(160, 120), by_category=True)
     picture = pixels(tmp_path / "top.png")[..., :3]
     assert picture.shape == (120, 160, 3)
     left, right, corner = picture[60, 30], picture[60, 130], picture[5, 80]
@@ -81,7 +81,7 @@ def test_a_look_into_a_room(tmp_path: Path) -> None:
     count = len(bpy.data.objects["House"].data.polygons)
     seen = {}
     for name, room_view in (("closed", None), ("open", view)):
-        render_picture(tmp_path / f"{name}.png", size=(160, 120), room=room_view)
+        render_picture(tmp_path / f"{name}.png", size=(160, 120), room=room_view, by_category=True)
         picture = pixels(tmp_path / f"{name}.png")[..., :3]
         seen[name] = (picture.max(axis=2) - picture.min(axis=2) > 0.15).mean()  # what has a strong colour: the ball
     assert seen["closed"] == 0
@@ -92,13 +92,13 @@ def test_a_look_into_a_room(tmp_path: Path) -> None:
 
 def test_a_look_into_a_room_in_centimetres(tmp_path: Path) -> None:
     view = house()
-    render_picture(tmp_path / "metres.png", size=(160, 120), room=view)
+    render_picture(tmp_path / "metres.png", size=(160, 120), room=view, by_category=True)
     scene = bpy.context.scene
     scene.unit_settings.scale_length = 0.01
     for item in scene.objects:
         item.location, item.scale = item.location * 100, item.scale * 100
     bpy.context.view_layer.update()
-    render_picture(tmp_path / "centimetres.png", size=(160, 120), room=view)
+    render_picture(tmp_path / "centimetres.png", size=(160, 120), room=view, by_category=True)
     first, second = (pixels(tmp_path / f"{name}.png") for name in ("metres", "centimetres"))
     assert (np.abs(first - second).max(axis=2) > 0.1).mean() < 0.01
 
@@ -110,6 +110,52 @@ def test_ceilings_and_walls_in_front_hide_a_room() -> None:
     faces = np.array([*over, *in_front, *seen], float)
     hidden = view.hides(faces, np.array([-0.55, 0.75, -0.75]))
     assert hidden.tolist() == [True, True, True, True, True, False, False, False, False, False]
+
+
+def test_things_have_their_own_materials_unless_categories_are_asked_for(tmp_path: Path) -> None:
+    """A red thing whose shader is red, though its colour in the viewport is the plain one, which it keeps."""
+    item = add("Thing", box("Thing"))
+    item["unisg_category"] = "Left"
+    material = bpy.data.materials.new("Red")
+    material.use_nodes = True
+    material.node_tree.nodes["Principled BSDF"].inputs["Base Color"].default_value = (0.9, 0.02, 0.02, 1)
+    item.data.materials.append(material)
+    before = tuple(material.diffuse_color)
+    found = {}
+    for by_category in (False, True):
+        render_picture(tmp_path / "a.png", view="top", size=(80, 60), by_category=by_category)
+        red, green, blue = pixels(tmp_path / "a.png")[30, 40, :3]
+        found[by_category] = red > 2 * max(green, blue)
+    assert found[False]
+    assert tuple(material.diffuse_color) == before
+
+
+def test_blank_and_black_pictures_are_told(tmp_path: Path) -> None:
+    item = add("Thing", box("Thing"))
+    assert render_picture(tmp_path / "a.png", size=(80, 60)) == ""
+    item.location.x = 1e4
+    bpy.context.view_layer.update()
+    seen_from_elsewhere = np.array([[0.0, 0, 0], [1, 1, 1]])
+    assert "blank" in render_picture(tmp_path / "a.png", size=(80, 60), points=seen_from_elsewhere)
+
+
+@pytest.mark.parametrize("outline", [SQUARE, SQUARE * (3, 0.5), SQUARE * (0.4, 2)])
+def test_a_room_fills_the_picture(tmp_path: Path, outline: np.ndarray) -> None:
+    """Of width or height nearly all is used, and nothing of the room is beside it."""
+    points, faces = slab(outline, -0.05, 0.0)
+    mesh = bpy.data.meshes.new("Floor")
+    mesh.from_pydata(points.tolist(), [], faces)
+    add("Floor", mesh)
+    room_view = RoomView(outline, 0.0, 0.1, ())
+    render_picture(tmp_path / "a.png", size=(160, 120), room=room_view)
+    picture = pixels(tmp_path / "a.png")[..., :3]
+    shown = np.abs(picture - picture[0, 0]).max(axis=2) > 0.05
+    rows, columns = np.flatnonzero(shown.any(axis=1)), np.flatnonzero(shown.any(axis=0))
+    assert max(np.ptp(rows) / 120, np.ptp(columns) / 160) > 0.85
+    assert rows.min() > 0
+    assert columns.min() > 0
+    assert rows.max() < 119
+    assert columns.max() < 159
 
 
 def test_colors_are_distinct() -> None:

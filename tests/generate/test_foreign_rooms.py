@@ -20,7 +20,7 @@ from tests.spatial.built_rooms import (
     table,
 )  # fmt: skip
 from unisg_blender.generate import Generator
-from unisg_blender.generate.place.settle_existing import settle_rows
+from unisg_blender.generate.check.settled_scene import settle_rows
 from unisg_blender.geometry.box_overlap import penetration
 from unisg_blender.geometry.boxes import Boxes
 from unisg_blender.geometry.planar import turn

@@ -9,8 +9,8 @@ import pytest
 
 from tests.generate.rooms import at, box
 from unisg_blender.generate import Generator
+from unisg_blender.generate.check.settled_scene import settle_rows
 from unisg_blender.generate.place import placer
-from unisg_blender.generate.place.settle_existing import settle_rows
 from unisg_blender.scene import SceneBuilder
 
 TILTED = np.array([[0.8, 0, -0.6, 0], [0, 1, 0, 0], [0.6, 0, 0.8, 1.0], [0, 0, 0, 1]])

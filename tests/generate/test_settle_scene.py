@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 from tests.generate.rooms import at, box
-from unisg_blender.generate.place.settle_existing import settle_rows
-from unisg_blender.scene import SceneBuilder, SceneGraph
+from tests.spatial.built_rooms import SQUARE, room, slab
+from tests.spatial.built_rooms import box as ordinary
+from tests.spatial.built_rooms import scene as built
+from unisg_blender.generate.check.settled_scene import settle_rows
+from unisg_blender.scene import SceneBuilder, SceneGraph, mesh_from_faces
 
 
 def scene(**places: np.ndarray) -> SceneGraph:
@@ -70,3 +74,36 @@ def test_structure_is_left_alone_and_what_finds_no_place_is_told() -> None:
     graph = builder.build()
     (item,) = settle_rows(graph, [graph.row_of_uid["b"]])
     assert "no free place" in item.note
+
+
+def test_what_would_still_hang_in_the_air_or_be_in_something_stays_and_is_told() -> None:
+    """A crate over a stack whose box is larger than what is there: no face of it is below the crate."""
+    builder = SceneBuilder("Room")
+    floor = builder.add("Floor", uid="floor", local=at(0, 0, -0.1), mesh=box("Floor", 6, 6, 0.1), category="Floor")
+    tent = mesh_from_faces("Tent", [[-1, -1, 0], [1, -1, 0], [0, 0, 2.5], [1, 1, 0], [-1, 1, 0]],
+                           [[0, 1, 2], [1, 3, 2], [3, 4, 2], [4, 0, 2]])  # fmt: skip
+    builder.add("Tent", uid="tent", parent=floor, local=at(0, 0, 0.1), mesh=tent, category="Tent")
+    builder.add("Crate", uid="crate", local=at(0.5, 0.0, 3.0), mesh=box("Crate", 0.3, 0.3, 0.3), category="Crate")
+    graph = builder.build()
+    (item,) = settle_rows(graph, [graph.row_of_uid["crate"]])
+    assert item.note == "it would be in the air"
+    np.testing.assert_allclose(item.world, graph.world[item.row])
+
+
+def test_a_bench_on_the_lawn_may_stay_outside() -> None:
+    objects = room(SQUARE, 0.1, roof=True) | {"lawn": slab(SQUARE * 6 - 10, -0.3, -0.15)}
+    graph = built(objects | {"bench": ordinary((10, 8, 0.3), (11, 8.5, 0.8))})
+    (item,) = settle_rows(graph, [graph.row_of_uid["bench"]])
+    assert not item.note
+    assert item.world[2, 3] == pytest.approx(-0.45, abs=1e-3)
+
+
+def test_things_settle_in_the_room_that_they_are_in() -> None:
+    """The smaller of two rooms is theirs, though the larger one is the room of the scene."""
+    far = SQUARE * 0.7 + np.array([8, 0])
+    objects = room(SQUARE, 0.1) | {f"far {name}": part for name, part in room(far, 0.1).items()}
+    objects |= {"crate": ordinary((9, 1, 0.7), (9.4, 1.4, 1.1)), "pot": ordinary((2, 1, 0.7), (2.4, 1.4, 1.1))}
+    graph = built(objects)
+    found = settle_rows(graph, [graph.row_of_uid[name] for name in ("crate", "pot")])
+    assert [item.note for item in found] == ["", ""]
+    np.testing.assert_allclose([item.world[2, 3] for item in found], -0.7, atol=1e-3)

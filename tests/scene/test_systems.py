@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from unisg_blender.generate.place.settle_existing import settle
+from unisg_blender.generate.check.settled_scene import settle
 from unisg_blender.scene import (
     ActionData,
     SceneBuilder,

@@ -16,9 +16,9 @@ from ..runtime.file_endings import BLENDER, WRITABLE, is_of
 from .argument_types import SEED
 from .common import add_limit, add_mapping, print_report, read_shown, shown_lines, words_of
 from .outputs import check_file
+from .room_picture import room_view
 
 if TYPE_CHECKING:
-    from ..blender import RoomView
     from ..generate import Generated
 
 HELP = "Add objects to an empty or an existing scene with a trained model."
@@ -47,7 +47,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--no-behaviour", action="store_true", help="give the new objects no actions and leave the lesson alone"
     )
-    parser.add_argument("--render", metavar="PNG", type=Path, help="write a picture of the result")
+    parser.add_argument(
+        "--render", metavar="PNG", type=Path, help="write a picture of the result, a look into the room"
+    )
+    parser.add_argument(
+        "--render-categories", action="store_true", help="colours by category there, not the things' own"
+    )
     add_limit(parser, "objects")
 
 
@@ -75,8 +80,9 @@ def run(args: argparse.Namespace) -> int:
         beside=args.beside, within=args.within, words=words,
     )  # fmt: skip
     spent = time.perf_counter() - start
-    _write(args, result)
+    note = _write(args, result)
     report = {"out": str(args.out), **to_report(result), "seconds": round(spent, 4)}
+    report |= {"picture": note} if note else {}
     print_report(args, report, _lines(args, report))
     return SOME_FAILED if result.refused else DONE
 
@@ -93,38 +99,25 @@ def _check(args: argparse.Namespace) -> None:
     check_kinds(args.scene, args.out)
 
 
-def _room_view(result: Generated) -> RoomView | None:
-    """The room that most new objects are in, where it had to be recognised; else the scene is shown as it is."""
-    from ..blender import RoomView
-    from ..spatial.structure.room_objects import room_objects
-
-    scene = result.scene
-    structure = room_objects(scene, ()).structure
-    if structure is None:
-        return None
-    numbers = [structure.room_at(item.world[:3, 3]) for item in result.objects if item.world is not None]
-    if not any(number >= 0 for number in numbers):
-        return None
-    room = structure.rooms[Counter(number for number in numbers if number >= 0).most_common(1)[0][0]]
-    return RoomView(room.outline, room.floor, room.ceiling, {scene.name[row] for row in structure.parts})
-
-
-def _write(args: argparse.Namespace, result: Generated) -> None:
-    """Write the scene and its picture, both or none of them."""
-    in_blender = is_of(args.out, BLENDER)
+def _write(args: argparse.Namespace, result: Generated) -> str:
+    """Write the scene and its picture, both or none of them; what is wrong with the picture, "" for nothing."""
+    note, in_blender = "", is_of(args.out, BLENDER)
     with nullcontext() if args.render is None else replacing(args.render) as picture:
         if in_blender or picture is not None:
             _open_with_blender(args, result)
         if picture is not None:
             from ..blender import render_picture
 
-            render_picture(picture, leave_out=("Ceiling",), room=_room_view(result))
+            note = render_picture(
+                picture, leave_out=("Ceiling",), room=room_view(result), by_category=args.render_categories
+            )
         if in_blender:
             from ..blender import save_blend
 
             save_blend(args.out)
         else:
             write_scene_file(result.scene, args.out)
+    return note
 
 
 def _open_with_blender(args: argparse.Namespace, result: Generated) -> None:
@@ -159,6 +152,7 @@ def _lines(args: argparse.Namespace, report: dict[str, Any]) -> list[str]:
     return [
         *shown_lines(args, lines, "objects"),
         *(f"{count} x {category}: no place: {note}" for (category, note), count in refused.items()),
+        *([f"{args.render}: {report['picture']}"] if "picture" in report else []),
         f"{report['out']}: {report['added']} objects added, {report['refused']} refused, {report['seconds']} s",
     ]
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from .check.settled_scene import settle, settle_rows
 from .generator import Generated, Generator
 from .place.placement_record import Placement
-from .place.settle_existing import Settled, settle, settle_rows
+from .place.settle_existing import Settled
 
 __all__ = ["Generated", "Generator", "Placement", "Settled", "settle", "settle_rows"]

@@ -23,6 +23,7 @@ from .observe.contract import Contract
 from .observe.named_rooms import point_in_room
 from .observe.placement_order import in_order
 from .observe.scene_reading import SceneReading, missing_counts, understood_counts
+from .place.instanced_scene import with_instances, without_instances
 from .place.placed_by_rules import by_rules, contract_with, rules_for
 from .place.placement_record import Placement
 from .place.room_shell import add_shell
@@ -94,7 +95,7 @@ class Generator:
 
     def read(self, scene: SceneGraph, words: Mapping[str, str] | None = None) -> SceneReading:
         """A scene in the model's words, and how foreign it is; ``words`` is what the user says of words."""
-        return SceneReading.of(scene, self.contract, words)
+        return SceneReading.of(with_instances(scene), self.contract, words)
 
     def understood(self, counts: Mapping[str, int], words: Mapping[str, str] | None = None) -> dict[str, int]:
         """Counts by the model's own categories, see :func:`~.observe.scene_reading.understood_counts`."""
@@ -159,8 +160,9 @@ class Generator:
             :data:`MOST_OBJECTS`, an object or a room that is missing, or a model that gives no finite numbers.
         """
         counts = self.understood(_checked(counts), words)
+        given, scene = scene, with_instances(scene)
         how = How(bulk, settle, assets or {}, on, beside, _point(scene, within, on or beside))
-        reading = self.read(scene, words)
+        reading = SceneReading.of(scene, self.contract, words)
         new = New(Names(scene.name), uid_maker(scene, seed), np.random.default_rng(seed))
         room, placements, wanted = self._with_room(scene, counts, reading, new)
         yield from placements
@@ -172,9 +174,10 @@ class Generator:
         if others := [name for name, count in counts.items() if name not in self.categories for _ in range(count)]:
             result, made = yield from self._by_rules(result, others, rounds, words)
             placements += made
+        result = without_instances(result, given, scene)
         if behaviour:
             result, placements = self._with_actions(result, placements, new)
-        return _generated(scene, result, placements, reading)
+        return _generated(given, result, placements, reading)
 
     add = at_once(steps)
 

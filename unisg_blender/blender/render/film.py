@@ -87,7 +87,7 @@ def write_film(
         for time, world, states in progress(frames):
             puppets.pose(world)
             shot = Path(folder) / "frame.png"
-            render_picture(shot, scene, size=SIZE, leave_out=leave_out, points=seen)
+            render_picture(shot, scene, size=SIZE, leave_out=leave_out, points=seen, by_category=True)
             with Image.open(shot) as image:
                 pictures.append(_with_list(image.convert("RGB"), time, states))
     times = [time for time, _, _ in frames]

@@ -1,4 +1,4 @@
-"""Pictures of a scene, coloured by category: from above, or in perspective."""
+"""Pictures of a scene, in its own materials or coloured by category: from above, or in perspective."""
 
 from __future__ import annotations
 
@@ -21,7 +21,8 @@ from ...scene.categories import STRUCTURE
 from ...scene.properties import CATEGORY
 from ..depsgraph import updated_depsgraph
 from ..scene_units import metres_per_unit
-from .room_view import RoomView, opened
+from .room_view import FROM_THE_RIGHT, RoomView, opened
+from .surface_colors import shader_colors
 
 View = Literal["perspective", "top"]
 Engine = Literal["workbench", "cycles"]
@@ -30,7 +31,8 @@ GREY: Color = (0.55, 0.55, 0.55, 1.0)
 PALE = (*(name.casefold() for name in STRUCTURE), "room")  # what stands in the room is what matters
 GOLDEN = 0.61803398875  # steps of this around the colour circle keep neighbours apart
 SHOWN = ("MESH", "CURVE", "SURFACE", "FONT", "META", "EMPTY")
-DOWNWARD = mathutils.Vector((-0.55, 0.75, -0.75))  # from the front right corner, above
+BLANK = 0.004  # share of the picture's range by which the pixels of a blank one differ
+ROUNDS = 12  # in which the camera is moved to where the points fill the picture
 
 
 def render_picture(
@@ -43,7 +45,8 @@ def render_picture(
     leave_out: Collection[str] = (),
     points: NDArray[np.float64] | None = None,
     room: RoomView | None = None,
-) -> None:
+    by_category: bool = False,
+) -> str:
     """Render a scene into a PNG file; the scene itself is not changed.
 
     Parameters
@@ -57,7 +60,7 @@ def render_picture(
     size
         Width and height in pixels.
     engine
-        "workbench": plain colours by category, about a second without a graphics
+        "workbench": plain colours and images, about a second without a graphics
         card; "cycles": the materials, with light.
     leave_out
         Categories that are not drawn, such as a ceiling that would hide the room.
@@ -65,6 +68,13 @@ def render_picture(
         World points (K, 3), in the scene's unit, that the picture has to show; the objects when omitted.
     room
         The room that the picture looks into: what hides it is left out, and it fills the picture.
+    by_category
+        Colours by category instead of the things' own materials.
+
+    Returns
+    -------
+    str
+        What is wrong with the picture, "" for nothing: it is blank, or black.
 
     Raises
     ------
@@ -82,15 +92,35 @@ def render_picture(
         points = room.points / metres_per_unit(scene) if room is not None else _all_points(scene, items)
     if not len(points):
         raise UniSGError(f"scene {scene.name!r} has nothing to show: add objects with a mesh")
-    view_of = nullcontext(items) if room is None else opened(scene, items, room, tuple(_direction(view)))
-    with replacing(path) as unfinished, view_of as seen, _stage(seen, engine) as stage:
-        _aim(stage.camera, points, view, size)
-        _set_output(stage, unfinished, size, engine)
+    toward = _direction(view, room)
+    view_of = nullcontext(items) if room is None else opened(scene, items, room, tuple(toward))
+    with replacing(path) as unfinished, view_of as seen, shader_colors(seen), _stage(seen, engine) as stage:
+        _aim(stage.camera, points, toward, size)
+        _set_output(stage, unfinished, size, engine, by_category)
         try:
             with captured_output():
                 bpy.ops.render.render(write_still=True, scene=stage.name)
         except RuntimeError as error:
             raise UniSGError(f"cannot render {path}: {str(error).strip()}") from None
+        return _what_is_wrong(unfinished)
+
+
+def _what_is_wrong(path: Path) -> str:
+    """That a picture shows nothing, "" if it shows something."""
+    image = bpy.data.images.load(str(path))
+    try:
+        pixels = np.empty(len(image.pixels), np.float32)
+        image.pixels.foreach_get(pixels)
+    finally:
+        bpy.data.images.remove(image)
+    seen = pixels.reshape(-1, 4)[:, :3]
+    if float(seen.std(axis=0).max()) > BLANK:
+        return ""
+    return (
+        "the picture is black"
+        if float(seen.mean()) < 10 * BLANK
+        else "the picture is blank: nothing is seen from there"
+    )
 
 
 def _all_points(scene: bpy.types.Scene, items: Sequence[bpy.types.Object]) -> NDArray[np.float64]:
@@ -98,9 +128,11 @@ def _all_points(scene: bpy.types.Scene, items: Sequence[bpy.types.Object]) -> ND
     return corner_points([item.evaluated_get(depsgraph) for item in items])
 
 
-def _direction(view: View) -> mathutils.Vector:
+def _direction(view: View, room: RoomView | None) -> mathutils.Vector:
     """The way the camera looks."""
-    return mathutils.Vector((0, 0, -1)) if view == "top" else DOWNWARD.normalized()
+    if view == "top":
+        return mathutils.Vector((0, 0, -1))
+    return mathutils.Vector(FROM_THE_RIGHT if room is None else room.toward).normalized()
 
 
 def category_of(item: bpy.types.Object) -> str:
@@ -162,27 +194,44 @@ def _stage(items: Sequence[bpy.types.Object], engine: Engine) -> Iterator[bpy.ty
             bpy.data.worlds.remove(world)
 
 
-def _aim(item: bpy.types.Object, points: NDArray[np.float64], view: View, size: tuple[int, int]) -> None:
-    """Point the camera so that all points are in the picture, with a margin."""
+def _aim(item: bpy.types.Object, points: NDArray[np.float64], toward: mathutils.Vector, size: tuple[int, int]) -> None:
+    """Point the camera so that all points are in the picture, with a margin, and fill it."""
     camera = item.data
-    rotation = mathutils.Matrix.Identity(3) if view == "top" else _direction(view).to_track_quat("-Z", "Y").to_matrix()
+    top = toward.z < -0.999
+    rotation = mathutils.Matrix.Identity(3) if top else toward.to_track_quat("-Z", "Y").to_matrix()
     seen = points @ np.array(rotation)  # in the camera's axes
     middle = (seen.min(axis=0) + seen.max(axis=0)) / 2
     wide, high, deep = (seen.max(axis=0) - seen.min(axis=0)) * 1.05 + 1e-3
     aspect = size[0] / size[1]
-    if view == "top":
+    if top:
         camera.type, camera.ortho_scale = "ORTHO", max(wide, high * aspect) if aspect >= 1 else max(wide / aspect, high)
         back = deep
     else:
         camera.angle = 0.7
-        reach = np.abs(seen[:, :2] - middle[:2]) * np.array([1.0, aspect]) * 1.05
-        back = float((seen[:, 2] - middle[2] + reach.max(axis=1) / np.tan(0.35) * max(1.0, 1 / aspect)).max())
+        middle, back = _filling(seen, middle, aspect)
     place = np.array(rotation) @ (middle + np.array([0, 0, back]))
     item.matrix_world = mathutils.Matrix.Translation(place) @ rotation.to_4x4()
-    camera.clip_start, camera.clip_end = max(back - deep, back * 1e-3, 1e-4), back + 2 * deep
+    camera.clip_start, camera.clip_end = max(back - 2 * deep, back * 1e-3, 1e-4), back + 4 * deep
 
 
-def _set_output(stage: bpy.types.Scene, path: Path, size: tuple[int, int], engine: Engine) -> None:
+def _filling(
+    seen: NDArray[np.float64], middle: NDArray[np.float64], aspect: float
+) -> tuple[NDArray[np.float64], float]:
+    """Where a camera looks at, and from how far, for points (K, 3) in its axes to fill the picture.
+
+    What is near looks larger: the middle of the picture is not that of the points.
+    """
+    middle, back = middle.copy(), 0.0
+    for _ in range(ROUNDS):
+        reach = np.abs(seen[:, :2] - middle[:2]) * np.array([1.0, aspect]) * 1.05
+        back = float((seen[:, 2] - middle[2] + reach.max(axis=1) / np.tan(0.35) * max(1.0, 1 / aspect)).max())
+        away = np.maximum(middle[2] + back - seen[:, 2], 1e-9)
+        flat = (seen[:, :2] - middle[:2]) / away[:, None]
+        middle[:2] += (flat.min(axis=0) + flat.max(axis=0)) / 2 * away.mean()
+    return middle, back
+
+
+def _set_output(stage: bpy.types.Scene, path: Path, size: tuple[int, int], engine: Engine, by_category: bool) -> None:
     render = stage.render
     render.filepath = str(path)
     render.image_settings.file_format = "PNG"
@@ -194,7 +243,7 @@ def _set_output(stage: bpy.types.Scene, path: Path, size: tuple[int, int], engin
         return
     render.engine = "BLENDER_WORKBENCH"
     shading = stage.display.shading
-    shading.light, shading.color_type = "STUDIO", "OBJECT"
+    shading.light, shading.color_type = "STUDIO", "OBJECT" if by_category else "TEXTURE"
     shading.show_cavity, shading.show_object_outline = True, True
     shading.background_type = "WORLD"
     stage.display.render_aa = "5"

@@ -23,6 +23,9 @@ WITH_WALLS = 1.06
 AT_WALL, AROUND = 0.15, 0.5
 """Metres inside the outline up to which faces are those of a wall; and around it where things are shown."""
 
+FROM_THE_RIGHT = (-0.55, 0.75, -0.75)
+"""The way a camera looks from the front right corner, above."""
+
 BUILDING = "Room"
 """What a building counts as: it is drawn in a pale colour."""
 
@@ -32,12 +35,13 @@ Points = NDArray[np.float64]
 @dataclass(frozen=True, eq=False)
 class RoomView:
     """The room to look into: ``outline`` (K, 2) counter-clockwise, heights of ``floor`` and ``ceiling`` (inf for none),
-    metres, and the names of the objects that the ``building`` is made of."""
+    metres, the names of the objects that the ``building`` is made of, and the way ``toward`` (3,) that one looks."""
 
     outline: Points
     floor: float
     ceiling: float
     building: Collection[str]
+    toward: tuple[float, float, float] = FROM_THE_RIGHT
 
     @property
     def points(self) -> Points:
@@ -82,7 +86,7 @@ def opened(
             if item.name in room.building and item.type == "MESH":
                 copies.append(_without_hiding(item.evaluated_get(depsgraph), room, np.array(toward), metres))
                 shown.append(copies[-1])
-            elif room.beside(middle[None, :2])[0][0] <= AROUND and middle[2] < room.ceiling:
+            elif room.beside(middle[None, :2])[0][0] <= AROUND and room.floor - AROUND < middle[2] < room.ceiling:
                 shown.append(item)
         yield shown
     finally:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,6 +18,7 @@ from ...scene.hierarchy import subtree, world_matrices
 from ...spatial.structure.doorways import doorways
 from ...spatial.structure.room_objects import RoomObjects, room_objects
 from ...spatial.structure.scan import world_triangles
+from .ways_through import in_the_way
 
 DEEPEST = 0.005
 """Metres that something may reach into another: its mesh is made so much smaller on every side before it is tested."""
@@ -38,7 +39,8 @@ INSIDE = "inside"
 HELD = {"hangs_from", INSIDE, "beside", "attached_to"}
 """Relations of what need not stand on anything."""
 
-OUTSIDE, FLOATING, BLOCKING = "it would be outside the building", "it would be in the air", "it would block a door"
+OUTSIDE, FLOATING = "it would be outside the building", "it would be in the air"
+BLOCKING, CUTTING = "it would block a door", "it would block the way through the room"
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,14 +61,18 @@ class Surroundings:
         return Surroundings(graph, triangles, row, room, doorways(room.structure.rooms if room.structure else ()))
 
 
-def faults(graph: SceneGraph, before: SceneGraph, uids: Sequence[str]) -> dict[str, str]:
+def faults(
+    graph: SceneGraph, before: SceneGraph, uids: Sequence[str], holders: Mapping[str, int] | None = None
+) -> dict[str, str]:
     """What does not hold of things in a scene, by uid: a reason each; what holds is left out.
+
+    ``holders`` are rows of what things hang from or are fixed to; else their relations say so, of their parents.
 
     A thing is *in* another where its mesh, made 5 mm smaller on every side (3 cm for what it hangs from), crosses a
     face of it or lies within it, unless it is said to be inside that; in the *air* where no face is within 2 cm below
     it, nor what holds it within 3 cm; *outside* where its middle is in no room; and *blocks* a door where it reaches
-    into the 0.4 m before it.
-    Of two that are in each other it is the later one of ``uids`` that does not hold.
+    into the 0.4 m before it. In a room that was recognised none may cut a place off, see
+    :func:`~.ways_through.in_the_way`. Of two that are in each other it is the later one of ``uids`` that does not hold.
     """
     around, found = Surroundings.of(graph, before), {}
     gone = np.zeros(len(graph), bool)
@@ -74,14 +80,37 @@ def faults(graph: SceneGraph, before: SceneGraph, uids: Sequence[str]) -> dict[s
         row = graph.row_of_uid[uid]
         if graph.category_name(row) in STRUCTURE:
             continue
-        reason = _fault(around, row, gone)
+        reason = _fault(around, row, gone, (holders or {}).get(uid, -1))
         if reason:
             found[uid] = reason
             gone[subtree(graph, row)] = True
+    return found | dict.fromkeys(_cutting(around, [uid for uid in uids if uid not in found], gone), CUTTING)
+
+
+def _cutting(around: Surroundings, uids: Sequence[str], gone: Bools) -> list[str]:
+    """Which of some things cut a place in their room off."""
+    graph, structure = around.graph, around.room.structure
+    if structure is None:
+        return []
+    new = {uid: np.isin(around.row, subtree(graph, graph.row_of_uid[uid])) for uid in uids}
+    there = ~np.logical_or.reduce([gone[around.row], *new.values()])
+    of_room: dict[int, list[str]] = {}
+    for uid, mine in new.items():
+        if mine.any():
+            points = around.triangles[mine]
+            number = structure.room_at((points.min(axis=(0, 1)) + points.max(axis=(0, 1))) / 2)
+            of_room.setdefault(number, []).append(uid)
+    found = []
+    for number, own in of_room.items():
+        if number >= 0:
+            cut = in_the_way(
+                structure.rooms[number], around.triangles[there], [around.triangles[new[uid]] for uid in own]
+            )
+            found += [own[place] for place in cut]
     return found
 
 
-def _fault(around: Surroundings, row: int, gone: Bools) -> str:
+def _fault(around: Surroundings, row: int, gone: Bools, holder_row: int) -> str:
     """Why the thing at a row does not hold, "" if it does; what is ``gone`` (N,) is not looked at."""
     rows = subtree(around.graph, row)
     own = np.isin(around.row, rows)
@@ -94,12 +123,13 @@ def _fault(around: Surroundings, row: int, gone: Bools) -> str:
     if _outside(around, (low + high) / 2):
         return OUTSIDE
     kinds = _relations(around.graph, row)
-    held = bool(kinds & HELD)
+    held = holder_row >= 0 or bool(kinds & HELD)
+    holder_row = holder_row if holder_row >= 0 else int(around.graph.parent[row])
     stands = _grounded(around, mine) or _carried(mine, others)
     if not stands and not (held and _touched(mine, others)):
         return FLOATING
     matrix = world_matrices(around.graph)[row]
-    holder = np.isin(other_row, subtree(around.graph, int(around.graph.parent[row]))) if held else other_row < 0
+    holder = np.isin(other_row, subtree(around.graph, holder_row)) if held and holder_row >= 0 else other_row < 0
     skin = smaller(mine, matrix)
     inside_of = _entered(skin, others[~holder], other_row[~holder])
     if not len(inside_of) and held and INSIDE not in kinds:

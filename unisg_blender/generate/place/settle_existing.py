@@ -1,4 +1,4 @@
-"""Settle objects that a scene has already: onto what is below them, apart from each other, into the room."""
+"""Where objects that a scene has come to rest: on what is below them, apart from each other, in the room."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from ...dataset.assets.asset import object_graph
 from ...geometry.arrays import Bools, Floats
 from ...geometry.boxes import covers, part_tops
 from ...geometry.planar import rotate
-from ...scene import SceneGraph, placed
+from ...scene import SceneGraph
 from ...scene.categories import FLOOR, STRUCTURE
 from ...spatial.objects import SceneObjects
 from ...spatial.structure.room_objects import RoomObjects, room_objects
@@ -32,21 +32,28 @@ SUNK = 0.5
 
 @dataclass(frozen=True, eq=False)
 class Settled:
-    """What became of one object: its row, its ``world`` matrix (4, 4) now, and a ``note`` if no place was free."""
+    """What became of one object: its row, its ``world`` matrix (4, 4) now, and a ``note`` if it found no place.
+
+    ``holder`` is the row of what it hangs from or is fixed to, -1 for what stands.
+    """
 
     row: int
     world: Floats
     note: str = ""
+    holder: int = -1
 
 
-def settle_rows(graph: SceneGraph, rows: Iterable[int]) -> list[Settled]:
+def resting_places(
+    graph: SceneGraph, rows: Iterable[int], near: Floats | None = None, outdoors: bool = False
+) -> list[Settled]:
     """Where the objects at some rows come to stand, each moved as little as need be; nothing else is moved.
 
     An object is put on the highest surface below its middle, or held as it is held by what it is
     parented to if it hangs there or is fixed to its side. Objects that stand on others come after
-    them. What finds no free place stays where it is, with a note. Structure is left alone.
+    them. What finds no free place stays where it is, with a note. Structure is left alone. The room is the one that the
+    point ``near`` (3,) is in, or the largest; ``outdoors`` nothing is kept in a room.
     """
-    room = room_objects(graph, graph.vocabulary)
+    room = room_objects(graph, graph.vocabulary, near)
     objects = room.objects
     names = [
         FLOOR if floor else graph.category_name(int(row)) for row, floor in zip(objects.row, room.floor, strict=True)
@@ -56,7 +63,8 @@ def settle_rows(graph: SceneGraph, rows: Iterable[int]) -> list[Settled]:
     fixed = np.isin(objects.owner, [t for own in mine for t in (own, *_held_by(objects, own))], invert=True)
     unknown = np.full(len(objects), -1, np.int64)
     space = FreeSpace(
-        objects.parts.take(np.flatnonzero(fixed)), objects.owner[fixed], unknown, room.outline,
+        objects.parts.take(np.flatnonzero(fixed)), objects.owner[fixed], unknown,
+        None if outdoors else room.outline,
         PriorTables.of(CategoryPriors({}, {}, {}, []), ())
     )  # fmt: skip
     space.take_up(room.obstacles, NOBODY)
@@ -76,8 +84,8 @@ def settle_rows(graph: SceneGraph, rows: Iterable[int]) -> list[Settled]:
         for other in held:
             if other not in mine:
                 space.take_up(objects.parts_of(other), other)
-        here = now if place is None else place
-        found.append(Settled(row, placeable.world(here), note))
+        here, hangs = now if place is None else place, support.contact in (HANGS, AT_SIDE)
+        found.append(Settled(row, placeable.world(here), note, int(objects.row[support.obj]) if hangs else -1))
     return found
 
 
@@ -85,14 +93,6 @@ def _is_building(room: RoomObjects, names: Sequence[str], obj: int) -> bool:
     return names[obj] in STRUCTURE or (
         room.structure is not None and int(room.objects.row[obj]) in room.structure.parts
     )
-
-
-def settle(graph: SceneGraph, rows: Iterable[int]) -> SceneGraph:
-    """The scenegraph with the objects at some rows settled as :func:`settle_rows` says: a system of the scenegraph."""
-    found = [each for each in settle_rows(graph, rows) if not each.note]
-    if not found:
-        return graph
-    return placed(graph, [each.row for each in found], np.array([each.world for each in found]))
 
 
 def _held_by(objects: SceneObjects, obj: int) -> list[int]:

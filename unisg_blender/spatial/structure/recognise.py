@@ -12,7 +12,10 @@ from ...geometry.column_raster import cells_on
 from ...geometry.mask_outline import components, outlines, snapped
 from ...geometry.polygon import area
 from ...geometry.traced_outlines import simplified_all
+from ...scene.categories import STRUCTURE, has_category
 from ...scene.graph import SceneGraph
+from ...scene.structure_marks import PART_MARK, ROOM_MARK, marks
+from ..object_rows import shown
 from .looks import FAR_ROOFED, FARTHEST
 from .room_marks import without_marked
 from .scan import FINEST, HEADROOM, LEVEL, Scan
@@ -56,11 +59,26 @@ def recognise_structure(graph: SceneGraph) -> Structure:
     the user called a floor is the floor; marks (:mod:`...scene.structure_marks`) say what is no building, or no room.
 
     A scene too large for the finest cells is scanned coarsely, and again where most walls stand. What was recognised of
-    a scenegraph is kept as long as that is.
+    a scenegraph is kept as long as that is, also for others that look the same, such as one in other words.
     """
     if graph not in _known:
-        _known[graph] = _recognised(graph)
+        alike = next((known for known in list(_known.keys()) if look_alike(known, graph)), None)
+        _known[graph] = _recognised(graph) if alike is None else _known[alike]
     return _known[graph]
+
+
+def look_alike(one: SceneGraph, two: SceneGraph) -> bool:
+    """Do two scenegraphs have the same meshes at the same places, and the same that is building by category or mark?"""
+    if len(one) != len(two) or len(one.meshes) != len(two.meshes):
+        return False
+    return (
+        all(first is second for first, second in zip(one.meshes, two.meshes, strict=True))
+        and all(np.array_equal(getattr(one, name), getattr(two, name)) for name in ("mesh", "parent", "world"))
+        and np.array_equal(shown(one), shown(two))
+        and np.array_equal(one.category >= 0, two.category >= 0)
+        and all(np.array_equal(has_category(one, [kind]), has_category(two, [kind])) for kind in STRUCTURE)
+        and all(marks(one, key) == marks(two, key) for key in (PART_MARK, ROOM_MARK))
+    )
 
 
 def _recognised(graph: SceneGraph) -> Structure:

@@ -1,0 +1,91 @@
+"""Does what was placed leave a way: a person gets everywhere in a room, and to its doors, as before."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from ...geometry.arrays import Bools, Floats, Ints
+from ...geometry.boxes import Boxes
+from ...geometry.column_raster import Grid, cells_on, columns, slice_at
+from ...geometry.mask_outline import components
+from ...spatial.structure.doorways import doorways
+from ...spatial.structure.structure import Room
+
+FINE, COARSE, LARGE = 0.05, 0.1, 60.0
+"""Metres of a cell, in rooms whose rectangle has so many square metres of a coarser one."""
+
+PERSON, POCKET = 0.27, 1.0
+"""Metres from the middle of a person to what is beside; and the square metres of a place that is not to be cut off."""
+
+STEP, HEAD, CUTS = 0.12, 1.8, 9
+"""Metres over the floor between which something is in the way, and at how many heights it is cut."""
+
+
+def in_the_way(room: Room, there: Floats, things: Sequence[Floats]) -> list[int]:
+    """Which of some things in a room cut a part of it, or a door, off; of several together the later ones.
+
+    Parameters
+    ----------
+    room
+        The room that they are in.
+    there
+        (M, 3, 3) all other triangles, world metres.
+    things
+        The triangles of each thing.
+    """
+    low, high = room.outline.min(axis=0), room.outline.max(axis=0)
+    grid = Grid.around(low, high, FINE if np.prod(high - low) < LARGE else COARSE)
+    middles = grid.middles_of(np.arange(grid.size))
+    doors = _in_any(doorways((room,)), middles, room.floor + STEP).reshape(grid.shape)
+    floor = room.contains(middles).reshape(grid.shape) | doors
+    taken = _obstacles(there, grid, room.floor)
+    before, count = components(_walkable(floor & ~taken, grid.cell))
+    found = []
+    for number, triangles in enumerate(things):
+        more = taken | _obstacles(triangles, grid, room.floor)
+        after, _ = components(_walkable(floor & ~more, grid.cell))
+        if any(_parts(after[before == part], doors[before == part], grid.cell) > 1 for part in range(1, count + 1)):
+            found.append(number)
+        else:
+            taken = more
+    return found
+
+
+def _parts(labels: Ints, at_door: Bools, cell: float) -> int:
+    """Into how many places that matter one place fell: large ones, and those at a door."""
+    size = np.bincount(labels) * cell**2
+    doors = np.bincount(labels[at_door], minlength=len(size))
+    return int(((size >= POCKET) | (doors > 0))[1:].sum())
+
+
+def _walkable(free: Bools, cell: float) -> Bools:
+    """Where the middle of a person can be."""
+    from scipy.ndimage import distance_transform_edt
+
+    away: Any = distance_transform_edt(np.pad(free, 1))
+    return np.asarray(away[1:-1, 1:-1] * cell > PERSON)
+
+
+def _obstacles(triangles: Floats, grid: Grid, floor: float) -> Bools:
+    """Cells (of the grid's shape) in which something is between a step and a head over the floor."""
+    low, high = floor + STEP, floor + HEAD
+    ends = triangles[:, :, 2].min(axis=1), triangles[:, :, 2].max(axis=1)
+    near = triangles[(ends[0] <= high) & (ends[1] >= low)]
+    over = columns(near, grid)
+    found = [over.cell[(over.height >= low) & (over.height <= high)]]
+    for height in np.linspace(low, high, CUTS):
+        cut = near[(near[:, :, 2].min(axis=1) <= height) & (near[:, :, 2].max(axis=1) > height)]
+        found.append(cells_on(slice_at(cut, float(height)), grid)[0])
+    return grid.mask(np.concatenate(found))
+
+
+def _in_any(boxes: Boxes, middles: Floats, height: float) -> Bools:
+    """Which points (N, 2) are in one of some upright boxes."""
+    points = np.column_stack([middles, np.full(len(middles), height)])
+    found = np.zeros(len(points), bool)
+    for center, axes, half in zip(boxes.center, boxes.axes, boxes.half, strict=True):
+        found |= (np.abs((points - center) @ axes) <= half).all(axis=1)
+    return found
