@@ -13,7 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from ..runtime.atomic_files import filling, replacing
+from ..runtime.atomic_files import replacing
+from ..runtime.made_files import filling
 from ..runtime.read_report import ReadReport
 from ..scene import SceneGraph
 from .axes import Y_UP, Array
