@@ -57,8 +57,8 @@ def cell(value: float | None, form: str) -> str:
 
 def mean_and_spread(table: Table, row: str, value: str, digits: int, factor: float = 1.0) -> str:
     """The mean of a value in a row of ``unisg evaluate``, and its standard deviation if it shows; else nothing."""
-    texts = [f"{factor * (number or 0):.{digits}f}" for line in table.where(row=row, value=value).rows
-             for number in (line["mean"], line["spread"])]  # fmt: skip
+    lines = table.where(row=row, value=value).rows
+    texts = [f"{factor * (line[name] or 0):.{digits}f}" for line in lines for name in ("mean", "spread")]
     return " ± ".join(text for place, text in enumerate(texts) if not place or float(text))
 
 
@@ -143,10 +143,8 @@ def written_rows(block: Block) -> str:
     expressions, bar, line = block.source.partition("|")
     head, template = block.text.splitlines()[:2], f"f'''{bar} {' '.join(line.split())}'''"
     names, (table,) = evaluated(expressions)
-    return (
-        "\n".join([*head, *(eval(template, names | {"row": row} | dict(row)) for row in getattr(table, "rows", table))])
-        + "\n"
-    )
+    rows = table.rows if isinstance(table, Table) else table
+    return "\n".join([*head, *(eval(template, names | {"row": row} | dict(row)) for row in rows)]) + "\n"
 
 
 def evaluated(source: str) -> tuple[dict[str, Any], list[Any]]:

@@ -58,10 +58,8 @@ def parsed(cell: str) -> Any:
 def results() -> dict[str, Any]:
     """What the files of docs/results/ hold, by their names without ending."""
     found: dict[str, Any] = {}
-    for name, path in {
-        **{path.stem: path for path in sorted(RESULTS.glob("*.json"))},
-        "marked_interiors": MARKED,
-    }.items():
+    records = {path.stem: path for path in sorted(RESULTS.glob("*.json"))} | {"marked_interiors": MARKED}
+    for name, path in records.items():
         found[name] = json.loads(path.read_text("utf-8"), object_hook=_with_tables)
     for path in (*sorted(RESULTS.glob("*.csv")), LIBRARY / "pretrained" / "atlasnet_models.csv"):
         with path.open(encoding="utf-8", newline="") as file:

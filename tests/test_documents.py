@@ -117,6 +117,13 @@ def test_numbers_are_those_of_the_files(page: Path) -> None:
     assert text == page.read_text("utf-8"), "make docs"
 
 
+@pytest.mark.parametrize("page", page_numbers.PAGES, ids=relative)
+def test_no_source_is_itself_a_number(page: Path) -> None:
+    sources = [block.source for block in page_numbers.blocks(page.read_text("utf-8")) if block.kind == "from"]
+    parts = [part.strip() for source in sources for part in source.split(";")]
+    assert not [part for part in parts if re.fullmatch(r"[-+\d.e_ */()]*\d[-+\d.e_ */()]*", part) and part[0] != "_"]
+
+
 FROM_A_FILE = "Errors are 9.9 cm and 8 degrees of 90.\n<!-- from 2.345; abs(-7.6); _ -->\n"
 ROWS = """| form | key frames |
 |---|---|
