@@ -1,4 +1,4 @@
-"""How long one frame of checking takes, for 10,000 actions and more: ``python benchmarks/behaviour.py [--json]``.
+"""How long one frame of checking takes, for 10,000 actions and more: ``python benchmarks/behaviour.py [--out FILE]``.
 
 Every entity moves and every tool's trigger is pressed in every frame. "mixed" has a
 fifth of each type. "far" is what scenes are like: objects are where nothing happens.
@@ -13,15 +13,16 @@ processor, on one thread with OMP_NUM_THREADS=1.
 from __future__ import annotations
 
 import argparse
-import json
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
 from unisg_blender.behaviour import compile_actions, moment, start, step
+from unisg_blender.experiments.reports import markdown_table, write_results
 from unisg_blender.scene import ActionData, SceneBuilder, SceneGraph, Thresholds, mesh_from_faces, world_matrices
 
 POSE = (*np.eye(4).ravel(),)
@@ -123,22 +124,21 @@ def rows(count: int, frames: int) -> list[dict[str, float | str]]:
     return result
 
 
-def main(show: Callable[[str], None] = print) -> None:
-    """Measure and print."""
+def main() -> None:
+    """Measure, print and write."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--count", type=int, default=10_000)
     parser.add_argument("--frames", type=int, default=100)
-    parser.add_argument("--json", action="store_true")
+    parser.add_argument("--out", type=Path)
     args = parser.parse_args()
     found = rows(args.count, args.frames)
-    if args.json:
-        show(json.dumps(found))
-        return
-    show("| actions | number | conditions that held | least ms per frame | median | 95 % of frames below |")
-    show("|---|---|---|---|---|---|")
-    for row in found:
-        figures = " | ".join(f"{row[name]:.2f}" for name in ("least_ms", "median_ms", "p95_ms"))
-        show(f"| {row['actions']} | {row['count']} | {row['held']} | {figures} |")
+    print(
+        markdown_table(
+            list(found[0]), [[f"{v:.2f}" if isinstance(v, float) else str(v) for v in row.values()] for row in found]
+        )
+    )
+    if args.out is not None:
+        write_results(args.out, {"frames": args.frames, "rows": found})
 
 
 if __name__ == "__main__":

@@ -7,7 +7,7 @@
 process of its own: random access, a pass over everything, and batches of 128
 scenes against PyG's InMemoryDataset + DataLoader on the same scenes in the same
 process. ``jobs`` exports files with one and with two jobs in turn. Both print
-JSON with ``--json FILE``.
+JSON, and write it to ``--out FILE``.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ from unisg_blender.dataset.format import writer
 from unisg_blender.dataset.format.columns import Columns, Vocabulary
 from unisg_blender.dataset.format.encoding import Sample, encode_scenes, widths
 from unisg_blender.dataset.format.schema import COLUMNS, STRINGS, TABLES, table_of
-from unisg_blender.experiments.reports import machine, write_json
+from unisg_blender.experiments.reports import write_results
 from unisg_blender.poses import FORMS
 from unisg_blender.scene import SceneBuilder, mesh_from_faces
 
@@ -51,7 +51,7 @@ def main() -> None:
     parser.add_argument("--objects", type=int, default=15)
     parser.add_argument("--folder", type=Path, help="where the dataset goes (a temporary folder)")
     parser.add_argument("--repeat", type=int, default=3)
-    parser.add_argument("--json", type=Path, help="write what was measured to this file")
+    parser.add_argument("--out", type=Path, help="write what was measured to this file")
     args = parser.parse_args()
     folder = args.folder or Path(tempfile.mkdtemp(prefix="unisg-dataset-"))
     measure: dict[str, Callable[[], dict[str, Any]]] = {
@@ -63,8 +63,8 @@ def main() -> None:
     if args.folder is None:
         shutil.rmtree(folder, ignore_errors=True)
     print(json.dumps(record, indent=1))
-    if args.json is not None:
-        write_json(args.json, record | {"machine": machine()})
+    if args.out is not None:
+        write_results(args.out, record)
 
 
 def million(folder: Path, scenes: int, objects: int) -> dict[str, Any]:

@@ -17,7 +17,7 @@ import numpy as np
 from foreign_assets import ForeignAsset, read_assets
 from scipy.optimize import minimize
 
-from unisg_blender.experiments.reports import machine, markdown_table, write_json
+from unisg_blender.experiments.reports import markdown_table, write_results
 from unisg_blender.geometry.arrays import Floats
 from unisg_blender.geometry.planar import rotation
 from unisg_blender.spatial.fronts import FEATURES, SIDES, WEIGHTS_FILE, front_of, side_features
@@ -96,7 +96,7 @@ def main() -> None:
     own = own_worlds()
     print(table, own)
     if args.out:
-        write_json(args.out, {"machine": machine(), "fronts": rows, "own": own, **table})
+        write_results(args.out, {"fronts": rows, "own": own, **table})
 
 
 if __name__ == "__main__":

@@ -21,7 +21,7 @@ from unisg_blender.experiments.layouts.designed_supports import (
     support_table,
     times,
 )
-from unisg_blender.experiments.reports import machine, markdown_table, write_json
+from unisg_blender.experiments.reports import markdown_table, write_results
 from unisg_blender.generate import Generator
 from unisg_blender.predict.support_prediction import TopologyModel
 
@@ -56,7 +56,7 @@ def main() -> None:
     ]
     print(markdown_table(["room and method", "things", "pairs", "average precision", "F1"], cells))
     if args.out is not None:
-        write_json(args.out, {"machine": machine(), "rows": rows, "known_categories": known})
+        write_results(args.out, {"rows": rows, "known_categories": known})
 
 
 if __name__ == "__main__":

@@ -13,7 +13,7 @@ import csv
 from collections import Counter
 from pathlib import Path
 
-from unisg_blender.experiments.reports import markdown_table, write_json
+from unisg_blender.experiments.reports import markdown_table, write_results
 from unisg_blender.words import thing_table
 
 LIST = Path(__file__).with_name("names.csv")
@@ -45,7 +45,7 @@ def main() -> None:
     things = thing_table().things.values()
     every = sum(len(thing.words) >= 7 for thing in things)
     if args.out:
-        write_json(args.out, {"names": rows, "things": len(things), "in_seven_languages": every})
+        write_results(args.out, {"names": rows, "things": len(things), "in_seven_languages": every})
 
 
 if __name__ == "__main__":

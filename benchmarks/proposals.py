@@ -17,7 +17,7 @@ import numpy as np
 from foreign_assets import read_assets
 
 from unisg_blender.errors import UniSGError
-from unisg_blender.experiments.reports import markdown_table, write_json
+from unisg_blender.experiments.reports import markdown_table, write_results
 from unisg_blender.formats import read_scene_file
 from unisg_blender.geometry.arrays import Bools, Floats
 from unisg_blender.predict import LabelModel, Proposal, propose_categories
@@ -140,7 +140,7 @@ def main() -> None:
         print(markdown_table(list(table[0]), [list(map(str, row.values())) for row in table]))
     if args.out:
         record = {"proposals": rows, "foreign": unknown, "reliability": bins, "known_from": KNOWN}
-        write_json(args.out, record)
+        write_results(args.out, record)
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
 """How fast Blender scenes are read, against Blender's own glTF exporter in the same process.
 
-python benchmarks/reading.py [--out FOLDER] [--objects N] [--repeat K]
+python benchmarks/reading.py [--out docs/results/reading.json] [--objects N] [--repeat K]
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ import bpy
 import numpy as np
 
 from unisg_blender.blender import ReadReport, new_file, read_scene
-from unisg_blender.experiments.reports import machine, write_csv, write_json
+from unisg_blender.experiments.reports import write_results
 from unisg_blender.runtime.output_capture import captured_output
 
 SHARED_LIMIT, DISTINCT_LIMIT = 1 / 30, 1 / 10
@@ -25,9 +25,9 @@ CHILDREN = 10
 
 
 def main() -> None:
-    """Measure both scenes, print a table, write CSV and JSON."""
+    """Measure both scenes, print a table, write it."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--out", type=Path, default=Path("build/benchmarks/reading"))
+    parser.add_argument("--out", type=Path)
     parser.add_argument("--objects", type=int, default=10_000)
     parser.add_argument("--repeat", type=int, default=5, help="readings of each scene; the median counts")
     args = parser.parse_args()
@@ -41,14 +41,13 @@ def main() -> None:
     }
     distinct = {f"distinct 500-vertex meshes, {name}": (read, DISTINCT_LIMIT) for name, read in readers.items()}
     rows += measure(make_distinct, distinct, args)
-    args.out.mkdir(parents=True, exist_ok=True)
-    write_json(args.out / "reading.json", {"blender": bpy.app.version_string, "machine": machine(), "rows": rows})
-    write_csv(args.out / "reading.csv", rows)
     for row in rows:
         print(
             f"{row['scene']:55}{row['objects']:>7} objects  read {row['read_s']:8.4f} s  glTF {row['gltf_s']:8.3f} s  "
             f"1/{row['gltf_s'] / row['read_s']:.1f} (target 1/{1 / row['target']:.0f})"
         )
+    if args.out is not None:
+        write_results(args.out, {"blender": bpy.app.version_string, "repeat": args.repeat, "rows": rows})
 
 
 def measure(

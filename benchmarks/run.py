@@ -22,11 +22,11 @@ UNISG = ("-m", "unisg_blender", "benchmark")
 BENCHMARKS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "poses": ((*UNISG, "poses", "--out", "{out}", "--json", "-q"), ("--count", "20000", "--repeats", "3")),
     "motion": ((*UNISG, "motion", "--out", "{out}", "--json", "-q"), ()),
-    "behaviour": ((f"{HERE}/behaviour.py", "--json"), ("--count", "1000", "--frames", "10")),
-    "reading": ((f"{HERE}/reading.py", "--out", "{out}"), ("--objects", "500", "--repeat", "3")),
-    "dataset": ((f"{HERE}/dataset.py", "million"), ("--scenes", "10000")),
+    "behaviour": ((f"{HERE}/behaviour.py", "--out", "{out}/behaviour.json"), ("--count", "1000", "--frames", "10")),
+    "reading": ((f"{HERE}/reading.py", "--out", "{out}/reading.json"), ("--objects", "500", "--repeat", "3")),
+    "dataset": ((f"{HERE}/dataset.py", "million", "--out", "{out}/dataset.json"), ("--scenes", "10000")),
 }
-"""Words of each command, and what makes it quick; a report is JSON, printed or in ``NAME.json`` in the folder."""
+"""Words of each command, and what makes it quick; its report is ``NAME.json`` in the folder."""
 
 MOVED = 0.1
 
@@ -52,9 +52,8 @@ def report(name: str, out: Path, quick: bool) -> Any:
     words, fast = BENCHMARKS[name]
     out.mkdir(parents=True, exist_ok=True)
     command = [sys.executable, *(word.format(out=out) for word in words), *(fast if quick else ())]
-    done = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=True)
-    file = out / f"{name}.json"
-    return json.loads(file.read_text("utf-8") if file.is_file() else done.stdout)
+    subprocess.run(command, stdout=subprocess.DEVNULL, check=True)
+    return json.loads((out / f"{name}.json").read_text("utf-8"))
 
 
 def numbers(record: Any, path: str = "") -> Iterator[tuple[str, float]]:

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
-from unisg_blender.experiments.reports import machine, write_json
+from unisg_blender.experiments.reports import write_results
 from unisg_blender.formats import read_scene_file, write_scene_file
 from unisg_blender.scene import SceneBuilder, SceneGraph
 from unisg_blender.spatial.structure import recognise_structure
@@ -38,13 +38,13 @@ def main() -> None:
         spent = [once(path) for _ in range(args.repeat)]
     read, structure = (statistics.median(column[key] for column in spent[1:]) for key in ("read", "structure"))
     record = {
-        "machine": machine(), "objects": spent[0]["objects"], "triangles": spent[0]["triangles"],
+        "objects": spent[0]["objects"], "triangles": spent[0]["triangles"],
         "rooms": spent[0]["rooms"], "surfaces": spent[0]["surfaces"], "read_s": round(read, 3),
         "structure_s": round(structure, 3), "times": round((read + structure) / read, 2),
     }  # fmt: skip
     print(record)
     if args.out is not None:
-        write_json(args.out, record)
+        write_results(args.out, record)
 
 
 def side_by_side(count: int) -> SceneGraph:

@@ -1,6 +1,6 @@
 """How long scenes of 1,000 to 100,000 objects take through USD, and how that compares with Blender's own exporter.
 
-    OMP_NUM_THREADS=1 python benchmarks/usd.py [--sizes 1000 10000 100000] [--runs 3] [--no-blender]
+    OMP_NUM_THREADS=1 python benchmarks/usd.py [--sizes 1000 10000 100000] [--runs 3] [--out docs/results/usd.json]
 
 Prints the table of growth with what it says of it, and the comparison. Every size
 runs in a process of its own, so that its peak memory is its own. On a busy machine
@@ -21,6 +21,8 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
+
+from unisg_blender.experiments.reports import write_results
 
 PARTS_PER_MESH = 10
 
@@ -167,6 +169,7 @@ def main() -> None:
     parser.add_argument("--sizes", type=int, nargs="+", default=[1_000, 10_000, 100_000])
     parser.add_argument("--no-blender", action="store_true", help="leave out the comparison with Blender's exporter")
     parser.add_argument("--runs", type=int, default=3, help="the tables show medians over so many processes")
+    parser.add_argument("--out", type=Path)
     parser.add_argument("--case", nargs="+", help=argparse.SUPPRESS)
     args = parser.parse_args()
     if args.case:
@@ -177,6 +180,7 @@ def main() -> None:
     rows = [_in_own_process(["usd", str(size)], args.runs) for size in sorted(args.sizes)]
     _print_table(rows)
     print(_growth(rows), flush=True)
+    record = {"runs": args.runs, "sizes": rows}
     if not args.no_blender:
         found = [_in_own_process([kind, "10000"], args.runs) for kind in ("shared", "distinct")]
         _print_table(found)
@@ -184,6 +188,9 @@ def main() -> None:
             print(
                 f"{kind}: ours / Blender's {row['ratio_cpu_s']:.3f} in processor time, {row['ratio_s']:.3f} in seconds"
             )
+        record["beside_blender"] = [{"meshes": "shared"} | found[0], {"meshes": "distinct"} | found[1]]
+    if args.out is not None:
+        write_results(args.out, record)
 
 
 if __name__ == "__main__":

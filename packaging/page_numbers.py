@@ -7,50 +7,64 @@ A comment right after a paragraph, list item or table says where its numbers com
 ``<!-- from paper_poses("cm_median", "target, base case", "sixd"); _; 100 * x -->``
     One expression for each number, in order; ``_`` leaves a number that is no measurement, ``_4`` the next four.
     A name is a file of docs/results/ without its ending: CSV files and lists of rows are a :class:`Table`.
+    ``constant("generate.place.placer:TRIED")`` is a constant of the library, ``model("topology")`` what a shipped
+    model's file says of itself, ``megabytes("topology.onnx")`` the size of a shipped file.
+``<!-- rows usd["sizes"] | {objects:,} | {read_s:.1f} | -->``
+    The whole table below its head: a line for each row of that table, written by an f-string of its columns;
+    ``{cell(x, ".2f")}`` is empty where there is no value, ``mean_and_spread`` reads tables of ``unisg evaluate``.
 ``<!-- table poses -->``
     The whole table, as ``unisg benchmark paper`` writes it of ``paper_poses.csv``.
-``<!-- in meshes -->``
-    Each number stands somewhere in that file: for tables that other scripts wrote.
-``<!-- hand reading-1 -->``
-    The numbers of that entry of docs/results/by_hand.json, where no file has them: with date and command. Among others
-    the third of them is the expression ``hand("reading-1", 2)``.
 ``<!-- chosen -->``
     Settings, limits and definitions: nothing was measured.
 
-In docs/results/ and docs/models/ every block with a number must have one of them, elsewhere every block with a number
-and a unit of what is measured.
+Every block with a number must have one of them. A file of docs/results/ says by which command it was made. What takes
+hours, and what was tried and is not in the code any more, is a line of ``tried.csv``, with date and command.
 """
 
 from __future__ import annotations
 
+import math
 import re
 import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
-from result_files import NUMBER, RESULTS, by_hand, in_files, results
+from result_files import NUMBER, ROOT, Table, constant, megabytes, model, results
 
-ROOT = Path(__file__).resolve().parents[1]
-HAND = RESULTS / "by_hand.json"
-REPORTS = ("results", "models")
-WRITTEN_ELSEWHERE = {"api.md", "architecture.md"}
-PAGES = [
-    ROOT / "README.md",
-    *sorted(page for page in (ROOT / "docs").rglob("*.md") if page.name not in WRITTEN_ELSEWHERE),
-]
+PAGES = [ROOT / "README.md", *sorted(page for page in (ROOT / "docs").rglob("*.md") if page.name != "api.md")]
+"""Those that people write; docs/api.md is made of docstrings."""
 
-MARK = re.compile(r"[ \t]*<!-- (from|table|in|hand|chosen)\b\s*(.*?)\s*-->", re.DOTALL)
-MEASURED = re.compile(
-    r"\d (?:%|[mnµ]?s|GiB|[kKMG]B|[cm]m|m²|hours|min(?:utes)?|seconds|degrees|nats|points|times)(?!\w)|± ?\d|\d\.\d{2}"
+MARK = re.compile(r"[ \t]*<!-- (from|rows|table|chosen)\b\s*(.*?)\s*-->", re.DOTALL)
+HIDDEN = re.compile(
+    r"`[^`\n]*`|\]\([^)]*\)|https?:\S+|\d{4}-\d\d-\d\d|\bv?\d+\.\d+\.\d+\b|§ ?\d+|^[ \t]*\d+\.(?= )"
+    r"|\b(?:19\d|20[0-2])\d\b|x86-64|(?:GPL|CC-BY|CC|Blender|Python|bpy|numpy|torch|USD)[ -]\d+(?:\.\d+)?",
+    re.DOTALL | re.MULTILINE,
 )
-HIDDEN = re.compile(r"`[^`\n]*`|\]\([^)]*\)|https?:\S+|\d{4}-\d\d-\d\d|\bv?\d+\.\d+\.\d+\b|§ ?\d+", re.DOTALL)
+"""What readers do not take for a number: code, links, dates, years, versions, the numbers of a list."""
+
 NO_TEXT = re.compile(r"^[ \t]*```.*?^[ \t]*```|<!--.*?-->", re.DOTALL | re.MULTILINE)
 BLOCK = re.compile(r"^[ \t]*[^\s#].*\n(?:(?![ \t]*(?:[-*] |\d+\. |#))[ \t]*\S.*\n)*", re.MULTILINE)
 """A line with text that is no heading, and those behind it up to an empty one, a heading or a list item."""
 
-BUILTINS = {"min": min, "max": max, "len": len, "sum": sum, "abs": abs}
+BUILTINS = {"log": math.log, "min": min, "max": max, "len": len, "sum": sum, "abs": abs, "str": str, "sorted": sorted}
+
+
+def cell(value: float | None, form: str) -> str:
+    """A number in a format, nothing where there is none."""
+    return "" if value is None else format(value, form)
+
+
+def mean_and_spread(table: Table, row: str, value: str, digits: int, factor: float = 1.0) -> str:
+    """The mean of a value in a row of ``unisg evaluate``, and its standard deviation if it shows; else nothing."""
+    lines = table.where(row=row, value=value).rows
+    texts = [f"{factor * (line[name] or 0):.{digits}f}" for line in lines for name in ("mean", "spread")]
+    return " ± ".join(text for place, text in enumerate(texts) if not place or float(text))
+
+
+SOURCES = {
+    "constant": constant, "model": model, "megabytes": megabytes, "cell": cell, "mean_and_spread": mean_and_spread,
+}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -102,20 +116,16 @@ def made(block: Block) -> str:
     found = numbers(block.text)
     if block.kind == "table":
         return paper_table(block.source)
-    if block.kind == "in":
-        head = block.text.index("\n") if block.text.lstrip().startswith("|") else 0  # a table's first line has names
-        known = in_files(block.source.split())
-        strange = [match.group() for match in found if match.start() >= head and not stands(match.group(), known)]
-        if strange:
-            raise ValueError(f"not in {block.source}: {', '.join(strange)}")
-    if block.kind not in ("hand", "from"):
+    if block.kind == "rows":
+        return written_rows(block)
+    if block.kind != "from":
         return block.text
-    values = results()["by_hand"][block.source]["numbers"] if block.kind == "hand" else evaluated(block.source)
+    values = evaluated(block.source)[1]
     if len(values) != len(found):
         raise ValueError(f"{[match.group() for match in found]} are {len(found)} numbers, the source has {len(values)}")
     text = block.text
     for match, value in reversed(list(zip(found, values, strict=True))):
-        new = match.group() if value is None else value if isinstance(value, str) else written(value, match.group())
+        new = match.group() if value is None else written(value, match.group())
         text = text[: match.start()] + new + text[match.end() :]
     return text
 
@@ -128,10 +138,19 @@ def paper_table(name: str) -> str:
     return to_markdown(results()[f"paper_{name}"].rows, MARKDOWN[name][1]) + "\n"
 
 
-def evaluated(source: str) -> list[float | None]:
-    """The values of a ``from`` comment's expressions, None for ``_``; ``name = expression`` gives no value."""
-    names: dict[str, Any] = {"__builtins__": {}} | BUILTINS | results() | {"hand": by_hand}
-    values: list[float | None] = []
+def written_rows(block: Block) -> str:
+    """A table as its template writes it, under the head that stands on the page."""
+    expressions, bar, line = block.source.partition("|")
+    head, template = block.text.splitlines()[:2], f"f'''{bar} {' '.join(line.split())}'''"
+    names, (table,) = evaluated(expressions)
+    rows = table.rows if isinstance(table, Table) else table
+    return "\n".join([*head, *(eval(template, names | {"row": row} | dict(row)) for row in rows)]) + "\n"
+
+
+def evaluated(source: str) -> tuple[dict[str, Any], list[Any]]:
+    """The values of expressions, None for ``_``, and the names they know; ``name = expression`` gives no value."""
+    names: dict[str, Any] = {"__builtins__": {}} | BUILTINS | SOURCES | results()
+    values: list[Any] = []
     for part in map(str.strip, source.split(";")):
         if skipped := re.fullmatch(r"_(\d*)", part):
             values += [None] * int(skipped[1] or 1)
@@ -139,25 +158,15 @@ def evaluated(source: str) -> list[float | None]:
             names[assigned[1]] = eval(part[assigned.end() :], names)
         else:
             values.append(eval(part, names))
-    return values
+    return names, values
 
 
-def stands(number: str, known: set[float]) -> bool:
-    """Whether a number is one of those, as it is written, or in percent."""
-    digits = number.partition(".")[2]
-    shown, half = float(number.replace(",", "").replace("−", "-")), 0.5 * 10.0 ** -len(digits) + 1e-9
-    return any(abs(factor * value - shown) <= half for value in known for factor in (1, 100))
-
-
-def page_text(page: str, report: bool) -> tuple[str, list[str]]:
-    """A page with its numbers as the files have them, and what cannot be said: one line each.
-
-    ``report``: whether every block with a number must have a source.
-    """
+def page_text(page: str) -> tuple[str, list[str]]:
+    """A page with its numbers as the files have them, and what cannot be said: one line each."""
     faults = []
     for block in reversed(list(blocks(page))):
         shown = repr(block.text.strip()[:90])
-        if not block.kind and (MEASURED.search(HIDDEN.sub("", block.text)) or (report and numbers(block.text))):
+        if not block.kind and numbers(block.text):
             faults.append(f"no source: {shown}")
         try:
             page = page[: block.start] + made(block) + page[block.end :]
@@ -166,22 +175,15 @@ def page_text(page: str, report: bool) -> tuple[str, list[str]]:
     return page, faults[::-1]
 
 
-def current(page: Path) -> tuple[str, list[str]]:
-    """:func:`page_text` of a page of the project."""
-    return page_text(page.read_text("utf-8"), page.parent.name in REPORTS)
-
-
 def main() -> int:
     """Write all pages; 1 if a number has no source."""
     faulty = False
     for page in PAGES:
-        text, faults = current(page)
+        text, faults = page_text(page.read_text("utf-8"))
         page.write_text(text, "utf-8")
         for fault in faults:
             print(f"{page.relative_to(ROOT)}: {fault}", file=sys.stderr)
         faulty |= bool(faults)
-    count = sum(len(entry["numbers"]) for entry in results()["by_hand"].values())
-    print(f"{count} numbers are measured by hand ({HAND.relative_to(ROOT)})")
     return int(faulty)
 
 

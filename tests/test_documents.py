@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 import ast
+import json
 import re
 from pathlib import Path
 
 import page_numbers
 import pytest
 from architecture import ARROWS, LAYERS, LIBRARY, ROOT, Module, modules
+from result_files import RESULTS
+
+from unisg_blender.dataset.assets.asset_collector import SHELLS
+from unisg_blender.spatial.relation_tolerances import RelationTolerances
 
 PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")])
 ARCHITECTURE = ROOT / "docs" / "architecture.md"
@@ -17,6 +22,7 @@ PATH = re.compile(rf"(?<![\w/.@-])(?:{FOLDERS})/[\w./-]*[\w/]")
 DOTTED = re.compile(r"(?<![\w./-])unisg_blender(?:\.\w+)+")
 FROM_IMPORT = re.compile(r"^from (unisg_blender[\w.]*) import \(?([\w, ]+)", re.MULTILINE)
 LINK = re.compile(r"\]\((?!https?:|#|mailto:)([^)#\s]+)")
+COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
 FILE_AND_NAME = re.compile(r"`((?:\w+/)*\w+\.py): ([\w.]+)`")
 FILE = re.compile(r"`((?:\w+/)*\w+\.py|(?:\w+/)+)`")
 WRITTEN_BY_HISTORY = {"CHANGELOG.md"}
@@ -72,7 +78,7 @@ def test_paths_and_modules_exist(page: Path) -> None:
 
 @pytest.mark.parametrize("page", PAGES, ids=relative)
 def test_links_lead_somewhere(page: Path) -> None:
-    links = LINK.findall(page.read_text(encoding="utf-8"))
+    links = LINK.findall(COMMENT.sub("", page.read_text(encoding="utf-8")))
     missing = [link for link in links if not (page.parent / link).exists()]
     assert not missing, "\n".join(missing)
 
@@ -105,46 +111,80 @@ def test_contributing_shows_the_layers() -> None:
 
 
 @pytest.mark.parametrize("page", page_numbers.PAGES, ids=relative)
-def test_measured_numbers_are_those_of_the_files(page: Path) -> None:
-    text, faults = page_numbers.current(page)
+def test_numbers_are_those_of_the_files(page: Path) -> None:
+    text, faults = page_numbers.page_text(page.read_text("utf-8"))
     assert not faults, "\n".join(faults)
     assert text == page.read_text("utf-8"), "make docs"
 
 
+@pytest.mark.parametrize("page", page_numbers.PAGES, ids=relative)
+def test_no_source_is_itself_a_number(page: Path) -> None:
+    sources = [block.source for block in page_numbers.blocks(page.read_text("utf-8")) if block.kind == "from"]
+    parts = [part.strip() for source in sources for part in source.split(";")]
+    assert not [part for part in parts if re.fullmatch(r"[-+\d.e_ */()]*\d[-+\d.e_ */()]*", part) and part[0] != "_"]
+
+
 FROM_A_FILE = "Errors are 9.9 cm and 8 degrees of 90.\n<!-- from 2.345; abs(-7.6); _ -->\n"
+ROWS = """| form | key frames |
+|---|---|
+<!-- rows m = motion["reductions"]; m.where(method="motors", motion="door, eased")
+  | {motion} | {key_frames:.1f} {cell(None, ".1f")} {m("method", motion, "motors")} | -->
+"""
 
 
 def test_numbers_of_pages_are_written_from_their_sources() -> None:
-    text, faults = page_numbers.page_text(FROM_A_FILE, report=True)
+    text, faults = page_numbers.page_text(FROM_A_FILE)
     assert not faults
     assert text == FROM_A_FILE.replace("9.9", "2.3")
     item = "- An item: 1,000 of `2` on 2026-01-01, −0.50.\n  <!-- from 12345.6; -0.123 -->\n- Another, without.\n"
-    assert page_numbers.page_text(item, report=True) == (item.replace("1,000", "12,346").replace("−0.50", "−0.12"), [])
+    assert page_numbers.page_text(item) == (item.replace("1,000", "12,346").replace("−0.50", "−0.12"), [])
+
+
+def test_the_rows_of_a_table_are_written_from_those_of_a_file() -> None:
+    text, faults = page_numbers.page_text(ROWS)
+    assert not faults
+    key_frames = page_numbers.results()["motion"]["reductions"]("key_frames", "door, eased", "motors")
+    assert text == ROWS.replace("<!--", f"| door, eased | {key_frames}.0  motors |\n<!--", 1)
+    assert page_numbers.page_text(text) == (text, [])
+
+
+def test_constants_are_read_without_importing_their_modules() -> None:
+    assert page_numbers.constant("dataset.assets.asset_collector:SHELLS") == SHELLS
+    assert page_numbers.constant("learn.anchors.pair_geometry:TURNS") == 4  # one of two that are set at once
+    assert page_numbers.constant("spatial.relation_tolerances:RelationTolerances.above") == RelationTolerances().above
 
 
 @pytest.mark.parametrize(
-    ("page", "report", "fault"),
+    ("page", "fault"),
     [
-        ("It took 12 ms.\n", False, "no source"),
-        ("Twelve rooms, 12.\n", True, "no source"),
-        ("It took 12 ms.\n<!-- from 12; 13 -->\n", False, "1 numbers"),
-        ("It took 12 ms.\n<!-- from nothing -->\n", False, "nothing"),
-        ('It took 12 ms.\n<!-- from paper_poses("cm_median") -->\n', False, "cells"),
-        ("| a |\n|---|\n| 123456.7 |\n<!-- in layouts -->\n", True, "not in layouts: 123456.7"),
-        ("It took 12 ms.\n<!-- hand no-such-entry -->\n", False, "no-such-entry"),
+        ("It took 12 ms.\n", "no source"),
+        ("Twelve rooms, 12.\n", "no source"),
+        ("It took 12 ms.\n<!-- from 12; 13 -->\n", "1 numbers"),
+        ("It took 12 ms.\n<!-- from nothing -->\n", "nothing"),
+        ('It took 12 ms.\n<!-- from paper_poses("cm_median") -->\n', "cells"),
+        ("| a |\n|---|\n| 1 |\n<!-- in layouts -->\n", "no source"),
+        ("| a |\n|---|\n| 1 |\n<!-- rows layouts | {room} | -->\n", "ValueError"),
+        ("It took 12 ms.\n<!-- hand measured-once -->\n", "no source"),
+        ('It took 12 ms.\n<!-- from constant("generate.generator:NO_SUCH") -->\n', "NO_SUCH"),
     ],
 )
-def test_numbers_without_a_source_are_told(page: str, report: bool, fault: str) -> None:
-    text, (told,) = page_numbers.page_text(page, report)
+def test_numbers_without_a_source_are_told(page: str, fault: str) -> None:
+    text, (told,) = page_numbers.page_text(page)
     assert fault in told
     assert text == page
 
 
-def test_what_was_measured_by_hand_has_date_and_command_and_is_used() -> None:
+@pytest.mark.parametrize("path", sorted(RESULTS.glob("*.json")), ids=relative)
+def test_a_file_of_results_says_by_which_command_it_was_made(path: Path) -> None:
+    record = json.loads(path.read_text("utf-8"))
+    assert re.fullmatch(r"\d{4}-\d\d-\d\d", record["date"])
+    program, *words = record["command"].split()
+    assert program == "unisg" or (ROOT / words[0]).is_file()
+
+
+def test_what_was_tried_once_has_date_and_command_and_is_used() -> None:
     pages = "".join(page.read_text("utf-8") for page in page_numbers.PAGES)
-    marks = re.findall(r'<!-- hand ([\w-]+) -->|hand\("([\w-]+)"', pages)
-    entries = page_numbers.results()["by_hand"]
-    assert {first or second for first, second in marks} == set(entries)
-    for entry in entries.values():
-        assert re.fullmatch(r"\d{4}-\d\d-\d\d", entry["date"])
-        assert entry["command"]
+    for row in page_numbers.results()["tried"].rows:
+        assert re.fullmatch(r"\d{4}-\d\d-\d\d", row["date"])
+        assert row["command"]
+        assert f'"{row["measure"]}"' in pages

@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from unisg_blender.experiments.reports import machine, markdown_table, write_json
+from unisg_blender.experiments.reports import made_by, markdown_table, write_json
 from unisg_blender.formats import read_scene_file
 from unisg_blender.formats.asset_folder import AssetFolder
 from unisg_blender.formats.layout_scenes import layout_scenes
@@ -201,7 +201,7 @@ def report(rows: list[dict[str, Any]], out: Path | None, part: str) -> None:
     print(markdown_table(list(totals), [[str(value) for value in totals.values()]]))
     if out is not None:
         known = json.loads(out.read_text("utf8")) if out.is_file() else {}
-        write_json(out, known | {"machine": machine(), part: {"totals": totals, "rows": rows}})
+        write_json(out, known | made_by() | {part: {"totals": totals, "rows": rows}})
 
 
 if __name__ == "__main__":

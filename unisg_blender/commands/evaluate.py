@@ -62,7 +62,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Measure and print the table."""
-    from ..experiments.reports import machine
+    from ..experiments.reports import made_by
     from ..experiments.rooms.generation_benchmark import compare
     from ..experiments.rooms.generation_report import table, write_report
 
@@ -71,10 +71,10 @@ def run(args: argparse.Namespace) -> int:
     with _folder(args.out) as folder, _bars(args.quiet) as progress:
         plan = _plan(args, folder, jobs)
         rows = compare(plan, folder, jobs, progress)
-    facts: dict[str, Any] = {
+    facts: dict[str, Any] = made_by() | {
         "model": args.model.name, "data": str(args.data), "training": str(args.training or ""),
         "also": [path.name for path in args.also], "scenes": plan.data.scenes, "seeds": plan.seeds,
-        "first_seed": plan.first_seed, "trees": plan.trees, "machine": machine(),
+        "first_seed": plan.first_seed, "trees": plan.trees,
         "seconds": round(time.perf_counter() - start, 1),
     }  # fmt: skip
     report = facts | {"rows": [row.to_record() for row in rows]}

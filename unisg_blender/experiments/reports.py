@@ -6,7 +6,10 @@ import csv
 import json
 import os
 import platform
+import shlex
+import sys
 from collections.abc import Iterable, Mapping, Sequence
+from datetime import date
 from importlib import metadata
 from pathlib import Path
 from typing import Any
@@ -19,6 +22,12 @@ Table = list[dict[str, Any]]
 def write_json(path: Path, record: Mapping[str, Any]) -> None:
     """Write a report for people and programs."""
     path.write_text(json.dumps(record, indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
+
+
+def write_results(path: Path, found: Mapping[str, Any]) -> None:
+    """Write a file of results: what was found, and how, :func:`made_by`."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    write_json(path, made_by() | dict(found))
 
 
 def write_csv(path: Path, rows: Sequence[Mapping[str, Any]]) -> None:
@@ -34,6 +43,18 @@ def markdown_table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     """A table in Markdown; the columns behind the first are for numbers."""
     lines = [head, ["---"] + ["---:"] * (len(head) - 1), *rows]
     return "\n".join(f"| {' | '.join(cells)} |" for cells in lines)
+
+
+def made_by() -> dict[str, Any]:
+    """What a file of results begins with: the command that makes it, when that was, and on what machine.
+
+    Of paths that begin at the root only the name is told: where they lie is no matter of the command.
+    """
+    program = Path(sys.argv[0])
+    script = ["python", f"{program.parent.name}/{program.name}"]
+    name = ["unisg"] if program.name == "__main__.py" else script if program.suffix == ".py" else [program.name]
+    words = [Path(word).name if word.startswith("/") else word for word in sys.argv[1:]]
+    return {"command": shlex.join([*name, *words]), "date": date.today().isoformat(), "machine": machine()}
 
 
 def machine() -> dict[str, Any]:

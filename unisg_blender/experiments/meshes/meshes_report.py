@@ -11,7 +11,7 @@ from ...errors import UniSGError
 from ...learn.atlasnet.world_shapes import world_models
 from ...meshes.shape_files import ShapeFile, of_split, read_models
 from ...runtime.made_files import filling
-from ..reports import Table, machine, markdown_table, write_csv, write_json
+from ..reports import Table, made_by, markdown_table, write_csv, write_json
 from .meshes_benchmark import (
     measure_categories,
     measure_reconstruction,
@@ -47,7 +47,7 @@ def write_meshes_report(args: argparse.Namespace, folder: Path, progress: Callab
     unseen = {model.category for model in of_split(models, "unseen")}
     rooms = [m for m in world_models(WORLDS_WITH_OBJECTS, ROOMS, args.seed) if m.category not in unseen]
     tables = measure_all(models, rooms, args.repeats, progress)
-    report = {"machine": machine(), "settings": {"seed": args.seed, "repeats": args.repeats}, "tables": tables}
+    report = {**made_by(), "settings": {"seed": args.seed, "repeats": args.repeats}, "tables": tables}
     with filling(folder) as draft:
         write_json(draft / "meshes.json", report)
         (draft / "meshes.md").write_text(to_markdown(tables), encoding="utf-8")

@@ -9,7 +9,7 @@ from typing import Any
 
 from ...errors import MissingPackageError
 from ...runtime.made_files import filling
-from ..reports import machine, write_csv, write_json
+from ..reports import made_by, write_csv, write_json
 
 MILLIMETRES, DEGREES = 1.0, 0.1
 
@@ -29,7 +29,7 @@ def write_motion_report(args: argparse.Namespace, folder: Path, progress: Callab
     Returns
     -------
     dict
-        ``machine``, ``settings`` and ``reductions``: what the JSON file holds.
+        ``command``, ``date``, ``machine``, ``settings`` and ``reductions``: what the JSON file holds.
 
     Raises
     ------
@@ -46,8 +46,8 @@ def write_motion_report(args: argparse.Namespace, folder: Path, progress: Callab
     rows = compare_reductions(MILLIMETRES, DEGREES, args.seed)
     settings = {"millimetres": MILLIMETRES, "degrees": DEGREES, "seed": args.seed}
     report = {
-        "machine": {**machine(), "blender": BLENDER_VERSION},
-        "settings": settings,
+        **made_by(),
+        "settings": settings | {"blender": BLENDER_VERSION},
         "reductions": rows,
     }
     with filling(folder) as draft:

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from ...runtime.made_files import filling
-from ..reports import machine, write_csv, write_json
+from ..reports import made_by, write_csv, write_json
 from .poses_benchmark import measure_poses
 from .poses_figure import draw_poses
 
@@ -28,11 +28,11 @@ def write_poses_report(args: argparse.Namespace, folder: Path, progress: Callabl
     Returns
     -------
     dict
-        ``machine``, ``settings`` and ``tables``: what the JSON file holds.
+        ``command``, ``date``, ``machine``, ``settings`` and ``tables``: what the JSON file holds.
     """
     tables = measure_poses(args.count, args.repeats, args.seed, progress)
     report = {
-        "machine": machine(),
+        **made_by(),
         "settings": {"count": args.count, "repeats": args.repeats, "seed": args.seed},
         "tables": tables,
     }

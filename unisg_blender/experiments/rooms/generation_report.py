@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
@@ -53,7 +52,7 @@ def write_report(rows: Sequence[TableRow], facts: dict[str, Any], folder: Path) 
     dict
         What the JSON file holds: the facts, and the rows.
     """
-    report = {"date": datetime.now(UTC).strftime("%Y-%m-%d"), **facts, "rows": [row.to_record() for row in rows]}
+    report = {**facts, "rows": [row.to_record() for row in rows]}
     with filling(folder) as draft:
         (draft / "table.md").write_text(table(rows) + "\n", encoding="utf-8")
         write_json(draft / "table.json", report)
