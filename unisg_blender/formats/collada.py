@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ..errors import UniSGError
 from ..scene import Mesh
-from .axes import Y_UP, Array, axis_turn, numbers, pose, quaternion_turn
+from .axes import Y_UP, Array, axis_turn, numbers, point_rows, pose, quaternion_turn
 
 UP = {"Z_UP": np.eye(4), "Y_UP": Y_UP, "X_UP": pose((0, 0, 0), axis_turn("y", -np.pi / 2))}
 """From the frame with that axis up to ours."""
@@ -166,7 +166,7 @@ class _Document:
             if not 3 <= stride < 64:
                 raise ValueError("points of fewer than three numbers")
             used = values[start : start + (len(values) - start) // stride * stride]
-            self._arrays[source.get("id", "")] = used.reshape(-1, stride)[:, :3]
+            self._arrays[source.get("id", "")] = point_rows(used.reshape(-1, stride)[:, :3])
         return self._arrays[source.get("id", "")]
 
 

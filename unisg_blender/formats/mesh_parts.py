@@ -69,9 +69,8 @@ def _by_trimesh(path: Path, upright: bool) -> list[Part]:
     options: dict[str, Any] = {"skip_materials": True} if path.suffix.lower() in Y_UP_KINDS else {}
     loaded = trimesh.load_scene(path, process=False, **options)
     meshes = {key: _mesh(key, part, change) for key, part in loaded.geometry.items() if hasattr(part, "vertices")}
-    back = np.linalg.inv(change)
     parts = [(str(node), *loaded.graph[node]) for node in loaded.graph.nodes_geometry]
-    return [(name, change @ matrix @ back, meshes[key]) for name, matrix, key in parts if key in meshes]
+    return [(name, change @ matrix @ change.T, meshes[key]) for name, matrix, key in parts if key in meshes]
 
 
 def _mesh(name: str, part: Any, change: Array) -> Mesh:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ..errors import UniSGError
 from ..scene import Mesh, SceneBuilder, SceneGraph, entry_table, mesh_from_faces
 from ..scene.components import RELATIONS
-from .axes import Array, numbers, pose
+from .axes import LARGEST, Array, numbers, pose
 
 FACES = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
 THINNEST = 1e-3
@@ -52,7 +52,7 @@ class RoomBuilder:
         """
         if len(self._uids) >= MOST_ENTITIES:
             raise UniSGError(f"a scene of more than {MOST_ENTITIES:,} entities is not read")
-        if not np.isfinite(local).all():
+        if not (np.abs(local) < LARGEST).all():
             raise ValueError(f"the pose of {uid or category!r} is not finite")
         stem = name or category or "Object"
         self._counts[stem] = number = self._counts.get(stem, -1) + 1
@@ -130,8 +130,8 @@ class RoomBuilder:
 
 def prism(name: str, outline: Array, low: float, high: float) -> Mesh:
     """A polygon (K, 2), in either direction, between two heights."""
-    if len(outline) < 3 or not np.isfinite(outline).all():
-        raise ValueError("an outline has fewer than three corners")
+    if len(outline) < 3 or not (np.abs(outline) < LARGEST).all():
+        raise ValueError("an outline has fewer than three corners, or they are not finite")
     before = np.roll(outline, 1, axis=0)
     if (before[:, 0] * outline[:, 1] - before[:, 1] * outline[:, 0]).sum() < 0:
         outline = outline[::-1]

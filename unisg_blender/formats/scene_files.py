@@ -6,9 +6,10 @@ import importlib
 import re
 import sys
 import warnings
-from collections.abc import Callable
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
 from importlib.util import find_spec
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +20,6 @@ from ..runtime.output_capture import captured_output, heard
 from ..runtime.read_report import Loss, ReadReport
 from ..scene.graph import SceneGraph
 from .json_scenes import is_own_scene, read_json, write_json
-from .layout_file import LayoutReader
 from .layout_scenes import FoundScene, asset_folder, layout_scenes
 from .licences import licence_of
 from .linked_files import files_beside
@@ -92,20 +92,20 @@ class AllScenes:
     Attributes
     ----------
     graphs
-        Its scenes that have entities.
+        Its scenes that have entities; of a file of many layouts one after the other, so that memory need not hold all.
     note
-        In one line what they could not hold, "" for nothing.
+        In one line what they could not hold, "" for nothing; to be asked when all scenes have been taken.
     beside
-        The other files that they are made of, as far as they can be known; missing ones too.
+        The other files that they are made of, as far as they can be known, missing ones too; to be asked then.
     format
         Which kind of layout it is, "" for none.
     licence
         As :func:`~.licences.licence_of` says.
     """
 
-    graphs: list[SceneGraph]
-    note: str = ""
-    beside: list[Path] = field(default_factory=list)
+    graphs: Iterable[SceneGraph]
+    note: Callable[[], str]
+    beside: Callable[[], list[Path]]
     format: str = ""
     licence: str = ""
 
@@ -122,20 +122,25 @@ def read_all_scenes(path: Path, assets: Path | None = None) -> AllScenes:
     else:
         graph, report = _read_directly(path, None)
         graphs = [graph]
-    kept = [graph for graph in graphs if len(graph)]
-    return AllScenes(kept, report.summary(), files_beside(path), licence=licence_of(path))
+    others, kept = files_beside(path), [graph for graph in graphs if len(graph)]
+    return AllScenes(kept, report.summary, lambda: others, licence=licence_of(path))
 
 
 def _all_layouts(path: Path, assets: Path | None) -> AllScenes:
-    graphs, report, places = [], ReadReport(), asset_folder(path, assets)
-    reader: LayoutReader | None = None
-    for found in layout_scenes(path, places):
-        reader = found.reader
-        graphs.append(found.graph)
-        report.extend(found.report)
+    report, places = ReadReport(), asset_folder(path, assets)
+    rest = layout_scenes(path, places)
+    first = next(rest, None)
+    reader = None if first is None else first.reader
+
+    def graphs() -> Iterator[SceneGraph]:
+        """The scenes, while what they lack is collected."""
+        for found in chain([first] if first else [], rest):
+            report.extend(found.report)
+            if len(found.graph):
+                yield found.graph
+
     kind, usual = (reader.NAME, reader.LICENCE) if reader else ("", "")
-    kept = [graph for graph in graphs if len(graph)]
-    return AllScenes(kept, report.summary(), sorted(places.used), kind, licence_of(path, usual))
+    return AllScenes(graphs(), report.summary, lambda: sorted(places.used), kind, licence_of(path, usual))
 
 
 def is_layout(path: Path) -> bool:

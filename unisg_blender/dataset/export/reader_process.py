@@ -16,6 +16,7 @@ import shutil
 import sys
 import threading
 from collections.abc import Callable, Iterable
+from itertools import islice
 from pathlib import Path
 from typing import Any, TextIO
 
@@ -26,7 +27,7 @@ from ...runtime.process_end import end_process
 from ...scene import SceneGraph
 from ...words.category_mapping import apply_mapping
 from ..assets.asset_collector import AssetCollector
-from ..format.columns import Vocabulary
+from ..format.columns import Vocabulary, join
 from ..format.encoding import Sample, encode_scenes
 from ..format.shards import pack_shard
 from ..told_categories import told_categories
@@ -40,6 +41,9 @@ ASSETS = "assets."
 """Starts the names of the arrays of a part that belong to its assets."""
 
 NOT_KEPT = ("animation", "bones", "camera", "instances", "light", "properties", "recording")
+CHUNK = 256
+"""Scenes of a file that are in memory at a time."""
+
 IDLE = 60.0
 GRACE = 30.0
 LONGEST_NOTE = 2000
@@ -53,7 +57,8 @@ def read_file(request: dict[str, Any]) -> AllScenes:
     path = Path(request["path"])
     if request["reader"]:
         read: Reader = load_function(request["reader"])
-        return AllScenes(*read(path))
+        graphs, note, others = read(path)
+        return AllScenes(graphs, lambda: note, lambda: others)
     load_blender()  # a later file may need it
     return read_all_scenes(path, Path(request["assets"]) if request["assets"] else None)
 
@@ -127,35 +132,46 @@ def handle(request: dict[str, Any]) -> dict[str, Any]:
 
 def _export(request: dict[str, Any]) -> dict[str, Any]:
     """Read a file and write its scenes as a shard of their own."""
-    encoder = load_function(request["mesh_encoder"]) if request["mesh_encoder"] else None
     read = read_file(request)
-    graphs, note = read.graphs, read.note
+    encoder = load_function(request["mesh_encoder"]) if request["mesh_encoder"] else None
+    vocabulary, collector, columns = Vocabulary(), AssetCollector(), []
+    scenes = entities = 0
+    notes: dict[str, None] = {}
+    waiting = iter(read.graphs)
+    while chunk := list(islice(waiting, CHUNK)):
+        graphs, lost = _prepared(chunk, request)
+        notes |= dict.fromkeys(lost)
+        samples = [Sample(graph, request["source"], request["label"]) for graph in graphs]
+        columns.append(encode_scenes(samples, request["form"], vocabulary, encoder))
+        for sample in samples:
+            collector.add(sample.graph, request["source"])
+        scenes, entities = scenes + len(samples), entities + sum(map(len, graphs))
+    note = "; ".join(filter(None, [read.note(), *notes]))
+    note = note if len(note) <= LONGEST_NOTE else note[:LONGEST_NOTE] + " ..."
+    answer: dict[str, Any] = {"status": "ok", "scenes": scenes, "not_represented": note, "part": None}
+    answer |= {"beside": checksums(Path(request["path"]), read.beside()), "entities": entities}
+    answer |= {key: value for key, value in (("format", read.format), ("licence", read.licence)) if value}
+    if columns:
+        arrays, index = collector.pack()
+        whole = join(columns) if len(columns) > 1 else columns[0]
+        whole |= {ASSETS + name: values for name, values in arrays.items()}
+        data = pack_shard(whole, {"vocabulary": vocabulary.names, "assets": index, "answer": answer})
+        answer["part"], _ = write_named(Path(request["parts"]), request["key"], ".safetensors", data)
+    return answer
+
+
+def _prepared(graphs: list[SceneGraph], request: dict[str, Any]) -> tuple[list[SceneGraph], list[str]]:
+    """Scenes as they are to be encoded, and what is left out of them."""
+    notes = []
     if request["mapping"]:
         graphs = [apply_mapping(graph, request["mapping"]) for graph in graphs]
-    notes = [note]
     if request["instances"] == "realize":
         realized = [realize_objects(graph) for graph in graphs]
-        graphs, notes = [graph for graph, _ in realized], [note, *(lost for _, lost in realized)]
+        graphs, notes = [graph for graph, _ in realized], [lost for _, lost in realized]
     if request["understand"] is not None:
         said = (request["mapping"] or {}).get("words")
         graphs = [told_categories(graph, request["understand"], said) for graph in graphs]
-    samples = [Sample(graph, request["source"], request["label"]) for graph in graphs]
-    note = "; ".join(filter(None, [*notes, _left_out(graphs)]))
-    note = note if len(note) <= LONGEST_NOTE else note[:LONGEST_NOTE] + " ..."
-    answer: dict[str, Any] = {"status": "ok", "scenes": len(samples), "not_represented": note, "part": None}
-    answer["beside"] = checksums(Path(request["path"]), read.beside)
-    answer |= {key: value for key, value in (("format", read.format), ("licence", read.licence)) if value}
-    answer["entities"] = sum(len(sample.graph) for sample in samples)
-    if samples:
-        vocabulary, collector = Vocabulary(), AssetCollector()
-        columns = encode_scenes(samples, request["form"], vocabulary, encoder)
-        for sample in samples:
-            collector.add(sample.graph, request["source"])
-        arrays, index = collector.pack()
-        columns |= {ASSETS + name: values for name, values in arrays.items()}
-        data = pack_shard(columns, {"vocabulary": vocabulary.names, "assets": index, "answer": answer})
-        answer["part"], _ = write_named(Path(request["parts"]), request["key"], ".safetensors", data)
-    return answer
+    return graphs, [*notes, _left_out(graphs)]
 
 
 def _left_out(graphs: Iterable[SceneGraph]) -> str:

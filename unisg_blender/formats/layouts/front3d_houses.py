@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from ...scene import Mesh, SceneGraph, mesh_from_faces
-from ..axes import Y_UP, Array, numbers, pose, quaternion_turn, seen_from
+from ..axes import Y_UP, Array, numbers, point_rows, pose, quaternion_turn, seen_from
 from ..layout_file import LayoutFile, has_lists
 from ..room_builder import RoomBuilder
 
@@ -72,11 +72,11 @@ def _placed(child: Mapping[str, Any]) -> Array:
 
 def _inline(item: Mapping[str, Any]) -> Mesh:
     """A mesh of the file, in our frame."""
-    points = np.asarray(item["xyz"], np.float64).reshape(-1, 3) @ Y_UP[:3, :3].T
+    corners = point_rows(item["xyz"]) @ Y_UP[:3, :3].T
     faces = np.asarray(item["faces"], np.int64).reshape(-1, 3)
-    if len(faces) and not 0 <= faces.min() <= faces.max() < len(points):
+    if len(faces) and not 0 <= faces.min() <= faces.max() < len(corners):
         raise ValueError(f"the mesh {item['uid']!r} has faces of points that it does not have")
-    return mesh_from_faces(str(item.get("type", "Mesh")), points, faces)
+    return mesh_from_faces(str(item.get("type", "Mesh")), corners, faces)
 
 
 def _furniture(file: LayoutFile, builder: RoomBuilder, item: Mapping[str, Any]) -> Mesh | None:

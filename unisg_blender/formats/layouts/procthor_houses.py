@@ -18,7 +18,7 @@ import numpy as np
 
 from ...errors import UniSGError
 from ...scene import SceneGraph
-from ..axes import Array, pose, unity_point, unity_turn
+from ..axes import Array, pose, rigid_inverse, unity_point, unity_turn
 from ..layout_file import LayoutFile, has_lists
 from ..mesh_parts import moved
 from ..room_builder import SHEET, RoomBuilder, wall_frame
@@ -112,7 +112,7 @@ class _House:
             shape = self.builder.box_mesh(category, size, -0.5)
             if mesh is not None:
                 shape = moved(mesh, pose(-mesh.bounds.mean(axis=0)))
-            local, bottom = np.linalg.inv(above) @ world, float(world[2, 3] - size[2] / 2)
+            local, bottom = rigid_inverse(above) @ world, float(world[2, 3] - size[2] / 2)
             others = {"asset": item["assetId"]}
             parent = self.builder.add(category, local, shape, uid=uid, parent=parent, others=others)
             if holder is not None:

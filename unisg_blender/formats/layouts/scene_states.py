@@ -80,7 +80,7 @@ def _object(builder: RoomBuilder, item: Mapping[str, Any], unit: float, file: La
     said = _annotations(file, model)
     category = str(said.get("category", ""))
     builder.add(
-        category, matrix @ np.linalg.inv(Y_UP), mesh, uid=uid, others={"asset": model}, name=category or "Object"
+        category, matrix @ Y_UP.T, mesh, uid=uid, others={"asset": model}, name=category or "Object"
     )
 
 
