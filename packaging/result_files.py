@@ -9,6 +9,7 @@ import re
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from functools import cache
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -93,9 +94,10 @@ def constants(module: str) -> dict[str, Any]:
 
 
 def constant(name: str) -> Any:
-    """A constant of the library: ``constant("generate.propose.anchor_proposer:DRAWN")``."""
+    """A constant of the library, ``constant("generate.propose.anchor_proposer:DRAWN")``: imported if no literal."""
     module, _, wanted = name.partition(":")
-    return constants(module)[wanted]
+    known = constants(module) if (LIBRARY / f"{module.replace('.', '/')}.py").is_file() else {}
+    return known[wanted] if wanted in known else getattr(import_module(f"unisg_blender.{module}"), wanted)
 
 
 @cache
