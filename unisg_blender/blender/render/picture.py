@@ -83,11 +83,7 @@ def render_picture(
     """
     path = Path(path).absolute()
     scene = scene or bpy.context.scene
-    items = [
-        item
-        for item in scene.objects
-        if item.type in SHOWN and not item.hide_render and category_of(item) not in leave_out
-    ]
+    items = _drawn(scene, leave_out)
     if points is None:
         points = room.points / metres_per_unit(scene) if room is not None else _all_points(scene, items)
     if not len(points):
@@ -103,6 +99,11 @@ def render_picture(
         except RuntimeError as error:
             raise UniSGError(f"cannot render {path}: {str(error).strip()}") from None
         return _what_is_wrong(unfinished)
+
+
+def _drawn(scene: bpy.types.Scene, leave_out: Collection[str]) -> list[bpy.types.Object]:
+    shown = (item for item in scene.objects if item.type in SHOWN and not item.hide_render)
+    return [item for item in shown if category_of(item) not in leave_out]
 
 
 def _what_is_wrong(path: Path) -> str:

@@ -79,9 +79,7 @@ def _object(builder: RoomBuilder, item: Mapping[str, Any], unit: float, file: La
         file.report.add(model, "its model is not there: it is a place without a shape (--assets FOLDER)")
     said = _annotations(file, model)
     category = str(said.get("category", ""))
-    builder.add(
-        category, matrix @ Y_UP.T, mesh, uid=uid, others={"asset": model}, name=category or "Object"
-    )
+    builder.add(category, matrix @ Y_UP.T, mesh, uid=uid, others={"asset": model}, name=category or "Object")
 
 
 def _annotations(file: LayoutFile, model: str) -> Mapping[str, Any]:

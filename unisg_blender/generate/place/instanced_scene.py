@@ -39,7 +39,8 @@ def without_instances(result: SceneGraph, before: SceneGraph, shown: SceneGraph)
 
 def _owners(before: SceneGraph, shown: SceneGraph) -> dict[str, str]:
     """By uid of an entity that an instance shows the uid of the entity that has the instance."""
-    known, found = set(before.uid), {}
+    known = set(before.uid)
+    found: dict[str, str] = {}
     for row, uid in enumerate(shown.uid):
         if uid not in known:
             above = shown.uid[int(shown.parent[row])]
