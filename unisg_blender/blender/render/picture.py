@@ -93,12 +93,16 @@ def render_picture(
     with replacing(path) as unfinished, view_of as seen, shader_colors(seen), _stage(seen, engine) as stage:
         _aim(stage.camera, points, toward, size)
         _set_output(stage, unfinished, size, engine, by_category)
-        try:
-            with captured_output():
-                bpy.ops.render.render(write_still=True, scene=stage.name)
-        except RuntimeError as error:
-            raise UniSGError(f"cannot render {path}: {str(error).strip()}") from None
+        _render(stage, path)
         return _what_is_wrong(unfinished)
+
+
+def _render(stage: bpy.types.Scene, path: Path) -> None:
+    try:
+        with captured_output():
+            bpy.ops.render.render(write_still=True, scene=stage.name)
+    except RuntimeError as error:
+        raise UniSGError(f"cannot render {path}: {str(error).strip()}") from None
 
 
 def _drawn(scene: bpy.types.Scene, leave_out: Collection[str]) -> list[bpy.types.Object]:
