@@ -170,9 +170,17 @@ def test_rows_added_to_a_standing_scene_share_its_meshes() -> None:
     assert_same_scene(wanted, read_scene())
 
 
-def test_a_damaged_mesh_changes_nothing() -> None:
+@pytest.mark.parametrize(
+    "damage",
+    [
+        {"corners": [0, 1, 3]}, {"corners": [-1, 1, 2]}, {"offsets": [0, 4]}, {"offsets": [1, 3]},
+        {"offsets": [0, 4, 3]}, {"offsets": []}, {"edges": [[0, 3]]}, {"edges": [[-1, 0]]}, {"material_index": [0, 0]},
+    ],
+)  # fmt: skip
+def test_a_damaged_mesh_changes_nothing(damage: dict[str, list[int]]) -> None:
     points = np.zeros((3, 3), np.float32)
-    bad = Mesh("Bad", points, np.array([0, 1, 7], np.int32), np.array([0, 3], np.int32))
+    sound = {"corners": [0, 1, 2], "offsets": [0, 3]}
+    bad = Mesh("Bad", points, **{name: np.array(values, np.int32) for name, values in (sound | damage).items()})
     builder = SceneBuilder()
     builder.add("Good", uid="g", mesh=mesh_from_faces("Good", points, [[0, 1, 2]]))
     builder.add("Bad", uid="b", mesh=bad)

@@ -53,7 +53,7 @@ def test_inspect_prints_and_draws(folder: Path, tmp_path: Path, capsys: pytest.C
     assert [Path(path).name for path in record["figures"]] == ["histograms.png", "scenes.png"]
     for path in record["figures"]:
         assert Path(path).read_bytes().startswith(b"\x89PNG")
-    assert len(list((tmp_path / "figures").iterdir())) == 2
+    assert len(list((tmp_path / "figures").glob("[!.]*"))) == 2
     assert main(["inspect", str(tmp_path)]) == UNUSABLE_INPUT
 
 

@@ -10,6 +10,7 @@ import pytest
 
 from unisg_blender.cli import main
 from unisg_blender.poses import FORMS
+from unisg_blender.runtime.made_files import MARKER
 
 pytest.importorskip("matplotlib")
 pytest.importorskip("threadpoolctl")
@@ -27,7 +28,7 @@ def test_writes_tables_and_figures(tmp_path: Path, capsys: pytest.CaptureFixture
             assert len(list(csv.DictReader(file))) == len(rows) > 0
     assert (out / "poses.png").read_bytes().startswith(b"\x89PNG")
     assert (out / "poses.svg").read_text().lstrip().startswith("<?xml")
-    assert not [path for path in out.iterdir() if path.name.startswith(".")]
+    assert [path.name for path in out.iterdir() if path.name.startswith(".")] == [MARKER]
     exact = report["tables"]["exactness"]
     assert {row["form"] for row in exact} == set(FORMS)
     for row in exact:
