@@ -12,6 +12,7 @@ from tests.blender.helpers import add, assert_same_scene, box
 from unisg_blender import UniSGError
 from unisg_blender.blender import ReadReport, read_scene, write_rows, write_scene
 from unisg_blender.scene import ActionData, LessonNode, Mesh, Relation, SceneBuilder, mesh_from_faces
+from unisg_blender.scene.mesh import check_mesh
 from unisg_blender.scene.properties import relations_of
 
 
@@ -208,3 +209,18 @@ def test_an_empty_scene() -> None:
     graph = read_scene()
     assert len(graph) == 0
     assert len(read_scene(write_scene(graph))) == 0
+
+
+@pytest.mark.parametrize(("materials", "expected"), [(0, None), (1, None), (2, [1, 0, 1, 1, 0, 0])])
+def test_faces_of_slots_that_are_not_there_have_the_last_one(materials: int, expected: list[int] | None) -> None:
+    """As Blender shows them; joined meshes are left so."""
+    mesh = box()
+    for number in range(materials):
+        mesh.materials.append(bpy.data.materials.new(f"Paint {number}"))
+    mesh.polygons.foreach_set("material_index", [7, 0, 1, 9, 0, 0])
+    add("Wall", mesh)
+    found = read_scene().meshes[0]
+    check_mesh(found)
+    assert (found.material_index is None) == (expected is None)
+    if found.material_index is not None:
+        assert found.material_index.tolist() == expected

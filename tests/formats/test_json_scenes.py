@@ -95,6 +95,9 @@ def record_of(tmp_path: Path) -> dict:
         (lambda record: record["entities"][3].update(local=[[1.0]]), "damaged"),
         (lambda record: record["entities"][3].update(mesh=1000), "damaged"),
         (lambda record: record["meshes"][0]["corners"].append(-1), "damaged"),
+        (lambda record: record["meshes"][0]["offsets"].insert(1, 9), "damaged"),
+        (lambda record: record["meshes"][0].update(normals=[[0.0, 0.0, 1.0]]), "damaged"),
+        (lambda record: record["meshes"][0].update(material_index=[0]), "damaged"),
         (lambda record: record["components"]["relations"]["rows"].append(1), "damaged"),
         (
             lambda record: record["components"]["relations"]["columns"]["kind"]["values"].insert(0, {"odd": 1}),
@@ -111,6 +114,16 @@ def test_what_is_no_whole_scene_is_told(tmp_path: Path, change: object, reason: 
     with pytest.raises(UniSGError, match=reason) as told:
         read_scene_file(path)
     assert "\n" not in str(told.value)
+
+
+def test_a_slot_that_is_not_there_is_the_last_one(tmp_path: Path) -> None:
+    record = record_of(tmp_path)
+    faces = len(record["meshes"][0]["offsets"]) - 1
+    record["meshes"][0] |= {"materials": ["Red", "Blue"], "material_index": [5, -1, *[1] * (faces - 2)]}
+    (tmp_path / "scene.json").write_text(json.dumps(record))
+    mesh = read_json(tmp_path / "scene.json").meshes[0]
+    assert mesh.material_index is not None
+    assert mesh.material_index.tolist() == [1, 0, *[1] * (faces - 2)]
 
 
 @pytest.mark.parametrize("text", ["", "{", "[]", "7", "[" * 10_000, "\xff"])

@@ -12,6 +12,7 @@ import pytest
 from tests.usd.compare import assert_same_graph
 from unisg_blender import UniSGError
 from unisg_blender.scene import Mesh, SceneBuilder, mesh_from_faces, table
+from unisg_blender.scene.mesh import check_mesh
 from unisg_blender.usd import read_usd, write_usd
 
 TRIANGLE = mesh_from_faces("Triangle", np.eye(3), [[0, 1, 2]])
@@ -274,6 +275,31 @@ def Mesh "Box"
 }
 """)
     assert read_usd(path)["Box"].mesh.materials == ("one", "two")
+
+
+def test_a_slot_that_is_not_there_is_the_last_one(tmp_path: Path) -> None:
+    path = tmp_path / "slots.usda"
+    path.write_text("""#usda 1.0
+def Mesh "Box"
+{
+    point3f[] points = [(0, 0, 0), (1, 0, 0), (0, 1, 0)]
+    int[] faceVertexCounts = [3, 3]
+    int[] faceVertexIndices = [0, 1, 2, 2, 1, 0]
+    uniform token subdivisionScheme = "none"
+    custom string[] unisg:materials = ["a", "b"]
+    uniform token subsetFamily:materialBind:familyType = "partition"
+    def GeomSubset "two"
+    {
+        uniform token familyName = "materialBind"
+        uniform token elementType = "face"
+        int[] indices = [1]
+        custom int unisg:slot = 12
+    }
+}
+""")
+    mesh = read_usd(path)["Box"].mesh
+    check_mesh(mesh)
+    assert (mesh.materials, mesh.material_index.tolist()) == (("a", "b"), [0, 1])
 
 
 @pytest.mark.parametrize("old", ["int[] faceVertexIndices", "int[] faceVertexCounts", "point3f[] points"])

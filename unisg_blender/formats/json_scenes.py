@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +25,7 @@ from ..runtime.json_records import check_version, from_record, parse_json, to_re
 from ..scene import ActionData, FrameRange, LessonNode, Material, Mesh, SceneGraph, Table
 from ..scene.graph import TYPE_INDEX
 from ..scene.lesson_node import lesson_from_json
+from ..scene.mesh import check_mesh, shown_slots
 from ..scene.scene_text import to_records
 
 KEY = "unisg_scene"
@@ -232,7 +234,7 @@ def _mesh(record: Mapping[str, Any]) -> Mesh:
         material_index=array("material_index", np.int32, -1),
         materials=tuple(record["materials"]),
     )
-    used = np.concatenate([mesh.corners, mesh.edges.ravel()])
-    if ((used < 0) | (used >= len(mesh.points))).any() or mesh.offsets[-1] != len(mesh.corners):
-        raise ValueError(f"the mesh {mesh.name!r} has faces of points that it does not have")
+    if mesh.material_index is not None:
+        mesh = replace(mesh, material_index=shown_slots(mesh.material_index, len(mesh.materials)))
+    check_mesh(mesh)
     return mesh

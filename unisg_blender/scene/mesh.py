@@ -99,6 +99,11 @@ class Mesh:
         return digest.hexdigest()
 
 
+def shown_slots(index: NDArray[np.int32], slots: int) -> NDArray[np.int32]:
+    """The material slot that Blender shows on each face (F,): a stored number beyond the slots stands for the last."""
+    return np.clip(index, 0, max(slots - 1, 0)).astype(np.int32)
+
+
 def check_mesh(mesh: Mesh) -> None:
     """UniSGError if the arrays of a mesh have other types, shapes or ranges than :class:`Mesh` says."""
     corners, faces, slots = len(mesh.corners), len(mesh.offsets) - 1, max(len(mesh.materials), 1)

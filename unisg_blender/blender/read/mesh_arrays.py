@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import UniSGError
-from ...scene.mesh import Mesh
+from ...scene.mesh import Mesh, shown_slots
 
 
 def read_mesh(mesh: bpy.types.Mesh, name: str = "") -> Mesh:
@@ -49,7 +49,7 @@ def _read_arrays(mesh: bpy.types.Mesh, name: str) -> Mesh:
         edges=_loose_edges(mesh),
         normals=_corner_normals(mesh, corners) if corners and mesh.normals_domain != "FACE" else None,
         uvs={layer.name: _values(attributes, layer.name, "vector", corners, 2, np.float32) for layer in mesh.uv_layers},
-        material_index=None if index is None else _material_index(attributes, faces),
+        material_index=None if index is None else _material_index(attributes, faces, len(mesh.materials)),
         materials=tuple("" if material is None else material.name for material in mesh.materials),
     )
 
@@ -64,8 +64,8 @@ def _values(
     return values
 
 
-def _material_index(attributes: bpy.types.AttributeGroup, faces: int) -> NDArray[np.int32] | None:
-    index = _values(attributes, "material_index", "value", faces, 1, np.int32).ravel()
+def _material_index(attributes: bpy.types.AttributeGroup, faces: int, slots: int) -> NDArray[np.int32] | None:
+    index = shown_slots(_values(attributes, "material_index", "value", faces, 1, np.int32).ravel(), slots)
     return index if index.any() else None
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pxr import Usd, UsdGeom, UsdShade
 
-from ...scene.mesh import Material, Mesh
+from ...scene.mesh import Material, Mesh, shown_slots
 from .. import schema
 from ..names import true_name
 from .gprims import shape_arrays
@@ -102,6 +102,7 @@ class MeshPrims:
             members = np.array(subset.GetIndicesAttr().Get(Usd.TimeCode.EarliestTime()) or (), np.int64)
             members = members[(members >= 0) & (members < faces)]
             index[members] = slot
+        index = shown_slots(index, len(names))
         return tuple(names), index if index.any() else None
 
     def _material_name(self, material: Any) -> str:
