@@ -21,6 +21,7 @@ from unisg_blender.behaviour import (
     simulate,
     with_events,
 )
+from unisg_blender.behaviour.record.pose_recorder import as_blender_does
 from unisg_blender.behaviour.record.recorded_events import WORDS, new_inputs
 from unisg_blender.cli import main
 from unisg_blender.errors import UniSGError
@@ -186,3 +187,18 @@ def test_what_comes_while_recording_is_looked_at_from_then_on():
         "a": [0.0, 1.0],
         "b": [1.0, 2.0],
     }
+
+
+@pytest.mark.parametrize("degrees", [30.0, 100.0, 170.0])
+def test_between_two_keys_blender_turns_the_shorter_way(degrees: float) -> None:
+    """Whatever the signs of their quaternions: those of 170 and -170 degrees point apart."""
+
+    def turned(angle: float) -> np.ndarray:
+        """Features of a turn about Z."""
+        half = np.radians(angle) / 2
+        return np.array([1.0, 2.0, 3.0, np.cos(half), 0.0, 0.0, np.sin(half)])
+
+    half_way = as_blender_does(turned(degrees), turned(-degrees), np.array(0.5), "quaternion")
+    expected = turned(0.0) if degrees < 90 else turned(180.0)
+    np.testing.assert_allclose(half_way[:3], expected[:3], atol=1e-12)
+    assert abs(half_way[3:] @ expected[3:]) == pytest.approx(1)

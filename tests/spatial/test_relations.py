@@ -86,6 +86,17 @@ def test_inside_a_bowl_on_a_table() -> None:
     assert ("apple", "on_top_of", "table") not in found
 
 
+@pytest.mark.parametrize("past", [(0.3, 0.0), (-0.3, 0.0), (0.0, 0.3), (0.0, -0.3)])
+def test_what_reaches_out_of_a_bowl_is_not_inside(past: tuple[float, float]) -> None:
+    """One side of its box lies beyond the bowl's, its middle does not."""
+    low = (min(past[0], -0.02), min(past[1], -0.02), 0.02)
+    ladle = block(low, (max(past[0], 0.02), max(past[1], 0.02), 0.06))
+    bowl = (BOWL, placed(0, 0, 0))
+    assert ("ladle", "inside", "bowl") not in told(scene(bowl=bowl, ladle=(ladle, placed(0, 0, 0))))
+    spoon = mesh_from_faces("Spoon", ladle.points * [0.4, 0.4, 1], FACES)
+    assert ("spoon", "inside", "bowl") in told(scene(bowl=bowl, spoon=(spoon, placed(0, 0, 0))))
+
+
 def test_above_and_below() -> None:
     found = told(scene(low=(CUBE, placed(0, 0, 0)), high=(CUBE, placed(0.2, 0, 2.5)), far=(CUBE, placed(0, 0, 9))))
     assert {("high", "above", "low"), ("low", "below", "high")} <= found
