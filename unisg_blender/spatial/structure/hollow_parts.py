@@ -24,7 +24,7 @@ MOST = 20_000
 
 
 def with_faces(graph: SceneGraph, objects: SceneObjects, looked_at: Bools) -> tuple[Boxes, Ints]:
-    """The part boxes of K objects and whose they are; boxes of hollow ones, of ``looked_at`` (K,), lie on their faces."""
+    """Part boxes of K objects and whose they are; those of hollow ones, of ``looked_at`` (K,), lie on their faces."""
     low, high = world_bounds(objects.parts)
     size = high - low
     broad = (size[:, :2].prod(axis=1) > BROAD) & (size[:, 2] > HIGH) & looked_at[objects.owner]
