@@ -100,17 +100,30 @@ def has_room(judge: Judge, generator: Generator, name: str) -> bool:
 
 
 def report(rows: list[dict[str, Any]], out: Path | None) -> None:
-    """Print totals, and write the record."""
-    stands = [row for row in rows if row["placed"]]
-    fit = [row for row in rows if row["fits"]]
-    totals: dict[str, Any] = {"interiors": len({row["interior"] for row in rows}), "wanted": len(rows)}
-    totals |= {"placed": len(stands), "fit": len(fit)}
-    totals |= {"placed_of_fitting": round(sum(row["placed"] for row in fit) / max(len(fit), 1), 3)}
-    totals |= {name: sum(name in row["wrong"] for row in stands) for name in FAULTS}
-    totals |= {"right": sum(not row["wrong"] for row in stands)}
-    print(json.dumps(totals), flush=True)
+    """Print totals, and write the record; what it has of other interiors and seeds already stays there."""
+    known = json.loads(out.read_text("utf8"))["rows"] if out is not None and out.is_file() else []
+    done = {(row["interior"], row["seed"]) for row in rows}
+    rows = [row for row in known if (row["interior"], row["seed"]) not in done] + rows
+    print(json.dumps(totals(rows)), flush=True)
     if out is not None:
-        write_json(out, {"machine": machine(), "totals": totals, "rows": rows})
+        each = [
+            {"interior": name} | totals([row for row in rows if row["interior"] == name])
+            for name in dict.fromkeys(row["interior"] for row in rows)
+        ]
+        write_json(out, {"machine": machine(), "totals": totals(rows), "interiors": each, "rows": rows})
+
+
+def totals(rows: list[dict[str, Any]]) -> dict[str, Any]:
+    """How many things were placed, of those for which there is room, and what is wrong with them."""
+    stands, fit = [row for row in rows if row["placed"]], [row for row in rows if row["fits"]]
+    found: dict[str, Any] = {
+        "count": len({row["interior"] for row in rows}),
+        "seeds": len({row["seed"] for row in rows}),
+    }
+    found |= {"wanted": len(rows), "placed": len(stands), "fit": len(fit)}
+    found |= {"placed_of_fitting": round(sum(row["placed"] for row in fit) / max(len(fit), 1), 3)}
+    found |= {name: sum(name in row["wrong"] for row in stands) for name in FAULTS}
+    return found
 
 
 if __name__ == "__main__":

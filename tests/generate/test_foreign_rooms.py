@@ -18,6 +18,7 @@ from tests.spatial.built_rooms import (
     scene,
     slab,
     table,
+    walls,
 )  # fmt: skip
 from unisg_blender.generate import Generator
 from unisg_blender.generate.check.settled_scene import settle_rows
@@ -176,3 +177,11 @@ def test_things_go_onto_what_is_level_and_not_into_what_is_seen(generator, tilt,
     }
     if not tilt:
         assert [held.get(item.name) for item in made.objects if not item.refused] == ["desk"] * added
+
+
+def test_a_thing_around_the_room_leaves_it_free(generator) -> None:
+    """Skirtings of all walls in one mesh, an L-shaped counter: their boxes are the room, they are not."""
+    skirting = joined(walls(SQUARE * 0.98 + 0.04, 0.0, 0.35, 0.02))
+    counter = joined([box((0.1, 2.9, 0), (3.4, 3.5, 0.9)), box((2.8, 0.9, 0), (3.4, 2.9, 0.9))])
+    for thing in (skirting, counter):
+        check(generator.add(scene(room(SQUARE, 0.1) | {"thing": thing}), {"Chair": 2, "Plant": 1}, 2), SQUARE, 0.0, 3)

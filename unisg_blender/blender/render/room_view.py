@@ -14,6 +14,9 @@ from ...scene.properties import CATEGORY
 from ..depsgraph import updated_depsgraph
 from ..scene_units import metres_per_unit
 
+BEFORE, STEPS = 4.0, 12
+"""Metres before the room in which faces may hide it, and at how many places on the way of looking that is tested."""
+
 EYE_HEIGHT, UNDER_CEILING = 2.6, 0.15
 """Metres of walls that are shown at most; and metres under the ceiling from which on faces are left out."""
 
@@ -63,10 +66,21 @@ class RoomView:
         return (way[np.arange(len(places)), nearest] * normal).sum(axis=1), normal
 
     def hides(self, middles: Points, toward: Points) -> NDArray[np.bool_]:
-        """Which faces with middles (N, 3) hide the room from a camera that looks along ``toward`` (3,)."""
-        outside, normal = self.beside(middles[:, :2])
-        in_front = (outside > -AT_WALL) & (normal @ toward[:2] < 0) & (middles[:, 2] > self.floor + 0.02)
-        return in_front | (middles[:, 2] > self.ceiling - UNDER_CEILING)
+        """Which faces with middles (N, 3) hide the room from a camera that looks along ``toward`` (3,).
+
+        Those behind which, on the way of looking, is the room; and what is above its ceiling.
+        """
+        found = middles[:, 2] > self.ceiling - UNDER_CEILING
+        low, high = self.outline.min(axis=0) - BEFORE, self.outline.max(axis=0) + BEFORE
+        near = ((middles[:, :2] > low) & (middles[:, :2] < high)).all(axis=1) & (middles[:, 2] > self.floor + 0.02)
+        near &= ~found
+        near[near] = self.beside(middles[near, :2])[0] > -AT_WALL
+        top = min(self.ceiling, self.floor + EYE_HEIGHT)
+        for step in np.linspace(2 * AT_WALL, BEFORE, STEPS):
+            behind = middles[near] + step * toward / np.linalg.norm(toward)
+            within = (self.beside(behind[:, :2])[0] < 0) & (behind[:, 2] > self.floor) & (behind[:, 2] < top)
+            found[np.flatnonzero(near)[within]] = True
+        return found
 
 
 @contextmanager

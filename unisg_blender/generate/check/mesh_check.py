@@ -76,14 +76,16 @@ def faults(
     """
     around, found = Surroundings.of(graph, before), {}
     gone = np.zeros(len(graph), bool)
-    for uid in reversed(uids):
-        row = graph.row_of_uid[uid]
-        if graph.category_name(row) in STRUCTURE:
-            continue
-        reason = _fault(around, row, gone, (holders or {}).get(uid, -1))
-        if reason:
-            found[uid] = reason
-            gone[subtree(graph, row)] = True
+    left = [uid for uid in reversed(uids) if graph.category_name(graph.row_of_uid[uid]) not in STRUCTURE]
+    again = True
+    while again:  # what stood on, or touched, something that does not hold is looked at once more
+        again = False
+        for uid in [uid for uid in left if uid not in found]:
+            row = graph.row_of_uid[uid]
+            reason = _fault(around, row, gone, (holders or {}).get(uid, -1))
+            if reason:
+                found[uid], again = reason, True
+                gone[subtree(graph, row)] = True
     return found | dict.fromkeys(_cutting(around, [uid for uid in uids if uid not in found], gone), CUTTING)
 
 
@@ -125,11 +127,11 @@ def _fault(around: Surroundings, row: int, gone: Bools, holder_row: int) -> str:
     kinds = _relations(around.graph, row)
     held = holder_row >= 0 or bool(kinds & HELD)
     holder_row = holder_row if holder_row >= 0 else int(around.graph.parent[row])
+    holder = np.isin(other_row, subtree(around.graph, holder_row)) if held and holder_row >= 0 else other_row < 0
     stands = _grounded(around, mine) or _carried(mine, others)
-    if not stands and not (held and _touched(mine, others)):
+    if not stands and not (held and _touched(mine, others[holder] if holder_row >= 0 else others)):
         return FLOATING
     matrix = world_matrices(around.graph)[row]
-    holder = np.isin(other_row, subtree(around.graph, holder_row)) if held and holder_row >= 0 else other_row < 0
     skin = smaller(mine, matrix)
     inside_of = _entered(skin, others[~holder], other_row[~holder])
     if not len(inside_of) and held and INSIDE not in kinds:

@@ -18,13 +18,17 @@ from ...spatial.structure.room_objects import RoomObjects, room_objects
 from ...spatial.supports import levels_of
 from ..observe.placeable import Placeable
 from ..observe.prior_tables import PriorTables
-from ..observe.support_priors import AT_SIDE, HANGS, RESTS, CategoryPriors, SupportPrior, contact
+from ..observe.support_priors import AT_SIDE, HANGS, RESTS, CategoryPriors, SupportPrior, contact, side_gap
 from .free_space import NOBODY, FreeSpace
 from .refusal_reason import why_not
 from .settle_geometry import Support, fitting, rest, search
 
 NEAREST, FARTHEST, STEPS, DIRECTIONS = 0.02, 0.6, 16, 16
 """Free places are looked for on so many rings, between these radii in metres, in so many directions."""
+
+OFF_WALL, OFF_FLOOR, FLAT = 0.03, 0.3, 0.25
+"""Metres before a wall, and above the lowest floor, at which something hangs on it that is no deeper than such a share
+of its size."""
 
 SUNK = 0.5
 """An object may be sunk by this share of its height into what it is to stand on."""
@@ -58,6 +62,7 @@ def resting_places(
     names = [
         FLOOR if floor else graph.category_name(int(row)) for row, floor in zip(objects.row, room.floor, strict=True)
     ]
+    walls = [number for number, name in enumerate(names) if name == "Wall" or _is_made_wall(room, number)]
     wanted, filled = set(rows), np.unique(objects.owner)
     mine = [int(t) for t in filled if int(objects.row[t]) in wanted and not _is_building(room, names, int(t))]
     fixed = np.isin(objects.owner, [t for own in mine for t in (own, *_held_by(objects, own))], invert=True)
@@ -73,7 +78,7 @@ def resting_places(
         row = int(objects.row[obj])
         placeable = Placeable(object_graph(graph, row))
         now = np.array([*objects.center[obj, :2], objects.bottom[obj], objects.yaw[obj]])
-        support = _support_of(objects, obj, names, space)
+        support = _support_of(objects, obj, names, walls, space)
         place = _settled(placeable, now, support, space)
         name = names[support.obj] if support.obj >= 0 else ""
         note = "" if place is not None else why_not(placeable, now, -1, support, name, space)
@@ -87,6 +92,12 @@ def resting_places(
         here, hangs = now if place is None else place, support.contact in (HANGS, AT_SIDE)
         found.append(Settled(row, placeable.world(here), note, int(objects.row[support.obj]) if hangs else -1))
     return found
+
+
+def _is_made_wall(room: RoomObjects, obj: int) -> bool:
+    """Is an object a wall that was recognised? Openings are in walls, walls on the floor."""
+    made = room.structure is not None and int(room.objects.row[obj]) in room.structure.parts
+    return made and not room.floor[obj] and room.objects.relation[obj] == "on_top_of"
 
 
 def _is_building(room: RoomObjects, names: Sequence[str], obj: int) -> bool:
@@ -122,13 +133,16 @@ def _moved(objects: SceneObjects, moving: Iterable[int], before: Floats, after: 
     return replace(objects, center=carried(objects.center, chosen), yaw=objects.yaw + spin * chosen, parts=parts)
 
 
-def _support_of(objects: SceneObjects, obj: int, names: list[str], space: FreeSpace) -> Support:
+def _support_of(objects: SceneObjects, obj: int, names: list[str], walls: Sequence[int], space: FreeSpace) -> Support:
     """What is to hold an object: what it hangs from or is fixed to, else what is below its middle."""
     parent = int(objects.support[obj])
     if parent >= 0:
         kind, gap = contact(objects, obj, parent)
         if kind in (HANGS, AT_SIDE) and names[parent] != FLOOR:
             return Support(parent, SupportPrior(names[parent], 1, kind, gap), space.parts_of(parent), False)
+    wall, gap = _wall_behind(objects, obj, walls)
+    if wall >= 0:
+        return Support(wall, SupportPrior("Wall", 1, AT_SIDE, gap), space.parts_of(wall), False)
     tops = np.where(space.owner == NOBODY, np.inf, part_tops(space.boxes))
     limit = objects.bottom[obj] + SUNK * 2 * objects.half[obj, 2]
     under = covers(space.boxes, objects.center[obj, :2]) & (tops <= limit + 1e-6)
@@ -136,6 +150,20 @@ def _support_of(objects: SceneObjects, obj: int, names: list[str], space: FreeSp
         return Support(-1, SupportPrior("", 1, RESTS), space.boxes.take(np.zeros(0, np.int64)), False)
     below = int(space.owner[under.nonzero()[0][tops[under].argmax()]])
     return Support(below, SupportPrior(names[below], 1, RESTS), space.parts_of(below), names[below] == FLOOR)
+
+
+def _wall_behind(objects: SceneObjects, obj: int, walls: Sequence[int]) -> tuple[int, float]:
+    """The wall that something flat hangs on, or close before, off the floor, and the gap, metres; -1 for none."""
+    half = objects.half[obj]
+    if min(half[:2]) > FLAT * max(half) or objects.bottom[obj] - objects.bottom.min() < OFF_FLOOR:
+        return -1, 0.0
+    found = []
+    for wall in walls:
+        if objects.bottom[wall] < objects.center[obj, 2] < objects.top[wall]:
+            gap = side_gap(objects, obj, wall)
+            if -OFF_WALL <= gap <= OFF_WALL:
+                found.append((abs(gap), wall, max(gap, 0.0)))
+    return min(found)[1:] if found else (-1, 0.0)
 
 
 def _settled(placeable: Placeable, now: Floats, support: Support, space: FreeSpace) -> Floats | None:

@@ -9,8 +9,8 @@ from functools import cached_property
 import numpy as np
 
 from ...geometry.arrays import Bools, Floats, Ints
-from ...geometry.boxes import Boxes, part_bottoms
-from ...geometry.planar import footprints, turned_reach
+from ...geometry.boxes import Boxes, part_bottoms, part_tops, world_bounds
+from ...geometry.planar import footprints, rotate, turned_reach
 from ...geometry.polygon import inside, outside_distance, to_edges
 from ...spatial.level_surfaces import LEVEL, LevelSurfaces, rectangles, with_joined
 from ..observe.placeable import Placeable
@@ -93,12 +93,34 @@ def rest(placeable: Placeable, places: Floats, support: Support, space: FreeSpac
         if support.floor:
             places = into_room(placeable, places, space)
     elif support.contact == HANGS and len(support.parts.center):
-        places[:, 2] = part_bottoms(support.parts).min() - 2 * placeable.half[2]
+        places = _hung(placeable, places, support.parts)
     elif support.contact == AT_SIDE and len(support.parts.center):
         places = _to_side(placeable, places, support, space)
     if support.contact != RESTS and len(support.parts.center) and len(placeable.parts.center):
         places = _touching(placeable, places, support.parts)
     return places
+
+
+def _hung(placeable: Placeable, places: Floats, parts: Boxes) -> Floats:
+    """The places below the lowest of some parts, moved until what a thing hangs by is under one of them.
+
+    It hangs by the middle of its highest parts.
+    """
+    bottoms, result = part_bottoms(parts), places.copy()
+    result[:, 2] = bottoms.min() - 2 * placeable.half[2]
+    if not len(placeable.parts.center):
+        return result
+    tops = part_tops(placeable.parts)
+    low, high = world_bounds(placeable.parts.take(np.flatnonzero(tops >= tops.max() - LOOSE)))
+    mount = (low.min(axis=0) + high.max(axis=0))[:2] / 2
+    at = result[:, :2] + rotate(np.tile(mount, (len(result), 1)), result[:, 3])
+    over = parts.take(np.flatnonzero(bottoms <= bottoms.min() + LOOSE))
+    steps = []
+    for center, axes, half in zip(over.center[:, :2], over.axes[:, :2, :2], over.half[:, :2], strict=True):
+        steps.append(center + np.clip((at - center) @ axes, -half, half) @ axes.T - at)
+    nearest = np.linalg.norm(steps, axis=2).argmin(axis=0)
+    result[:, :2] += np.array(steps)[nearest, np.arange(len(result))]
+    return result
 
 
 def nearest_support(placeable: Placeable, places: Floats, supports: Sequence[Support], space: FreeSpace) -> Ints:

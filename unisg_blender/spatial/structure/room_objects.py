@@ -17,6 +17,7 @@ from ...scene.hierarchy import world_matrices
 from ..floor_plan import room_outline
 from ..object_rows import marked_things
 from ..objects import SceneObjects, scene_objects
+from .hollow_parts import with_faces
 from .recognise import recognise_structure
 from .scan import world_triangles
 from .structure import HoldingSurface, Opening, Room, Structure, WallPiece
@@ -158,11 +159,12 @@ def _rebuilt(
             support[place] = _held_by_room(objects, obj, made, room)
     count = len(made.rows)
     turns = rotation(np.array(made.yaw))
+    parts, part_owner = with_faces(graph, objects, ~building)
     boxes = Boxes(
-        np.concatenate([made.center, objects.parts.center]), np.concatenate([turns, objects.parts.axes]),
-        np.concatenate([made.half, objects.parts.half]), np.ones(count + len(objects.owner), bool),
+        np.concatenate([made.center, parts.center]), np.concatenate([turns, parts.axes]),
+        np.concatenate([made.half, parts.half]), np.ones(count + len(part_owner), bool),
     )  # fmt: skip
-    owner = np.concatenate([np.arange(count), numbers[objects.owner]])
+    owner = np.concatenate([np.arange(count), numbers[part_owner]])
     chosen = owner >= 0
     known = {name: number for number, name in enumerate(vocabulary)}
     category = np.array([known.get(name, -1) for name in made.names], np.int64)
