@@ -16,7 +16,7 @@ LAYOUT_LINES = (".jsonl", ".jsonl.gz")
 LAYOUTS = (*LAYOUT_LINES, ".json.gz", ".world", ".sdf", ".urdf", ".mjcf", ".xml")
 """Rooms of other programs; which program's is told by what they hold, as with a .json."""
 
-ANYTHING = (*JSON, ".json.gz", ".xml")
+ANYTHING = (*JSON, ".json.gz", ".jsonl", ".xml")
 """What may be a layout or anything else."""
 
 MESHES = (".dae", ".ply", ".stl", ".off", ".3mf")

@@ -37,7 +37,7 @@ class ExportOptions:
     form
         Name in ``FORMS``.
     timeout
-        Seconds that a file may take.
+        Seconds that a file may take, or some hundred scenes of a file of many.
     memory
         Bytes of address space that a reading process may have, 0 for no limit (not on Windows).
     mapping
@@ -54,10 +54,10 @@ class ExportOptions:
         "package.module:function" of a :data:`..format.encoding.MeshEncoder`, "" for none.
     vocabulary
         Names to number as another dataset does; new ones are added behind them.
-    reader
-        "package.module:function" of a :data:`.reader_process.Reader`, "" for the one of the file's kind.
     assets
         A folder with the meshes of what layouts of other programs place, "" for none.
+    reader
+        "package.module:function" of a :data:`.reader_process.Reader`, "" for the one of the file's kind.
     """
 
     form: str = "quaternion"
@@ -69,8 +69,8 @@ class ExportOptions:
     folder_labels: bool = False
     mesh_encoder: str = ""
     vocabulary: Mapping[str, Sequence[str]] | None = None
-    reader: str = ""
     assets: str = ""
+    reader: str = ""
 
 
 def export_steps(

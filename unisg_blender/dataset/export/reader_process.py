@@ -37,6 +37,9 @@ from .realized_instances import realize_objects
 MARK = "unisg-answer "
 """Starts every answer: what else a library prints to stdout is not ours."""
 
+ALIVE = "alive"
+"""Status of an answer that is none yet: the reading goes on."""
+
 ASSETS = "assets."
 """Starts the names of the arrays of a part that belong to its assets."""
 
@@ -97,8 +100,15 @@ def serve(memory: int, folder: str) -> None:
             request = json.loads(requests.get(timeout=IDLE))
         except queue.Empty:
             return
-        faulthandler.dump_traceback_later(request["timeout"] + GRACE, exit=True)  # if nobody is left to end us
-        _answer(channel, handle(request))
+        limit = request["timeout"] + GRACE
+
+        def alive(limit: float = limit) -> None:
+            """Say that some scenes of a file of many are done: the time for the next ones begins."""
+            faulthandler.dump_traceback_later(limit, exit=True)  # if nobody is left to end us
+            _answer(channel, {"status": ALIVE})
+
+        faulthandler.dump_traceback_later(limit, exit=True)
+        _answer(channel, handle(request, alive))
         faulthandler.cancel_dump_traceback_later()
 
 
@@ -114,10 +124,10 @@ def _answer(channel: TextIO, record: dict[str, Any]) -> None:
     channel.flush()
 
 
-def handle(request: dict[str, Any]) -> dict[str, Any]:
-    """Do what a request asks; every error becomes an answer."""
+def handle(request: dict[str, Any], alive: Callable[[], None] = lambda: None) -> dict[str, Any]:
+    """Do what a request asks; every error becomes an answer. ``alive`` is called after some scenes of many."""
     try:
-        return _export(request)
+        return _export(request, alive)
     except DiskFullError as error:
         return {"status": "full", "reason": str(error)}
     except UniSGError as error:
@@ -130,7 +140,7 @@ def handle(request: dict[str, Any]) -> dict[str, Any]:
         return {"status": "failed", "reason": f"{type(error).__name__}: {error}".splitlines()[0], "tired": True}
 
 
-def _export(request: dict[str, Any]) -> dict[str, Any]:
+def _export(request: dict[str, Any], alive: Callable[[], None]) -> dict[str, Any]:
     """Read a file and write its scenes as a shard of their own."""
     read = read_file(request)
     encoder = load_function(request["mesh_encoder"]) if request["mesh_encoder"] else None
@@ -146,6 +156,7 @@ def _export(request: dict[str, Any]) -> dict[str, Any]:
         for sample in samples:
             collector.add(sample.graph, request["source"])
         scenes, entities = scenes + len(samples), entities + sum(map(len, graphs))
+        alive()
     note = "; ".join(filter(None, [read.note(), *notes]))
     note = note if len(note) <= LONGEST_NOTE else note[:LONGEST_NOTE] + " ..."
     answer: dict[str, Any] = {"status": "ok", "scenes": scenes, "not_represented": note, "part": None}

@@ -26,7 +26,7 @@ from ..assets.asset_file import Arrays, Assets
 from ..format.columns import Columns
 from ..format.shards import map_shard
 from .file_checksums import unchanged
-from .reader_process import ASSETS, MARK
+from .reader_process import ALIVE, ASSETS, MARK
 
 ROOT = Path(__file__).parents[2]
 """Folder that the library lies in."""
@@ -80,16 +80,24 @@ class Child:
 
     def _next_answer(self, limit: float) -> dict[str, Any]:
         assert self._process.stdout is not None
-        timer = threading.Timer(limit, self._kill_late)
-        timer.start()
+        timer = self._clock(limit)
         try:
             for line in self._process.stdout:
                 if line.startswith(MARK):
-                    return json.loads(line[len(MARK) :])
+                    answer = json.loads(line[len(MARK) :])
+                    if answer.get("status") != ALIVE:
+                        return answer
+                    timer.cancel()
+                    timer = self._clock(limit)
             self._process.wait()
             return {}
         finally:
             timer.cancel()
+
+    def _clock(self, limit: float) -> threading.Timer:
+        timer = threading.Timer(limit, self._kill_late)
+        timer.start()
+        return timer
 
     def _kill_late(self) -> None:
         self._late = True
