@@ -6,7 +6,6 @@ import bpy
 
 from ..operators.room.corrections import PARTS
 from ..operators.room.recognised import looking, problem, recognised
-from ..operators.room.structure_shapes import LEGEND
 from ..unisg_blender.scene.structure_marks import PART_MARK
 from .main import ClosedPanel, draw_text
 
@@ -19,12 +18,10 @@ class UNISG_PT_building(ClosedPanel):
     bl_label = "Building"
 
     def draw(self, context: bpy.types.Context) -> None:
-        layout, width = self.layout, context.region.width
+        layout = self.layout
         row = layout.row(align=True)
         row.prop(context.window_manager, "unisg_structure_shown", toggle=True, icon="HOME")
         row.operator("unisg.recognise", text="", icon="FILE_REFRESH")
-        if context.window_manager.unisg_structure_shown:
-            draw_text(layout, LEGEND, width)
         _rooms(layout, context)
         _parts(layout, context)
 
