@@ -6,7 +6,6 @@ import bpy
 
 from ..operators.room.corrections import PARTS
 from ..operators.room.recognised import looking, problem, recognised
-from ..unisg_blender.scene.structure_marks import PART_MARK
 from .main import ClosedPanel, draw_text
 
 SHOWN = 12
@@ -60,7 +59,7 @@ def _taken_for(context: bpy.types.Context) -> str:
     item, found = context.active_object, recognised(context.scene)
     if item is None:
         return "Selected objects are:"
-    said = str(item.get(PART_MARK, "")) or str(item.get("unisg_category", ""))
+    said = str(item.get("unisg_structure", "")) or str(item.get("unisg_category", ""))
     if said:
         return f"{item.name}: {said}, as you say"
     row = found.row_of_name.get(item.name, -1) if found is not None else -1
