@@ -11,7 +11,7 @@ from ..operators.room.recognised import Recognised, recognised
 from ..operators.room.structure_shapes import LEGEND, StructureShapes
 
 TEXT, MARGIN = 13, 22
-"""Size of the labels, and how far the legend is from the corner, pixels."""
+"""Size of the labels, and how high the legend is over the lower edge, pixels."""
 
 _handles: list[Any] = []
 
@@ -90,7 +90,8 @@ def _write() -> None:
             width, height = blf.dimensions(0, text)
             blf.position(0, at.x - width / 2, at.y - height / 2, 0)
             blf.draw(0, text)
-    blf.position(0, MARGIN * scale, MARGIN * scale, 0)
+    left = max(context.region.width - blf.dimensions(0, LEGEND)[0], 0) / 2  # the redo panel is in the corner
+    blf.position(0, left, MARGIN * scale, 0)
     blf.draw(0, LEGEND)
     blf.disable(0, blf.SHADOW)
 

@@ -20,7 +20,8 @@ class UNISG_UL_faults(bpy.types.UIList):
         row = layout.row()
         row.alignment = "LEFT"
         text = f"{item.name} {item.text}"
-        row.operator("unisg.show_object", text=text, icon=ICONS.get(item.state, "ERROR"), emboss=False).uid = item.uid
+        button = row.operator("unisg.show_object", text=text, icon=ICONS.get(item.state, "ERROR"), emboss=False)
+        button.uid, button.text = item.uid, text
 
 
 class UNISG_PT_check(ClosedPanel):

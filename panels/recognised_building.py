@@ -6,8 +6,6 @@ import bpy
 
 from ..operators.room.corrections import PARTS
 from ..operators.room.recognised import looking, problem, recognised
-from ..operators.room.structure_shapes import LEGEND
-from ..unisg_blender.scene.structure_marks import PART_MARK
 from .main import ClosedPanel, draw_text
 
 SHOWN = 12
@@ -19,12 +17,10 @@ class UNISG_PT_building(ClosedPanel):
     bl_label = "Building"
 
     def draw(self, context: bpy.types.Context) -> None:
-        layout, width = self.layout, context.region.width
+        layout = self.layout
         row = layout.row(align=True)
         row.prop(context.window_manager, "unisg_structure_shown", toggle=True, icon="HOME")
         row.operator("unisg.recognise", text="", icon="FILE_REFRESH")
-        if context.window_manager.unisg_structure_shown:
-            draw_text(layout, LEGEND, width)
         _rooms(layout, context)
         _parts(layout, context)
 
@@ -63,7 +59,7 @@ def _taken_for(context: bpy.types.Context) -> str:
     item, found = context.active_object, recognised(context.scene)
     if item is None:
         return "Selected objects are:"
-    said = str(item.get(PART_MARK, "")) or str(item.get("unisg_category", ""))
+    said = str(item.get("unisg_structure", "")) or str(item.get("unisg_category", ""))
     if said:
         return f"{item.name}: {said}, as you say"
     row = found.row_of_name.get(item.name, -1) if found is not None else -1

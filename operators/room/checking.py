@@ -109,6 +109,12 @@ class UNISG_OT_show_object(Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     uid: bpy.props.StringProperty(name="Identity", description="UniSG identity of the object")
+    text: bpy.props.StringProperty(name="Text", description="What is wrong with it", options={"SKIP_SAVE", "HIDDEN"})
+
+    @classmethod
+    def description(cls, context: bpy.types.Context, properties: bpy.types.OperatorProperties) -> str:
+        """The tooltip: the whole text, which the list may cut off."""
+        return f"{properties.text}. Select it and bring it into view" if properties.text else str(cls.__doc__)
 
     def run(self, context: bpy.types.Context) -> None:
         items = _found(context, [self.uid])

@@ -56,8 +56,14 @@ def test_the_depth_is_that_of_the_overlap(centimetres: int) -> None:
 
 def test_the_smaller_of_two_is_told_and_a_deep_one_so() -> None:
     graph = house(things=KITCHEN | {"Wardrobe": box((0.05, 2.2, 0), (2.2, 3.8, 2.2))})
-    assert set(wrong(graph)) <= {"Fridge.001", "SM_Stove_01", "Spüle"}
-    assert "by more than 30 cm" in "".join(wrong(graph).values())
+    found = {graph.name[fault.row]: fault.text for fault in check_scene(graph).faults if fault.state == "collides"}
+    assert set(found) <= {"Fridge.001", "SM_Stove_01", "Spüle"}
+    assert "by more than 30 cm" in "".join(found.values())
+
+
+def test_what_cuts_a_room_in_two_is_in_the_way() -> None:
+    graph = house(things={"Shelf": box((0.02, 2.0, 0), (4.98, 2.4, 2.2))})
+    assert wrong(graph) == {"Shelf": "blocks the way through the room"}
 
 
 def test_what_hangs_or_is_mounted_is_fine() -> None:

@@ -29,7 +29,7 @@ def texts(listed) -> dict[str, str]:
 def test_what_is_wrong_is_listed_selected_and_settled(listed) -> None:
     assert bpy.ops.unisg.check() == {"FINISHED"}
     assert texts(listed) == {"High": "floats by 20 cm", "Deep": "collides with Fridge.001 by 3 cm"}
-    assert listed.summary == "5 things: 3 fine, 1 collide, 1 float"
+    assert listed.summary == "5 things: 3 fine, 1 in collision, 1 floating"
     (high,) = [item for item in listed.faults if item.name == "High"]
     assert bpy.ops.unisg.show_object(uid=high.uid) == {"FINISHED"}
     assert [item.name for item in bpy.context.selected_objects] == ["High"]

@@ -25,8 +25,8 @@ COLLIDES, FLOATS, IS_OUTSIDE, BLOCKS = "collides", "floats", "outside", "blocks"
 STATES = (COLLIDES, FLOATS, BLOCKS, IS_OUTSIDE)
 """What may be wrong, in the order in which it is told."""
 
-WOULD_BLOCK = "it would block"
-"""How the last check's reasons begin that something is in the way."""
+WOULD_BLOCK, WOULD_BE_IN = "it would block", "it would be in "
+"""How the last check's reasons begin that something is in the way, or within something."""
 
 FARTHEST, DEEP = 5.0, 0.3
 """Metres below a thing in which what is under it is looked for, and to which the depth of a collision is measured."""
@@ -63,11 +63,11 @@ class SceneCheck:
 
     @property
     def summary(self) -> str:
-        """All in a line: "12 things: 10 fine, 1 collides, 1 floats"."""
+        """All in a line: "12 things: 10 fine, 1 in collision, 1 floating"."""
         count = {state: sum(fault.state == state for fault in self.faults) for state in STATES}
         told = [f"{self.checked - len(self.faults)} fine"]
-        verbs = {COLLIDES: "collide", FLOATS: "float", BLOCKS: "in the way", IS_OUTSIDE: "outside"}
-        told += [f"{many} {verbs[state]}" for state, many in count.items() if many]
+        words = {COLLIDES: "in collision", FLOATS: "floating", BLOCKS: "in the way", IS_OUTSIDE: "outside"}
+        told += [f"{many} {words[state]}" for state, many in count.items() if many]
         return f"{self.checked} thing{'s' * (self.checked != 1)}: {', '.join(told)}"
 
 
@@ -157,7 +157,7 @@ def _told(around: SceneShapes, row: int, reason: str) -> Fault | None:
     if found is not None and gap >= HUNG and around.building[found.other] and found.depth <= MOUNTED:
         return None
     if found is not None or reason != FLOATING:
-        return found or Fault(row, COLLIDES, "is within something")
+        return found or Fault(row, COLLIDES, f"is within {reason.removeprefix(WOULD_BE_IN)}")
     walls = around.triangles[near[around.building[around.owner[near]] & ~around.looks_up[near]]]
     hung = around.graph.category_name(row) in HANGING and around.roofless(mine)
     if gap >= HUNG and (hung or len(meets(smaller(mine, matrix, -ASIDE), walls))):
