@@ -18,6 +18,9 @@ from unisg_blender.meshes.shape_files import ShapeFile, read_models
 from unisg_blender.scene import Mesh, mesh_from_faces
 
 LIST = Path(__file__).with_name("foreign_assets.csv")
+LEARNED = ("kaykit", "sweethome3d")
+"""Makers whose splits ``pretrained/atlasnet_models.csv`` tells; of the others nothing was learned."""
+COLLADA = "aws"
 CENTIMETRES = 12
 """Extent from which on a file without a unit is taken to be in centimetres."""
 
@@ -27,6 +30,7 @@ class ForeignAsset:
     """An asset: its mesh in metres, z up, what it is ("" for nothing that the models know), and its fronts."""
 
     name: str
+    maker: str
     mesh: Mesh
     thing: str
     fronts: tuple[str, ...]
@@ -39,18 +43,20 @@ class ForeignAsset:
         return self.mesh.points.astype(float)[self.mesh.triangles]
 
 
-def read_assets(meshes: Path, others: list[Path]) -> list[ForeignAsset]:
-    """The assets of the list that are there: ``meshes`` is sweethome3d and kaykit, ``others`` hold Collada files."""
-    by_file = _by_file(meshes)
+def read_assets(meshes: list[Path], others: list[Path]) -> list[ForeignAsset]:
+    """The assets of the list that are there: in folders of ``meshes``; the ``others`` hold Collada files."""
+    by_file = {name: model for folder in meshes for name, model in _by_file(folder).items()}
     found = []
     with LIST.open(newline="", encoding="utf-8") as file:
         for row in csv.DictReader(file):
             model = by_file.get(row["file"])
             mesh = model.mesh if model else _collada(row["file"], others)
             if mesh is not None:
-                split = model.split if model else ""
+                maker = row["file"].split("/")[0] if "/" in row["file"] else COLLADA
+                split = model.split if model and maker in LEARNED else ""
                 fronts = tuple(row["fronts"].split())
-                found.append(ForeignAsset(row["name"], mesh, row["thing"], fronts, row["half"] == "unseen", split))
+                unseen = row["half"] == "unseen"
+                found.append(ForeignAsset(row["name"], maker, mesh, row["thing"], fronts, unseen, split))
     return found
 
 

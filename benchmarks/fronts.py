@@ -1,8 +1,8 @@
 """Which side is the front: how often the shape tells it right, of assets of others and of our own worlds.
 
-    python benchmarks/fronts.py MESHES [COLLADA ...] [--fit] --out docs/results/fronts.json
+    python benchmarks/fronts.py MESHES ... [--collada FOLDER ...] [--fit] --out docs/results/fronts.json
 
-MESHES has sweethome3d/ and kaykit/; the other folders hold Collada files. Each asset is judged in four quarter turns.
+Each asset is judged in four quarter turns.
 ``--fit`` fits ``pretrained/fronts.json`` on the seen two thirds first.
 """
 
@@ -25,6 +25,7 @@ from unisg_blender.spatial.object_rows import find_objects
 from unisg_blender.worlds import WORLDS
 
 LIGHTLY = 1e-3
+UNSEEN_MAKERS = ("quaternius", "gazebo")
 
 
 def fit(assets: list[ForeignAsset]) -> dict[str, float]:
@@ -78,18 +79,20 @@ def own_worlds(rooms: int = 4) -> dict[str, int]:
 def main() -> None:
     """Fit if asked, measure, print, write."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("meshes", type=Path)
-    parser.add_argument("others", type=Path, nargs="*")
+    parser.add_argument("meshes", type=Path, nargs="+")
+    parser.add_argument("--collada", type=Path, nargs="*", default=[])
     parser.add_argument("--fit", action="store_true")
     parser.add_argument("--out", type=Path)
     args = parser.parse_args()
-    assets = read_assets(args.meshes, args.others)
+    assets = read_assets(args.meshes, args.collada)
     fronted = [asset for asset in assets if asset.fronts]
     if args.fit:
         WEIGHTS_FILE.write_text(json.dumps({"weights": fit([a for a in fronted if not a.unseen])}, indent=1) + "\n")
     start = time.process_time()
     rows = [{"set": "seen", **judged([a for a in fronted if not a.unseen])}]
     rows.append({"set": "unseen", **judged([a for a in fronted if a.unseen])})
+    strange = [a for a in fronted if a.maker in UNSEEN_MAKERS]
+    rows.append({"set": "of these, of makers never seen", **judged(strange)})
     spent = 1000 * (time.process_time() - start) / (4 * len(fronted))
     print(markdown_table(list(rows[0]), [list(map(str, row.values())) for row in rows]))
     table = {"marked": len(assets), "symmetric": len(assets) - len(fronted), "milliseconds": round(spent, 1)}

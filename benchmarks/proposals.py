@@ -1,9 +1,9 @@
 """Proposed categories of things that nobody labelled: how often right, how well calibrated, and what is not known.
 
-    python benchmarks/proposals.py MESHES [COLLADA ...] --foreign SCENES --out docs/results/proposals.json
+    python benchmarks/proposals.py MESHES ... [--collada FOLDER ...] --foreign SCENES --out docs/results/proposals.json
 
-MESHES has sweethome3d/ and kaykit/, the other folders hold Collada files; none of the furniture that is asked for was
-learned from. SCENES has scenes of characters, game pieces and machines. Names are left out: the shape alone counts.
+None of the furniture that is asked for was learned from. SCENES has scenes of characters, game pieces and
+machines. Names are left out: the shape alone counts.
 """
 
 from __future__ import annotations
@@ -38,6 +38,13 @@ SCENES = (
     "dfki-ric+phobos/models/simple_walker.blend",
     "saturday06+VRM-Addon-for-Blender/tests/resources/blend/lossless_animation/hips_rotation.blend",
 )  # fmt: skip
+SETS: dict[str, tuple[str, ...]] = {
+    "held-out models of makers learned from": (),
+    "furniture of robots' worlds": ("gazebo",),
+    "furniture of simulated buildings": ("aws",),
+}
+"""What is asked for, by maker; without a maker, split "test" of what was learned from."""
+ALL = "all"
 FLAT = 1e-3
 PLAIN = ("plane", "cube", "back", "front", "left", "right", "top", "ground", "backplane")
 """Names of planes, cubes and backdrops: they are no shapes of anything."""
@@ -110,37 +117,54 @@ def measured(found: list[Proposal], truth: list[str]) -> dict[str, float]:
     }  # fmt: skip
 
 
+def draw(bins: list[dict[str, float]], path: Path) -> None:
+    """The reliability diagram: what was said against what was right, percent."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure((3.2, 3.2), layout="constrained")
+    FigureCanvasAgg(figure)
+    axes = figure.add_subplot(
+        xlabel="said, percent", ylabel="right, percent", xlim=(0, 100), ylim=(0, 100), aspect="equal"
+    )
+    axes.plot([0, 100], [0, 100], color="0.7", linewidth=1)
+    axes.plot([b["said"] for b in bins], [b["right"] for b in bins], "o-", color="#2a6f97")
+    figure.savefig(path, dpi=100)
+
+
 def main() -> None:
     """Propose for all, print, write."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("meshes", type=Path)
-    parser.add_argument("others", type=Path, nargs="*")
+    parser.add_argument("meshes", type=Path, nargs="+")
+    parser.add_argument("--collada", type=Path, nargs="*", default=[])
     parser.add_argument("--foreign", type=Path, required=True)
     parser.add_argument("--out", type=Path)
     args = parser.parse_args()
-    vocabulary, assets = LabelModel.load().vocabulary, read_assets(args.meshes, args.others)
+    vocabulary, assets = LabelModel.load().vocabulary, read_assets(args.meshes, args.collada)
     asked = {
-        "held-out furniture": [a for a in assets if a.split == "test" and a.thing in vocabulary],
-        "furniture of simulated buildings": [a for a in assets if not a.split and a.thing in vocabulary],
+        name: [a for a in assets if a.thing in vocabulary and (a.maker in makers if makers else a.split == "test")]
+        for name, makers in SETS.items()
     }
     found = {name: [proposal(asset.mesh) for asset in mine] for name, mine in asked.items()}
     truth = {name: [asset.thing for asset in mine] for name, mine in asked.items()}
-    found["both"], truth["both"] = [*chain(*found.values())], [*chain(*truth.values())]
+    found[ALL], truth[ALL] = [*chain(*found.values())], [*chain(*truth.values())]
     rows = [{"set": name, **measured(found[name], truth[name])} for name in found]
     foreign = {
         "held-out categories": [proposal(a.mesh) for a in assets if a.split == "unseen"],
+        "people, animals, vehicles, food": [proposal(a.mesh) for a in assets if a.maker == "foreign"],
         "characters, game pieces, machines": [proposal(mesh) for mesh in foreign_shapes(args.foreign)],
     }
     unknown = [
         {"set": name, "shapes": len(mine), "not_known": percent([not p.known for p in mine])}
-        for name, mine in foreign.items()
+        for name, mine in {**foreign, ALL: [*chain(*foreign.values())]}.items()
     ]
-    both = np.array([p.confidence for p in found["both"]]), np.array([p.best for p in found["both"]]) == truth["both"]
-    for table in (rows, unknown, bins := reliability(*both)):
+    sure, right = np.array([p.confidence for p in found[ALL]]), np.array([p.best for p in found[ALL]]) == truth[ALL]
+    for table in (rows, unknown, bins := reliability(sure, right)):
         print(markdown_table(list(table[0]), [list(map(str, row.values())) for row in table]))
     if args.out:
         record = {"proposals": rows, "foreign": unknown, "reliability": bins, "known_from": KNOWN}
         write_results(args.out, record)
+        draw(bins, args.out.with_suffix(".png"))
 
 
 if __name__ == "__main__":

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.words.foreign_scenes import bedroom, kitchen, parlour
+from tests.words.foreign_scenes import bedroom, house, kitchen, parlour
 from unisg_blender.errors import UniSGError
 from unisg_blender.generate import Generator
 from unisg_blender.pretrained import find_generator
@@ -45,3 +45,16 @@ def test_words_that_may_mean_several_are_asked_back(generator: Generator) -> Non
     with pytest.raises(UniSGError, match="'Table': did you mean 'Dining Table' or 'Coffee Table' or 'Side Table'"):
         generator.understood({"Table": 1})
     assert generator.understood({"Table": 1}, {"table": "Side Table"}) == {"Side Table": 1}
+
+
+def test_of_a_house_the_room_that_is_used_is_read(generator: Generator) -> None:
+    scene = house()
+    whole, cook = generator.read(scene), generator.read(scene, near="Fridge.001")
+    assert (whole.rooms, whole.kind, whole.known, len(whole.things)) == (2, "living room", 4, 4)
+    assert not whole.is_foreign
+    assert (cook.kind, cook.known, len(cook.things)) == ("kitchen", 0, 4)
+    assert cook.is_foreign
+    assert cook.summary.startswith("0 of 4 things in this one of 2 rooms")
+    made = generator.add(scene, {"Cup": 1}, 0, beside="SM_Stove_01", behaviour=False)
+    assert made.reading is not None
+    assert made.reading.kind == "kitchen"

@@ -46,3 +46,21 @@ def parlour() -> SceneGraph:
         "Couch": ((2.0, 0.9, 0.8), (1, 3, 0)), "coffee_table": ((1.1, 0.6, 0.42), (1.4, 1.9, 0)),
         "TV_Bench": ((1.4, 0.4, 0.5), (1.3, 0.05, 0)),
     })  # fmt: skip
+
+
+def house() -> SceneGraph:
+    """Two rooms with a wall and a door between them: a kitchen to the west, a parlour, larger, to the east."""
+    made = SceneBuilder("house")
+    for name, size, corner in (
+        ("ground", (11.2, 4.2, 0.1), (-0.1, -0.1, -0.1)), ("roof", (11.2, 4.2, 0.1), (-0.1, -0.1, 2.6)),
+        ("n", (11.2, 0.1, 2.6), (-0.1, 4, 0)), ("s", (11.2, 0.1, 2.6), (-0.1, -0.1, 0)),
+        ("e", (0.1, 4, 2.6), (11, 0, 0)), ("w", (0.1, 4, 2.6), (-0.1, 0, 0)),
+        ("m1", (0.1, 3, 2.6), (4, 0, 0)), ("m2", (0.1, 1, 0.5), (4, 3, 2.1)),
+    ):  # fmt: skip
+        made.add(name, uid=name, mesh=box(size, corner))
+    return _with(made, {
+        "Fridge.001": ((0.7, 0.7, 1.9), (0.0, 0, 0)), "SM_Stove_01": ((0.6, 0.6, 0.9), (0.8, 0, 0)),
+        "kitchen_sink": ((0.8, 0.6, 0.9), (1.5, 0, 0)), "toaster": ((0.3, 0.2, 0.2), (3.5, 0.2, 0)),
+        "Couch": ((2, 0.9, 0.8), (6, 3, 0)), "tv": ((1.2, 0.1, 0.7), (6, 0.1, 0)),
+        "coffee_table": ((1, 0.6, 0.4), (7, 2, 0)), "bookcase": ((0.9, 0.3, 1.9), (9.5, 3.6, 0)),
+    })  # fmt: skip

@@ -70,7 +70,7 @@ def run(args: argparse.Namespace) -> int:
     words = words_of(args)
     asked = None if args.add is None else generator.understood(parse_counts(args.add), words)
     scene = SceneBuilder("Room").build() if args.scene is None else read_shown(args, args.scene)[0]
-    foreign = generator.read(scene, words).lines()
+    foreign = generator.read(scene, words, near=args.on or args.beside, within=args.within).lines()
     if not (args.json or args.quiet):
         print("\n".join(foreign) + "\n" * bool(foreign), end="", flush=True)
     counts = asked or generator.sample_counts(np.random.default_rng(args.seed), scene, words)

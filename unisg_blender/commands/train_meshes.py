@@ -14,7 +14,7 @@ from .. import __version__
 from ..errors import DONE
 from ..learn.atlasnet.world_shapes import world_models
 from ..learn.job_list import load
-from ..meshes.shape_files import ShapeFile, of_split, read_models
+from ..meshes.shape_files import SPLITS, ShapeFile, of_split, read_models
 from .argument_types import PROCESSES, whole
 from .common import print_report
 from .outputs import check_folder
@@ -49,7 +49,7 @@ def run(args: argparse.Namespace) -> int:
     report: dict[str, Any] = {"out": str(args.out), "meshes": len(models)}
     if args.steps != 0:
         report |= _train_networks(args, of_split(models, "train"), provenance)
-    report |= _fit_labels(args, of_split(models, "train"), provenance)
+    report |= _fit_labels(args, models, provenance)
     report["seconds"] = round(time.perf_counter() - start, 1)
     print_report(args, report, (f"{key}: {value}" for key, value in report.items()))
     return DONE
@@ -81,13 +81,15 @@ def _fit_labels(args: argparse.Namespace, models: list[ShapeFile], provenance: d
 
     own: Path = args.out / ENCODER_FILE
     scenes = [WORLDS[name](args.seed + room) for name in WORLDS_WITH_OBJECTS for room in range(args.rooms)]
-    labels = fit_labels(models, scenes, AtlasNetEncoder(own if own.is_file() else None), provenance)
+    known, judges = of_split(models, "train") + of_split(models, "known"), of_split(models, "trust")
+    encoder = AtlasNetEncoder(own if own.is_file() else None)
+    labels = fit_labels(known, scenes, encoder, provenance, judges=judges)
     labels.save(args.out / LABELS_FILE)
     return {"labels": str(args.out / LABELS_FILE), "categories": len(labels.vocabulary)}
 
 
 def _provenance(args: argparse.Namespace, models: list[ShapeFile]) -> dict[str, Any]:
-    counts = {split: len(of_split(models, split)) for split in ("train", "test", "unseen")}
+    counts = {split: len(of_split(models, split)) for split in SPLITS}
     words = [Path(word).name if word.startswith("/") else word for word in sys.argv[1:]]
     return {
         "command": shlex.join(["unisg", *words]), "version": __version__, "seed": args.seed, "models": counts,

@@ -17,6 +17,8 @@ from ..geometry.arrays import Floats, Ints
 from ..runtime.steps import at_once
 from ..scene import SceneGraph
 from ..scene.categories import FLOOR, STRUCTURE
+from ..spatial.objects import middle_of
+from ..words import understand
 from .behaviour import ActionPolicy, Behaviour, add_behaviour, behaviour_path, load_behaviour
 from .counts import MOST_OBJECTS
 from .observe.contract import Contract
@@ -93,9 +95,13 @@ class Generator:
         """What it can add."""
         return self.contract.vocabulary
 
-    def read(self, scene: SceneGraph, words: Mapping[str, str] | None = None) -> SceneReading:
-        """A scene in the model's words, and how foreign it is; ``words`` is what the user says of words."""
-        return SceneReading.of(with_instances(scene), self.contract, words)
+    def read(
+        self, scene: SceneGraph, words: Mapping[str, str] | None = None, *, near: str = "", within: str = ""
+    ) -> SceneReading:
+        """A scene in the model's words, and how foreign it is; ``words`` is what the user says of words. Of a house
+        that is the room of an object, ``near``, or the one that ``within`` names, or the largest."""
+        shown = with_instances(scene)
+        return SceneReading.of(shown, self.contract, words, _point(shown, within, near))
 
     def understood(self, counts: Mapping[str, int], words: Mapping[str, str] | None = None) -> dict[str, int]:
         """Counts by the model's own categories, see :func:`~.observe.scene_reading.understood_counts`."""
@@ -161,8 +167,9 @@ class Generator:
         """
         counts = self.understood(_checked(counts), words)
         given, scene = scene, with_instances(scene)
-        how = How(bulk, settle, assets or {}, on, beside, _point(scene, within, on or beside))
-        reading = SceneReading.of(scene, self.contract, words)
+        point = _point(scene, within, on or beside)
+        how = How(bulk, settle, assets or {}, on, beside, point if within else None)
+        reading = SceneReading.of(scene, self.contract, words, point)
         new = New(Names(scene.name), uid_maker(scene, seed), np.random.default_rng(seed))
         room, placements, wanted = self._with_room(scene, counts, reading, new)
         yield from placements
@@ -224,15 +231,15 @@ class Generator:
 
 
 def _point(scene: SceneGraph, within: str, thing: str) -> Floats | None:
-    """A point (3,) in the room in which objects are wanted, None for any room."""
+    """A point (3,) in the room in which objects are wanted: a room by its name, or that of a thing; None for any."""
     if within and thing:
         raise UniSGError("give either a room, or an object on or beside which it is wanted")
-    return point_in_room(scene, within) if within else None
+    return point_in_room(scene, within) if within else middle_of(scene, thing) if thing else None
 
 
 def _read(scene: SceneGraph, contract: Contract, words: Mapping[str, str] | None) -> SceneGraph:
     """The scene in a model's words."""
-    return SceneReading.of(scene, contract, words).graph
+    return understand(scene, contract.vocabulary, words, contract.priors.sizes).graph
 
 
 def _generated(

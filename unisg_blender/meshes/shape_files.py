@@ -17,7 +17,7 @@ from .mesh_files import Y_UP_TO_Z_UP, mesh_paths, read_mesh_file
 TABLE = FOLDER / "atlasnet_models.csv"
 """Name, category, split, real size, author and licence of the models that the shipped networks come from."""
 
-SPLITS = ("train", "test", "unseen")
+SPLITS = ("train", "test", "unseen", "known", "trust")
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,8 +25,10 @@ class ShapeFile:
     """One mesh with what is known of it.
 
     ``split`` is "train", "test" (a held-out model of a category that is trained
-    on) or "unseen" (its whole category is held out). Models of one ``family`` are
-    variants of each other; those read from files are always in one split.
+    on) or "unseen" (its whole category is held out). Only the model of categories
+    takes more: "known" shapes, and by those of "trust" it is told how often it is
+    right. Models of one ``family`` are variants of each other; those read from files
+    are always in one split.
     """
 
     name: str

@@ -9,7 +9,7 @@ from scipy.special import expit, logsumexp, softmax
 
 from ..geometry.arrays import Bools, Floats
 
-KNOWN = 0.6
+KNOWN = 0.7
 """Confidence from which on a thing counts as known; below it the honest answer is "I do not know"."""
 
 ENOUGH = 3

@@ -54,7 +54,8 @@ SPELT = {"ä": "ae", "ö": "oe", "ü": "ue", "Ä": "Ae", "Ö": "Oe", "Ü": "Ue"}
 
 NOT_THINGS = frozenset(
     ("eyeglasses", "sunglasses", "hourglass", "wallpaper", "sandpaper", "flashlight", "dashboard", "toiletpaper",
-     "papertowel", "keychain", "doorbell", "ucx", "ubx", "usp", "collider", "wireframe", "windowsill")
+     "papertowel", "keychain", "doorbell", "ucx", "ubx", "usp", "collider", "wireframe", "windowsill", "headphone",
+     "headphones", "xylophone", "microphone", "saxophone", "megaphone", "forklift", "cupcake", "ashtray", "steckdose")
 )  # fmt: skip
 """Compounds whose last part is a thing that they are not."""
 
@@ -120,10 +121,16 @@ class WordTable:
             thing, used = self._longest(words, place)
             if found and used <= 1 and words[place] in PARTS and not self._is_head(words, place):
                 part = part or words[place - 1] not in COUNTS
-            elif thing and not (found and (thing in BUILDING or words[place] in MATERIALS)):
+            elif thing and not (
+                found and (thing in BUILDING or words[place] in MATERIALS or self._widens(thing, found))
+            ):
                 found, part = thing, False
             place += max(used, 1)
         return NameReading(found, part)
+
+    def _describes(self, thing: str, word: str, found: str) -> bool:
+        """Whether a word behind a thing only describes it: "cabinet wall", "table glass", "sofa 2 seats"."""
+        return thing in BUILDING or word in MATERIALS or thing in self.things[found].broader
 
     def _is_head(self, words: list[str], place: int) -> bool:
         """Is a word that may name a part followed by a thing?"""

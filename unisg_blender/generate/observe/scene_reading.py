@@ -9,11 +9,13 @@ from functools import cached_property
 import numpy as np
 
 from ...errors import UniSGError
+from ...geometry.arrays import Floats
 from ...runtime.wording import some_of
 from ...scene import SceneGraph
 from ...scene.categories import FLOOR, STRUCTURE
 from ...spatial.object_rows import find_objects
-from ...spatial.structure import recognise_structure
+from ...spatial.structure import Structure, recognise_structure
+from ...spatial.structure.room_things import things_in_rooms
 from ...words import SceneWords, VocabularyMatch, thing_table, understand
 from ...words.room_kinds import room_kind
 from ...words.vocabulary_match import BROAD, KIND
@@ -26,6 +28,8 @@ FEW, ENOUGH = 1 / 3, 4
 """Share of known things below which a scene of at least so many things is foreign."""
 
 SHOWN = 6
+
+NO_STRUCTURE = Structure((), (), 0.0, ())
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,6 +46,8 @@ class SceneReading:
         How many of these the model knows.
     model_kind
         The kind of room that the model makes, "" where its categories do not say.
+    rooms
+        How many rooms the scene has, of which the things of one are told; 1 where that was not asked.
     """
 
     scene: SceneGraph
@@ -49,21 +55,30 @@ class SceneReading:
     things: tuple[str, ...]
     known: int
     model_kind: str
+    rooms: int = 1
 
     @staticmethod
-    def of(scene: SceneGraph, contract: Contract, said: Mapping[str, str] | None = None) -> SceneReading:
-        """Read a scene; ``said`` is what the user says of words, see :func:`~...words.understand`."""
+    def of(
+        scene: SceneGraph, contract: Contract, said: Mapping[str, str] | None = None, near: Floats | None = None
+    ) -> SceneReading:
+        """Read a scene; ``said`` is what the user says of words, see :func:`~...words.understand`.
+
+        Of a house of several rooms the things are those of the room in which new ones would stand: that of the point
+        ``near`` (3,), or the largest.
+        """
         words = understand(scene, contract.vocabulary, said, contract.priors.sizes)
         graph = words.graph
         rows = find_objects(graph, empty=False).rows.tolist()
         rows = [row for row in rows if graph.category_name(row) not in STRUCTURE]
         nameless = any(not graph.category_name(row) for row in rows)
-        built = recognise_structure(graph).parts if nameless and FLOOR not in graph.vocabulary else {}
-        rows = [row for row in rows if graph.category_name(row) or row not in built]
+        built = recognise_structure(graph) if _may_have_rooms(graph, nameless) else NO_STRUCTURE
+        rows = [row for row in rows if graph.category_name(row) or row not in built.parts]
+        if len(built.rooms) > 1:
+            rows = sorted(set(rows) & set(things_in_rooms(built, graph)[_room_used(built, near)]))
         thing_of = {item.row: item.match.thing for item in words.understood}
         known = sum(graph.category_name(row) in contract.vocabulary for row in rows)
         things = tuple(thing_of.get(row) or graph.category_name(row) for row in rows)
-        return SceneReading(scene, words, things, known, room_kind(_usual(contract)))
+        return SceneReading(scene, words, things, known, room_kind(_usual(contract)), max(len(built.rooms), 1))
 
     @property
     def graph(self) -> SceneGraph:
@@ -104,7 +119,8 @@ class SceneReading:
     def summary(self) -> str:
         """How many things the model knows, and what kind of room it looks like."""
         looks = f"; it looks like {_a(self.kind)}" if self.kind else ""
-        return f"{self.known} of {len(self.things)} things in the scene are known to the model{looks}"
+        where = f"this one of {self.rooms} rooms" if self.rooms > 1 else "the scene"
+        return f"{self.known} of {len(self.things)} things in {where} are known to the model{looks}"
 
     @property
     def unknown(self) -> list[str]:
@@ -162,8 +178,9 @@ def missing_counts(counts: Mapping[str, int], reading: SceneReading) -> dict[str
     if reading.is_foreign:
         kind = f"looks like {_a(reading.kind)}" if reading.kind else "is foreign to the model"
         made = f"; the model makes {reading.model_kind}s" if reading.model_kind else ""
+        where = "room" if reading.rooms > 1 else "scene"
         raise UniSGError(
-            f"the scene {kind}, {reading.known} of its {len(reading.things)} things are known{made}: "
+            f"the {where} {kind}, {reading.known} of its {len(reading.things)} things are known{made}: "
             "say what to add (--add), or take another model"
         )
     graph = reading.graph
@@ -174,6 +191,19 @@ def missing_counts(counts: Mapping[str, int], reading: SceneReading) -> dict[str
     if not found:
         raise UniSGError("the scene has everything that a whole room has: say what to add (--add)")
     return found
+
+
+def _may_have_rooms(graph: SceneGraph, nameless: bool) -> bool:
+    """Whether rooms are to be looked for: several floors have their category, or what has none may be the building."""
+    floors = sum(graph.category_name(int(row)) == FLOOR for row in np.flatnonzero(graph.mesh >= 0))
+    return floors > 1 or (nameless and not floors)
+
+
+def _room_used(structure: Structure, near: Floats | None) -> int:
+    """The number of the room in which new things would stand: that of a point, or the largest one indoors."""
+    number = structure.room_at(near) if near is not None else -1
+    sizes = [(room.indoors, room.area) for room in structure.rooms]
+    return number if number >= 0 else sizes.index(max(sizes))
 
 
 def _usual(contract: Contract) -> list[str]:

@@ -22,11 +22,11 @@ from ...scene.graph import SceneGraph
 from ...words.room_kinds import room_kind
 from ..atlasnet.world_shapes import OF_WORLDS
 
-NAME_WEIGHT = 8.0
-BESIDE_WEIGHT = 0.5
+NAME_WEIGHT = 13.0
+BESIDE_WEIGHT = 0.8
 QUARTER_TURNS = 4
 FARTHEST = 1e3
-LIGHTLY = 2e-3
+LIGHTLY = 1e-4
 """How much a square of a weight costs, nats."""
 
 
@@ -36,6 +36,7 @@ def fit_labels(
     encoder: AtlasNetEncoder,
     provenance: dict,
     progress: Callable[[int], None] = lambda done: None,
+    judges: Sequence[ShapeFile] = (),
 ) -> LabelModel:
     """Fit a model of categories.
 
@@ -49,6 +50,9 @@ def fit_labels(
         Gives the mesh features.
     provenance
         Goes into the model's file.
+    judges
+        Other meshes, by which it is told how often the model is right; what has no category of the models is
+        nothing that it can know. Without any, each of the models is judged by those of other families.
 
     Raises
     ------
@@ -65,9 +69,18 @@ def fit_labels(
     classes = np.repeat([vocabulary.index(model.category) for model in known], QUARTER_TURNS)
     families = np.repeat(np.unique([model.family for model in known], return_inverse=True)[1], QUARTER_TURNS)
     spread = float(np.linalg.norm(vectors - vectors.mean(axis=0), axis=1).mean())
-    of_files = [not model.family.startswith(OF_WORLDS) for model in known]  # what is made by rule tells nothing
     apart = distances(vectors, sizes, vectors, sizes, spread)
     warmth = temperature(apart, classes, families)
+    if judges:
+        asked, asked_sizes = shape_inputs(judges, encoder)
+        nearest = nearest_of_class(distances(asked, size_channels(asked_sizes), vectors, sizes, spread), classes)
+        truth = np.repeat([(*vocabulary, model.category).index(model.category) for model in judges], QUARTER_TURNS)
+    else:
+        of_files = [not model.family.startswith(OF_WORLDS) for model in known]  # what is made by rule tells nothing
+        mine = np.flatnonzero(np.repeat(of_files, QUARTER_TURNS))[::QUARTER_TURNS]
+        nearest = nearest_of_class(np.where(families[mine, None] == families, np.inf, apart[mine]), classes)
+        possible = np.isfinite(nearest[np.arange(len(mine)), classes[mine]])
+        nearest, truth = np.minimum(nearest[possible], FARTHEST), classes[mine][possible]
     return LabelModel(
         vocabulary=vocabulary,
         vectors=vectors.astype(np.float16),
@@ -81,7 +94,7 @@ def fit_labels(
         beside_weight=BESIDE_WEIGHT,
         provenance=provenance | {"meshes": len(known)},
         settings=settings_of(scenes, vocabulary),
-        trust=trust(apart, classes, families, warmth, np.repeat(of_files, QUARTER_TURNS)),
+        trust=trust(nearest, truth, warmth),
     )
 
 
@@ -117,21 +130,13 @@ def _log_likelihood(scores: NDArray[np.float64], truth: NDArray[np.int64]) -> fl
     return float((scores[np.arange(len(truth)), truth] - total).mean())
 
 
-def trust(
-    apart: NDArray[np.float64], classes: NDArray[np.integer], families: NDArray[np.integer], warmth: float,
-    asked: NDArray[np.bool_],
-) -> tuple[float, ...]:  # fmt: skip
+def trust(nearest: NDArray[np.float64], truth: NDArray[np.integer], warmth: float) -> tuple[float, ...]:
     """How often the best guess is right, by logistic regression on :func:`~...predict.calibration.top_features`.
 
-    Each shape that is ``asked`` about, bool (M,), is judged by those of other families. Empty if no category has two.
+    ``nearest`` (N, K) are distances to the known shapes of each category, of which ``truth`` (N,) is the right one.
+    Empty of nothing.
     """
-    mine = np.flatnonzero(asked)[::QUARTER_TURNS]
-    nearest = nearest_of_class(np.where(families[mine, None] == families, np.inf, apart[mine]), classes)
-    possible = np.isfinite(nearest[np.arange(len(mine)), classes[mine]])
-    if not possible.any():
-        return ()
-    nearest = np.minimum(nearest[possible], FARTHEST)
-    return _logistic(top_features(-nearest / warmth, nearest), nearest.argmin(axis=1) == classes[mine][possible])
+    return _logistic(top_features(-nearest / warmth, nearest), nearest.argmin(axis=1) == truth) if len(truth) else ()
 
 
 def _logistic(inputs: NDArray[np.float64], truth: NDArray[np.bool_]) -> tuple[float, ...]:
