@@ -19,7 +19,7 @@ def read_world(path: Path, root: Path, others: tuple[Path, ...] = ()) -> SceneGr
 
     Models that it names are looked for under ``root``, then under ``others``.
     """
-    builder, files = SceneBuilder(path.stem), _models((root, *others))
+    builder, files = SceneBuilder(path.stem), _models((root, *others), (path.parent, path.parent.parent))
     if path.suffix.lower() in (".dae", ".obj", ".stl"):
         _add_file(builder, path.stem, path, np.eye(4), -1)
         return builder.build()
@@ -40,18 +40,20 @@ def read_world(path: Path, root: Path, others: tuple[Path, ...] = ()) -> SceneGr
 Files = Callable[[str], Path]
 
 
-def _models(roots: tuple[Path, ...]) -> Files:
-    """Finds what ``model://name/path`` and ``package://name/path`` mean."""
+def _models(roots: tuple[Path, ...], beside: tuple[Path, ...]) -> Files:
+    """Finds what ``model://name/path`` and ``package://name/path`` mean, and what lies beside the world."""
     folders: dict[str, Path] = {}
     for root in reversed(roots):
         for found in sorted((*root.rglob("model.config"), *root.rglob("package.xml")), reverse=True):
             folders[found.parent.name] = found.parent
 
-    def find(uri: str) -> Path | None:
+    def find(uri: str) -> Path:
         place = re.sub(r"^(model|package|file)://|^https?://.*/models/", "", uri.strip())
         place = place.replace("Ground Plane", "ground_plane")
         name, _, rest = place.partition("/")
-        return folders[name] / rest if name in folders else roots[0] / place
+        known = [folders[name] / rest] if name in folders else []
+        places = [*known, *(folder / place for folder in (roots[0], *beside))]
+        return next((found for found in places if found.exists()), places[0])
 
     return find
 

@@ -86,12 +86,15 @@ class Scan:
     @cached_property
     def normals(self) -> Floats:
         """Normals (M, 3), as long as the triangles are large."""
-        return np.cross(self.triangles[:, 1] - self.triangles[:, 0], self.triangles[:, 2] - self.triangles[:, 0])
+        one, two = ((self.triangles[:, corner] - self.triangles[:, 0]).T for corner in (1, 2))
+        ways = [one[axis - 2] * two[axis - 1] - one[axis - 1] * two[axis - 2] for axis in range(3)]
+        return np.ascontiguousarray(np.stack(ways).T)
 
     @cached_property
     def slope(self) -> Floats:
         """The upward part of the unit normals, (M,): 1 level and looking up, -1 looking down, 0 upright."""
-        return self.normals[:, 2] / np.maximum(np.linalg.norm(self.normals, axis=1), 1e-300)
+        length = np.sqrt(np.einsum("mi,mi->m", self.normals, self.normals))
+        return self.normals[:, 2] / np.maximum(length, 1e-300)
 
     @cached_property
     def up(self) -> Bools:
@@ -116,8 +119,8 @@ class Scan:
 
     @cached_property
     def flat_boxes(self) -> tuple[Floats, Floats]:
-        """The lowest and highest corners (F, 3) of the boxes around those."""
-        one, two, three = (self.triangles[self.flat, corner] for corner in range(3))
+        """The lowest and highest corners (3, F) of the boxes around those."""
+        one, two, three = self.triangles[self.flat].transpose(1, 2, 0)
         return np.minimum(np.minimum(one, two), three), np.maximum(np.maximum(one, two), three)
 
     @cached_property
@@ -148,18 +151,22 @@ class Scan:
 
 def world_triangles(graph: SceneGraph) -> tuple[Triangles, Ints]:
     """The triangles (M, 3, 3) of a scene in the world, metres, and the row (M,) of each; what is no number left out."""
-    world, parts, seen = world_matrices(graph), [np.zeros((0, 3, 3))], np.flatnonzero(shown(graph))
-    mirrored = np.linalg.det(world[:, :3, :3]) < 0
-    for row in seen.tolist():
-        mesh, matrix = graph.meshes[graph.mesh[row]], world[row]
-        corners = (mesh.points.astype(np.float64) @ matrix[:3, :3].T + matrix[:3, 3])[mesh.triangles]
-        parts.append(corners[:, ::-1] if mirrored[row] else corners)
-    triangles = np.concatenate(parts)
-    rows = np.repeat(seen, [len(part) for part in parts[1:]]).astype(np.int64)
-    finite = np.isfinite(triangles)
-    if finite.all():
+    world, seen = world_matrices(graph), np.flatnonzero(shown(graph))
+    turned, moved = np.ascontiguousarray(world[:, :3, :3].transpose(0, 2, 1)), world[:, :3, 3]
+    mirrored = np.linalg.det(turned) < 0
+    meshes = [graph.meshes[number] for number in graph.mesh[seen].tolist()]
+    count = [len(mesh.triangles) for mesh in meshes]
+    triangles, first = np.empty((sum(count), 3, 3)), 0
+    for row, mesh, many in zip(seen.tolist(), meshes, count, strict=True):
+        corners = mesh.points.astype(np.float64) @ turned[row]
+        corners += moved[row]
+        np.take(corners, mesh.triangles, axis=0, out=triangles[first : first + many])
+        first += many
+    rows = np.repeat(seen, count).astype(np.int64)
+    triangles[mirrored[rows]] = triangles[mirrored[rows]][:, ::-1]
+    if np.isfinite(triangles.sum()):
         return triangles, rows
-    sound = finite.all(axis=(1, 2))
+    sound = np.isfinite(triangles).all(axis=(1, 2))
     return triangles[sound], rows[sound]
 
 
