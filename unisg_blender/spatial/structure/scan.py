@@ -30,6 +30,10 @@ SAMPLE = 4000
 HOLLOW = 1.0
 """Square metres at least of what may be a room seen from outside."""
 
+CLOSED, SOLID = 1e-4, 0.5
+"""Share of its area by which a mesh may be open and still is closed; and metres of the mean thickness of a solid that
+is no room, at most."""
+
 LEAST = 1.0
 """Square metres of a room, at least."""
 
@@ -98,9 +102,9 @@ class Scan:
 
     @cached_property
     def up(self) -> Bools:
-        """Which triangles look up, bool (M,); those of rooms drawn inside out are turned round."""
+        """Which triangles look up, bool (M,); those of rooms and of solids drawn inside out are turned round."""
         looks_up = self.slope > 0
-        for row in _inside_out(self):
+        for row in (*_inside_out(self), *_turned_solids(self)):
             mine = self.row == row
             looks_up[mine] = ~looks_up[mine]
         return looks_up
@@ -235,6 +239,21 @@ def _inside_out(scan: Scan) -> list[int]:
         if inside > air:
             found.append(row)
     return found
+
+
+def _turned_solids(scan: Scan) -> list[int]:
+    """Rows of closed meshes, as thin as walls and slabs, whose faces look inwards: nobody stands in there."""
+    count, row = int(scan.row.max()) + 1, scan.row
+    start = np.zeros((count, 3))
+    start[row[::-1]] = scan.triangles[::-1, 0]
+    volume = np.bincount(row, np.einsum("mi,mi->m", scan.triangles[:, 0] - start[row], scan.normals)) / 6
+    inwards = volume < 0
+    if not inwards.any():
+        return []
+    open_by = np.stack([np.bincount(row, way) for way in scan.normals.T], axis=1) / 2
+    area = np.bincount(row, np.linalg.norm(scan.normals, axis=1)) / 2
+    closed = np.linalg.norm(open_by, axis=1) <= CLOSED * area
+    return np.flatnonzero(inwards & closed & (-2 * volume <= SOLID * area)).tolist()
 
 
 def _spans_of(mine: Crossings, looks_up: Bools, solid: bool) -> Ints:

@@ -109,7 +109,7 @@ def walls_along(outline: Floats, region: Region, cuts: Cuts) -> tuple[tuple[Wall
 
 
 def _openings_in(wall: WallPiece, region: Region, cuts: Cuts, closed: Bools) -> list[Opening]:
-    """Doors, windows and passages of a wall: what is open at some heights where it is ``closed`` (H, steps) at others."""
+    """Doors, windows and passages of a wall: open at some heights where it is ``closed`` (H, steps) at others."""
     over, at_eyes, low, waist = (
         closed[cuts.nearest(height)] for height in (region.lintel - region.floor, EYE, SILL, WAIST)
     )
@@ -164,4 +164,3 @@ def _thickness_and_row(beside: Beside) -> tuple[float, int]:
         return 0.0, row
     longest = np.lexsort((middle[behind], shared[behind].round(2)))[-1]
     return -float(middle[behind][longest]), row
-
