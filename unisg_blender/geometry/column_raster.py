@@ -14,6 +14,9 @@ from .surface_contact import Triangles
 AT_ONCE = 2_000_000
 """Cells that are worked on together."""
 
+ALIKE = 1e-5
+"""Metres within which places in a column may be in the order of their triangles."""
+
 EDGE = 1e-6
 """Share of a cell by which triangles are widened, so that no line slips through between neighbours."""
 
@@ -85,8 +88,21 @@ def columns(triangles: Triangles, grid: Grid) -> Crossings:
     cell, height, triangle = (np.concatenate([np.zeros(0, kind), *parts]) for kind, parts in zip(
         (np.int64, np.float64, np.int64), zip(*found, strict=True) if found else ((), (), ()), strict=True
     ))  # fmt: skip
-    order = np.lexsort((height, cell))
+    order = _from_below(cell, height, grid.size)
     return Crossings(cell[order], height[order], triangle[order])
+
+
+def _from_below(cell: Ints, height: Floats, cells: int) -> Ints:
+    """The order by cell, then height, then entry: one number is sorted for all three, where they fit into one."""
+    count = (len(cell) - 1).bit_length()
+    steps = 2 ** (62 - count - cells.bit_length())
+    size = float(np.ptp(height)) if len(height) else 0.0
+    if not size <= ALIKE * steps:
+        return np.lexsort((height, cell))
+    level = ((height - height.min()) * ((steps - 1) / max(size, ALIKE))).astype(np.int64) if len(height) else cell
+    key = ((cell * steps + level) << count) | np.arange(len(cell))
+    key.sort()
+    return key & (2**count - 1)
 
 
 def _portions(triangles: Triangles, grid: Grid) -> Iterator[Ints]:

@@ -89,9 +89,9 @@ def _followed(start: Floats, stop: Floats, segments: Floats, cell: float) -> tup
     chosen = chosen[np.argsort(beside[chosen], kind="stable")]
     shared = (high - low)[chosen]
     group = np.cumsum(np.diff(beside[chosen], prepend=-np.inf) > SAME_LINE * cell) - 1
-    total = np.array(
-        [_covered(low[chosen[group == each]], high[chosen[group == each]]) for each in range(group[-1] + 1)]
-    )
+    total = np.bincount(group, shared)  # what overlaps counts twice so far, so less than this cannot be more
+    for each in np.flatnonzero(total >= RIVAL * FOLLOWED * length).tolist():
+        total[each] = _covered(low[chosen[group == each]], high[chosen[group == each]])
     if total.max() < FOLLOWED * length:
         return start, along
     best = int(np.flatnonzero(total >= RIVAL * total.max())[-1])

@@ -60,29 +60,36 @@ def _following(corner: Ints, side: Ints, steps: Ints) -> Ints:
     """The side after each: to the left if there is one, else straight on, else to the right."""
     key = corner * 4 + side
     order = np.argsort(key)
+    known = key[order]
     end, after = corner + steps[side], np.full(len(side), -1)
     for turn in (3, 0, 1):
         wanted = end * 4 + (side + turn) % 4
-        place = np.searchsorted(key[order], wanted).clip(max=len(key) - 1)
-        after = np.where(key[order][place] == wanted, order[place], after)
+        place = np.searchsorted(known, wanted).clip(max=len(key) - 1)
+        after = np.where(known[place] == wanted, order[place], after)
     return after
 
 
-def _loops(following: Ints, side: Ints) -> list[list[int]]:
-    """The loops of sides, each as the sides that begin at a corner where it turns."""
-    after, turns = following.tolist(), np.zeros(len(side), bool)
+def _loops(following: Ints, side: Ints) -> list[Ints]:
+    """The loops of sides, each as the sides that begin at a corner where it turns, from the lowest number on.
+
+    All at once: what is next is looked up for twice as many steps each time.
+    """
+    turns = np.zeros(len(side), bool)
     turns[following] = side[following] != side
-    is_turn, fresh, found = turns.tolist(), [True] * len(side), []
-    for start in np.flatnonzero(turns).tolist():
-        loop, place = [], start
-        while fresh[place]:
-            fresh[place] = False
-            if is_turn[place]:
-                loop.append(place)
-            place = after[place]
-        if loop:
-            found.append(loop)
-    return found
+    next_turn = following
+    while not turns[next_turn].all():  # twice as far along straight runs each time
+        next_turn = np.where(turns[next_turn], next_turn, next_turn[next_turn])
+    corners = np.flatnonzero(turns)
+    each, after = np.arange(len(corners)), np.searchsorted(corners, next_turn[corners])
+    doublings = range(len(corners).bit_length())
+    lowest, ahead = each, after
+    for _ in doublings:
+        lowest, ahead = np.minimum(lowest, lowest[ahead]), ahead[ahead]
+    left, ahead = (each != lowest).astype(np.int64), np.where(each == lowest, each, after)
+    for _ in doublings:
+        left, ahead = left + left[ahead], ahead[ahead]
+    order = np.lexsort((-left, left > 0, lowest))
+    return np.split(corners[order], np.flatnonzero(np.diff(lowest[order])) + 1)
 
 
 def simplified_all(polygons: Sequence[Floats], tolerance: float) -> list[Floats]:
@@ -92,15 +99,15 @@ def simplified_all(polygons: Sequence[Floats], tolerance: float) -> list[Floats]
     """
     if not polygons:
         return []
-    rings, ends = [], []
-    for polygon in polygons:
-        first = int(((polygon - polygon.mean(axis=0)) ** 2).sum(axis=1).argmax())
-        ring = np.concatenate([polygon[first:], polygon[:first], polygon[first : first + 1]])
-        ends.append(int(((ring - ring[0]) ** 2).sum(axis=1).argmax()))
-        rings.append(ring)
-    base = np.cumsum([0, *(len(ring) for ring in rings)])
-    points, kept = np.concatenate(rings), np.zeros(base[-1], bool)
-    middle = base[:-1] + np.array(ends)
+    rings, size = np.concatenate(polygons), np.array([len(polygon) for polygon in polygons])
+    begin = np.cumsum(size) - size
+    middles = np.add.reduceat(rings, begin) / size[:, None]
+    first = _farthest_from(middles, rings, begin, size)
+    base = np.append(0, np.cumsum(size + 1))
+    step = np.arange(base[-1]) - np.repeat(base[:-1], size + 1)
+    entry = np.repeat(np.arange(len(size)), size + 1)
+    points, kept = rings[begin[entry] + (first[entry] + step) % size[entry]], np.zeros(base[-1], bool)
+    middle = base[:-1] + _farthest_from(points[base[:-1]], points, base[:-1], size + 1)
     kept[base[:-1]] = kept[middle] = True
     start, stop = np.concatenate([base[:-1], middle]), np.concatenate([middle, base[1:] - 1])
     while len(start):
@@ -109,7 +116,15 @@ def simplified_all(polygons: Sequence[Floats], tolerance: float) -> list[Floats]
         start, worst, stop = start[split], worst[split], stop[split]
         kept[worst] = True
         start, stop = np.concatenate([start, worst]), np.concatenate([worst, stop])
-    return [ring[kept[first : first + len(ring)]] for ring, first in zip(rings, base, strict=False)]
+    return np.split(points[kept], np.cumsum(np.add.reduceat(kept.astype(int), base[:-1]))[:-1])
+
+
+def _farthest_from(places: Floats, points: Floats, begin: Ints, size: Ints) -> Ints:
+    """Of each of some runs of points, which begin there and are so long, the first that is farthest from its place."""
+    entry = np.repeat(np.arange(len(size)), size)
+    away = ((points - places[entry]) ** 2).sum(axis=1)
+    best = np.flatnonzero(away == np.maximum.reduceat(away, begin)[entry])
+    return best[np.searchsorted(best, begin)] - begin
 
 
 def _farthest(points: Floats, start: Ints, stop: Ints) -> tuple[Ints, Floats]:

@@ -25,9 +25,7 @@ def is_beam(over: Floats, walls: Floats) -> Bools:
     way, offset = _lines(over, middle)
     under_way, under_offset = _lines(walls, middle)
     size = np.hypot(*(over[:, 1] - over[:, 0]).T)
-    for line in _groups(way, offset):
-        if size[line].sum() < LONG:
-            continue
+    for line in _long_lines(way, offset, size):
         angle, away = float(way[line[0]]), float(offset[line[0]])
         along = np.array([np.cos(angle), np.sin(angle)])
         place = np.sort((over[line] - middle) @ along, axis=1)
@@ -47,11 +45,14 @@ def _lines(segments: Floats, middle: Floats) -> tuple[Floats, Floats]:
     return angle, centre[:, 1] * np.cos(angle) - centre[:, 0] * np.sin(angle)
 
 
-def _groups(way: Floats, offset: Floats) -> list[Ints]:
-    """Numbers of segments by line."""
+def _long_lines(way: Floats, offset: Floats, size: Floats) -> list[Ints]:
+    """Numbers of segments by line, of lines that are long enough for a beam together."""
     key = np.round(way / SAME_WAY).astype(np.int64) * 1_000_003 + np.round(offset / SAME_LINE).astype(np.int64)
-    order = np.argsort(key, kind="stable")
-    return np.split(order, np.flatnonzero(np.diff(key[order])) + 1)
+    line = np.unique(key, return_inverse=True)[1]
+    line[np.bincount(line, size)[line] < LONG] = -1
+    order = np.argsort(line, kind="stable")
+    order = order[np.searchsorted(line[order], 0) :]
+    return np.split(order, np.flatnonzero(np.diff(line[order])) + 1) if len(order) else []
 
 
 def _uncarried(place: Floats, carried: Floats) -> Bools:

@@ -63,11 +63,9 @@ class Look:
 
 
 def look_from(scan: Scan, spans: FreeSpans, stands: Bools, level: float) -> Look | None:
-    """What is seen from a level; None where no walls are around it, or it is too small to be a room."""
+    """What is seen from a level; None where no walls are around it."""
     near = np.flatnonzero(np.abs(spans.low - level) <= LEVEL)
     here = near[stands[near]]
-    if not _holds_a_room(spans.cell[here], scan.grid):
-        return None
     cuts, lintel = walls_around(scan, spans, here, level)
     around = np.concatenate([cuts[EYE][0], cuts[lintel][0]])
     named = bool(scan.is_floor.any())
@@ -91,8 +89,10 @@ def look_from(scan: Scan, spans: FreeSpans, stands: Bools, level: float) -> Look
     return Look(level, first, floor, standing, within, barrier, walls, roofed, seen, here, lintel, cuts)
 
 
-def _holds_a_room(cells: Ints, grid: Grid) -> bool:
+def holds_a_room(cells: Ints, grid: Grid) -> bool:
     """Are so many cells connected as a room has at least?"""
+    if len(cells) * grid.cell**2 < LEAST:
+        return False
     first, shape = _part(grid, cells, None)
     number, _ = components(cells_as_mask(cells, grid, first, shape))
     return bool(np.bincount(number.reshape(-1), minlength=2)[1:].max() * grid.cell**2 >= LEAST)

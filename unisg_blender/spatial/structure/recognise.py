@@ -9,7 +9,7 @@ import numpy as np
 
 from ...geometry.arrays import Floats
 from ...geometry.column_raster import cells_on
-from ...geometry.mask_outline import components, outlines, snapped
+from ...geometry.mask_outline import boxes_of, components, meets, outlines, snapped
 from ...geometry.polygon import area
 from ...geometry.traced_outlines import simplified_all
 from ...scene.categories import STRUCTURE, has_category
@@ -22,7 +22,7 @@ from .scan import FINEST, HEADROOM, LEVEL, Scan
 from .storeys import LEAST_OPEN, Region, find_regions
 from .structure import Room, Structure
 from .surfaces import holding_surfaces
-from .walls import Cuts, openings_in, reach_into, walls_along
+from .walls import Cuts, walls_along
 
 COARSE, FINER = 3.0, 1.5
 """Times the finest cell from which on the rooms that were found are scanned again, and how much finer that must be."""
@@ -86,7 +86,9 @@ def _recognised(graph: SceneGraph) -> Structure:
     if scan is None:
         return Structure((), (), FINEST, ("the scene has no faces: there is no floor to be found",))
     scan, regions = _closer(graph, scan) if scan.grid.cell > COARSE * FINEST else (scan, find_regions(scan))
-    rooms = [_room(scan, region) for region in regions]
+    cuts = {id(region.cuts): region.cuts for region in regions}
+    together = {key: Cuts.of(some) for key, some in cuts.items()}
+    rooms = [_room(scan, region, together[id(region.cuts)]) for region in regions]
     heights = sorted({room.floor for room in rooms})
     storeys = np.cumsum(np.diff(heights, prepend=-np.inf) >= HEADROOM) - 1
     of_height = dict(zip(heights, storeys.tolist(), strict=True))
@@ -127,34 +129,32 @@ def _built_up(scan: Scan) -> list[tuple[Floats, Floats]]:
     return found
 
 
-def _room(scan: Scan, region: Region) -> Room:
+def _room(scan: Scan, region: Region, cuts: Cuts) -> Room:
+    """A room as polygons; ``cuts`` are those of its storey."""
     grid = region.grid
     traced = outlines(region.mask, grid)
-    low, high = traced[0].min(axis=0) - BEHIND, traced[0].max(axis=0) + BEHIND
-    cuts = Cuts.around(region.cuts, low, high)
-    lines = np.concatenate([_floor_edges(scan, region.floor, low, high), cuts.segments])
+    cuts = cuts.near(traced[0], BEHIND)
+    lines = np.concatenate([_floor_edges(scan, region.floor, traced[0]), cuts.segments])
     way = lines[:, 1] - lines[:, 0]
     lines = lines[np.hypot(way[:, 0], way[:, 1]) > grid.cell]
     fitted = [snapped(loop, lines, grid.cell) for loop in simplified_all(traced, SIMPLER * grid.cell)]
     outline = fitted[0] if area(fitted[0]) > 0 else traced[0]
     holes = tuple(loop for loop in fitted[1:] if len(loop) > 2 and area(loop) < 0)
-    walls = walls_along(outline, region, cuts)
-    openings = tuple(opening for wall in walls for opening in openings_in(wall, region, cuts))
+    walls, openings = walls_along(outline, region, cuts)
     return Room(
         outline, holes, region.floor, region.ceiling, 0, region.indoors, region.floor_row, region.ceiling_row, walls,
         openings,
     )  # fmt: skip
 
 
-def _floor_edges(scan: Scan, floor: float, low: Floats, high: Floats) -> Floats:
-    """Edges (S, 2, 2) of a floor's triangles that reach into a rectangle, seen from above."""
+def _floor_edges(scan: Scan, floor: float, outline: Floats) -> Floats:
+    """Edges (S, 2, 2) of a floor's triangles around an outline (K, 2), seen from above."""
     least, most = scan.flat_boxes
-    mine = (least[:, 2] >= floor - LEVEL) & (most[:, 2] <= floor + LEVEL)
-    for axis in (0, 1):
-        mine &= (least[:, axis] <= high[axis]) & (most[:, axis] >= low[axis])
+    near = meets(least, most, outline, BEHIND)
+    mine = near[(least[2, near] >= floor - LEVEL) & (most[2, near] <= floor + LEVEL)]
     corners = scan.triangles[scan.flat[mine], :, :2]
     edges = np.concatenate([corners[:, [0, 1]], corners[:, [1, 2]], corners[:, [2, 0]]])
-    return edges[reach_into(edges, low, high)]
+    return edges[meets(*boxes_of(edges), outline, BEHIND)]
 
 
 def _notes(scan: Scan, rooms: list[Room]) -> tuple[str, ...]:

@@ -30,6 +30,10 @@ SAMPLE = 4000
 HOLLOW = 1.0
 """Square metres at least of what may be a room seen from outside."""
 
+CLOSED, SOLID = 1e-4, 0.5
+"""Share of its area by which a mesh may be open and still is closed; and metres of the mean thickness of a solid that
+is no room, at most."""
+
 LEAST = 1.0
 """Square metres of a room, at least."""
 
@@ -87,18 +91,21 @@ class Scan:
     @cached_property
     def normals(self) -> Floats:
         """Normals (M, 3), as long as the triangles are large."""
-        return np.cross(self.triangles[:, 1] - self.triangles[:, 0], self.triangles[:, 2] - self.triangles[:, 0])
+        one, two = ((self.triangles[:, corner] - self.triangles[:, 0]).T for corner in (1, 2))
+        ways = [one[axis - 2] * two[axis - 1] - one[axis - 1] * two[axis - 2] for axis in range(3)]
+        return np.ascontiguousarray(np.stack(ways).T)
 
     @cached_property
     def slope(self) -> Floats:
         """The upward part of the unit normals, (M,): 1 level and looking up, -1 looking down, 0 upright."""
-        return self.normals[:, 2] / np.maximum(np.linalg.norm(self.normals, axis=1), 1e-300)
+        length = np.sqrt(np.einsum("mi,mi->m", self.normals, self.normals))
+        return self.normals[:, 2] / np.maximum(length, 1e-300)
 
     @cached_property
     def up(self) -> Bools:
-        """Which triangles look up, bool (M,); those of rooms drawn inside out are turned round."""
+        """Which triangles look up, bool (M,); those of rooms and of solids drawn inside out are turned round."""
         looks_up = self.slope > 0
-        for row in _inside_out(self):
+        for row in (*_inside_out(self), *_turned_solids(self)):
             mine = self.row == row
             looks_up[mine] = ~looks_up[mine]
         return looks_up
@@ -117,8 +124,8 @@ class Scan:
 
     @cached_property
     def flat_boxes(self) -> tuple[Floats, Floats]:
-        """The lowest and highest corners (F, 3) of the boxes around those."""
-        one, two, three = (self.triangles[self.flat, corner] for corner in range(3))
+        """The lowest and highest corners (3, F) of the boxes around those."""
+        one, two, three = self.triangles[self.flat].transpose(1, 2, 0)
         return np.minimum(np.minimum(one, two), three), np.maximum(np.maximum(one, two), three)
 
     @cached_property
@@ -149,18 +156,22 @@ class Scan:
 
 def world_triangles(graph: SceneGraph) -> tuple[Triangles, Ints]:
     """The triangles (M, 3, 3) of a scene in the world, metres, and the row (M,) of each; what is no number left out."""
-    world, parts, seen = world_matrices(graph), [np.zeros((0, 3, 3))], np.flatnonzero(shown(graph))
-    mirrored = np.linalg.det(world[:, :3, :3]) < 0
-    for row in seen.tolist():
-        mesh, matrix = graph.meshes[graph.mesh[row]], world[row]
-        corners = (mesh.points.astype(np.float64) @ matrix[:3, :3].T + matrix[:3, 3])[mesh.triangles]
-        parts.append(corners[:, ::-1] if mirrored[row] else corners)
-    triangles = np.concatenate(parts)
-    rows = np.repeat(seen, [len(part) for part in parts[1:]]).astype(np.int64)
-    finite = np.isfinite(triangles)
-    if finite.all():
+    world, seen = world_matrices(graph), np.flatnonzero(shown(graph))
+    turned, moved = np.ascontiguousarray(world[:, :3, :3].transpose(0, 2, 1)), world[:, :3, 3]
+    mirrored = np.linalg.det(turned) < 0
+    meshes = [graph.meshes[number] for number in graph.mesh[seen].tolist()]
+    count = [len(mesh.triangles) for mesh in meshes]
+    triangles, first = np.empty((sum(count), 3, 3)), 0
+    for row, mesh, many in zip(seen.tolist(), meshes, count, strict=True):
+        corners = mesh.points.astype(np.float64) @ turned[row]
+        corners += moved[row]
+        np.take(corners, mesh.triangles, axis=0, out=triangles[first : first + many])
+        first += many
+    rows = np.repeat(seen, count).astype(np.int64)
+    triangles[mirrored[rows]] = triangles[mirrored[rows]][:, ::-1]
+    if np.isfinite(triangles.sum()):
         return triangles, rows
-    sound = finite.all(axis=(1, 2))
+    sound = np.isfinite(triangles).all(axis=(1, 2))
     return triangles[sound], rows[sound]
 
 
@@ -229,6 +240,21 @@ def _inside_out(scan: Scan) -> list[int]:
         if inside > air:
             found.append(row)
     return found
+
+
+def _turned_solids(scan: Scan) -> list[int]:
+    """Rows of closed meshes, as thin as walls and slabs, whose faces look inwards: nobody stands in there."""
+    count, row = int(scan.row.max()) + 1, scan.row
+    start = np.zeros((count, 3))
+    start[row[::-1]] = scan.triangles[::-1, 0]
+    volume = np.bincount(row, np.einsum("mi,mi->m", scan.triangles[:, 0] - start[row], scan.normals)) / 6
+    inwards = volume < 0
+    if not inwards.any():
+        return []
+    open_by = np.stack([np.bincount(row, way) for way in scan.normals.T], axis=1) / 2
+    area = np.bincount(row, np.linalg.norm(scan.normals, axis=1)) / 2
+    closed = np.linalg.norm(open_by, axis=1) <= CLOSED * area
+    return np.flatnonzero(inwards & closed & (-2 * volume <= SOLID * area)).tolist()
 
 
 def _spans_of(mine: Crossings, looks_up: Bools, solid: bool) -> Ints:

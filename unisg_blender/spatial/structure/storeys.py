@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from heapq import heappop, heappush
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,7 @@ import numpy as np
 from ...geometry.arrays import Bools, Floats, Ints
 from ...geometry.column_raster import Grid
 from ...geometry.mask_outline import components
-from .looks import MOSTLY, ROOF_SHARE, Look, look_from, slices, smooth, walls_around
+from .looks import MOSTLY, ROOF_SHARE, Look, holds_a_room, look_from, slices, smooth, walls_around
 from .open_sides import closed_off, walled_share
 from .scan import HEADROOM, LEAST, LEVEL, FreeSpans, Scan, free_spans
 from .structure import TALLEST
@@ -100,14 +101,34 @@ def find_regions(scan: Scan) -> list[Region]:
     taken = np.full(scan.grid.shape, -np.inf)
     found: list[Region] = []
     levels = list(_levels(spans, stands, scan.grid))
-    looks = [look for level in levels if (look := look_from(scan, spans, stands, level)) is not None]
-    for look in sorted(looks, key=lambda look: -int((look.within & look.standing).sum())):
+    for look in _looks(scan, spans, stands, levels, taken):
         for region in _rooms_at(scan, spans, look, taken):
             if not _is_platform(region, found):
                 found.append(region)
                 held = taken[region.slices]
                 held[region.mask] = region.floor
     return found or _open_place(scan, spans, stands, levels)
+
+
+def _looks(scan: Scan, spans: FreeSpans, stands: Bools, levels: list[float], taken: Floats) -> Iterator[Look]:
+    """What is seen from some levels, that with most floor between walls first.
+
+    From what is over or under floors that were ``taken`` in the meantime, as table tops are, nobody looks.
+    """
+    queue: list[tuple[int, int, Look | None]] = []
+    on_level = [np.flatnonzero(stands & (np.abs(spans.low - level) <= LEVEL)) for level in levels]
+    for number, here in enumerate(on_level):
+        heappush(queue, (-len(here), number, None))
+    while queue:
+        _, number, look = heappop(queue)
+        if look is not None:
+            yield look
+            continue
+        cells = spans.cell[on_level[number]]
+        free = cells[np.abs(taken.reshape(-1)[cells] - levels[number]) >= HEADROOM]
+        look = look_from(scan, spans, stands, levels[number]) if holds_a_room(free, scan.grid) else None
+        if look is not None:
+            heappush(queue, (-int((look.within & look.standing).sum()), number, look))
 
 
 def _levels(spans: FreeSpans, stands: Bools, grid: Grid) -> Iterator[float]:
