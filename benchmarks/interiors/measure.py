@@ -77,7 +77,7 @@ def read(entry: dict[str, Any], folder: Path) -> SceneGraph:
 
         return read_building(path)
     if path.suffix in (".world", ".sdf", ".urdf"):
-        places = AssetFolder(root, (path.parent, folder / "osrf+gazebo_models"))
+        places = AssetFolder(root, (path.parent, path.parent.parent, folder / "osrf+gazebo_models"))
         return next(layout_scenes(path, places)).graph
     return read_scene_file(path)[0]
 

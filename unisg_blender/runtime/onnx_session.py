@@ -6,7 +6,9 @@ import json
 import math
 import os
 import threading
-from collections.abc import Collection, Sequence
+import time
+from collections.abc import Collection, Iterator, Sequence
+from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -28,6 +30,40 @@ MOST_SECONDS = 60.0
 """How long a network may compute at a time."""
 
 LARGEST_INPUT = 2**24
+
+
+_running: dict[int, tuple[float, Any]] = {}
+"""When each run that is under way has to be done, and its options."""
+
+_any_running = threading.Event()
+_watch: threading.Thread | None = None
+
+
+@contextmanager
+def _limited(options: Any) -> Iterator[None]:
+    """Let a run be ended when it is not done in time, by one thread for all runs: a thread each costs more than many
+    a network. A process that was divided has none yet."""
+    global _watch
+    _running[id(options)] = time.monotonic() + MOST_SECONDS, options
+    _any_running.set()
+    if _watch is None or not _watch.is_alive():
+        _watch = threading.Thread(target=_end_late_runs, name="unisg-onnx-limit", daemon=True)
+        _watch.start()
+    try:
+        yield
+    finally:
+        del _running[id(options)]
+
+
+def _end_late_runs() -> None:
+    while _any_running.wait():
+        now = time.monotonic()
+        for until, options in list(_running.values()):
+            if now >= until:
+                options.terminate = True
+        if not _running:
+            _any_running.clear()
+        time.sleep(min(1.0, MOST_SECONDS))
 
 
 class OnnxModel:
@@ -56,16 +92,12 @@ class OnnxModel:
         known = {name: value for name, value in inputs.items() if name in self._blank}
         options = onnxruntime.RunOptions()
         options.only_execute_path_to_fetches = True
-        timer = threading.Timer(MOST_SECONDS, setattr, (options, "terminate", True))
-        timer.daemon = True
-        timer.start()
         try:
-            found: list[NDArray[np.float32]] = self._session.run(outputs, self._blank | known, options)
+            with _limited(options):
+                found: list[NDArray[np.float32]] = self._session.run(outputs, self._blank | known, options)
         except Exception as error:  # onnxruntime has no common base class for its errors
             why = f"not done after {MOST_SECONDS:g} s" if options.terminate else _reason(error)
             raise UniSGError(f"{self.path} cannot be run ({why}): the model is damaged; train it again") from None
-        finally:
-            timer.cancel()
         if any(np.isnan(values).any() for values in found):
             raise UniSGError(f"{self.path} gives no finite numbers: the model is damaged; train it again")
         return found

@@ -122,7 +122,7 @@ class WordTable:
             if found and used <= 1 and words[place] in PARTS and not self._is_head(words, place):
                 part = part or words[place - 1] not in COUNTS
             elif thing and not (
-                found and (thing in BUILDING or words[place] in MATERIALS or self._widens(thing, found))
+                found and (thing in BUILDING or words[place] in MATERIALS or thing in self.things[found].broader)
             ):
                 found, part = thing, False
             place += max(used, 1)

@@ -6,6 +6,7 @@ its front is told by its shape (:mod:`...spatial.fronts`) and by how its like st
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from weakref import WeakKeyDictionary
 
@@ -15,7 +16,7 @@ from ...dataset.assets.asset import Asset
 from ...geometry.arrays import Bools, Floats
 from ...geometry.planar import rotation, turn
 from ...scene import Mesh, SceneGraph
-from ...spatial.fronts import CLEAR, OUTWARDS, front_of
+from ...spatial.fronts import CLEAR, OUTWARDS, Front, front_of
 from ...spatial.object_rows import Objects, find_objects
 from ...spatial.objects import SceneObjects
 
@@ -33,12 +34,11 @@ BACK_TO_WALL = 10.0
 def front_first(asset: Asset) -> Asset:
     """The asset turned so that its front, where its shape tells one, looks towards -y."""
     graph = asset.graph
-    triangles = find_objects(graph, empty=False)
-    if not len(triangles):
+    found = find_objects(graph, empty=False)
+    if not len(found) or max((found.high.max(axis=0) - found.low.min(axis=0))[:2]) < SMALLEST:
         return asset
-    front = front_of(np.concatenate([triangles.triangles(obj) for obj in range(len(triangles))]))
-    large = max((triangles.high.max(axis=0) - triangles.low.min(axis=0))[:2]) >= SMALLEST
-    if not (large and front.told and front.side):
+    front = Front(_by_shape(found, range(len(found)), 0.0))
+    if not (front.told and front.side):
         return asset
     local = graph.local.copy()
     local[0] = turn(-front.side * QUARTER) @ local[0]
@@ -55,7 +55,7 @@ def facing(objects: SceneObjects, graph: SceneGraph, movable: Bools, outline: Fl
         number = int(found.of_row[objects.row[obj]])
         if number < 0 or found.rows[number] != objects.row[obj] or not len(found.meshes[number]):
             continue
-        shape = _by_shape(found, number, float(objects.yaw[obj]))
+        shape = _by_shape(found, [number], float(objects.yaw[obj]))
         chances[obj] = shape if outline is None else _with_walls(shape, objects, obj, outline)
     turns = np.zeros(len(objects), np.int64)
     for obj, one in chances.items():
@@ -67,16 +67,17 @@ def facing(objects: SceneObjects, graph: SceneGraph, movable: Bools, outline: Fl
 _known: WeakKeyDictionary[Mesh, dict[tuple[object, ...], Floats]] = WeakKeyDictionary()
 
 
-def _by_shape(found: Objects, number: int, yaw: float) -> Floats:
-    """The chances (4,) of fronts of an object by its shape, worked out once for each shape."""
-    rows = found.meshes[number]
+def _by_shape(found: Objects, numbers: Sequence[int], yaw: float) -> Floats:
+    """The chances (4,) of fronts of some objects as one, by their shape, worked out once for each shape."""
+    rows = np.concatenate([found.meshes[number] for number in numbers])
     meshes = [found.graph.meshes[mesh] for mesh in found.graph.mesh[rows]]
     poses = rotation(-yaw) @ found.world[rows, :3, :3]
     offsets = (found.world[rows, :3, 3] - found.world[rows[0], :3, 3]) @ rotation(-yaw).T
     key = (*map(id, meshes), (np.round(poses, 3) + 0.0).tobytes(), (np.round(offsets, 3) + 0.0).tobytes())
     known = _known.setdefault(meshes[0], {})
     if key not in known:
-        known[key] = front_of(found.triangles(number) @ rotation(-yaw).T).chances
+        triangles = np.concatenate([found.triangles(number) for number in numbers])
+        known[key] = front_of(triangles @ rotation(-yaw).T).chances
     return known[key]
 
 
