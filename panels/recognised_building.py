@@ -48,7 +48,7 @@ def _rooms(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
 def _parts(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
     """What the active object is taken for, and buttons that say what the selected ones are."""
     column = layout.column(align=True)
-    column.label(text=_taken_for(context))
+    draw_text(column, _taken_for(context), context.region.width)
     grid = column.grid_flow(columns=2, even_columns=True, align=True, row_major=True)
     for key, label, _ in PARTS:
         grid.operator("unisg.mark_part", text=label).part = key or "CLEAR"
