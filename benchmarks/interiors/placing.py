@@ -19,7 +19,7 @@ import numpy as np
 from measure import TRUTH, read
 from placing_judge import Judge
 
-from unisg_blender.experiments.reports import machine, write_json
+from unisg_blender.experiments.reports import write_results
 from unisg_blender.formats import read_scene_file
 from unisg_blender.generate import Generator
 from unisg_blender.pretrained import find_generator
@@ -108,9 +108,9 @@ def report(rows: list[dict[str, Any]], out: Path | None) -> None:
     if out is not None:
         each = [
             {"interior": name} | totals([row for row in rows if row["interior"] == name])
-            for name in dict.fromkeys(row["interior"] for row in rows)
+            for name in sorted({row["interior"] for row in rows})
         ]
-        write_json(out, {"machine": machine(), "totals": totals(rows), "interiors": each, "rows": rows})
+        write_results(out, {"totals": totals(rows), "interiors": each, "rows": rows})
 
 
 def totals(rows: list[dict[str, Any]]) -> dict[str, Any]:
@@ -122,7 +122,7 @@ def totals(rows: list[dict[str, Any]]) -> dict[str, Any]:
     }
     found |= {"wanted": len(rows), "placed": len(stands), "fit": len(fit)}
     found |= {"placed_of_fitting": round(sum(row["placed"] for row in fit) / max(len(fit), 1), 3)}
-    found |= {name: sum(name in row["wrong"] for row in stands) for name in FAULTS}
+    found |= {name.replace(" ", "_"): sum(name in row["wrong"] for row in stands) for name in FAULTS}
     return found
 
 

@@ -10,6 +10,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+from ...scene.categories import STRUCTURE
 from ...scene.properties import CATEGORY
 from ..depsgraph import updated_depsgraph
 from ..scene_units import metres_per_unit
@@ -97,7 +98,8 @@ def opened(
             world = np.array(item.matrix_world)
             corners = np.array(item.bound_box) @ world[:3, :3].T + world[:3, 3]
             middle = (corners.min(axis=0) + corners.max(axis=0)) / 2 * metres
-            if item.name in room.building and item.type == "MESH":
+            at_wall = (room.beside(corners[:, :2] * metres)[0] > -AT_WALL).any()
+            if item.type == "MESH" and (item.name in room.building or (at_wall and _may_be_building(item))):
                 copies.append(_without_hiding(item.evaluated_get(depsgraph), room, np.array(toward), metres))
                 shown.append(copies[-1])
             elif room.beside(middle[None, :2])[0][0] <= AROUND and room.floor - AROUND < middle[2] < room.ceiling:
@@ -108,6 +110,11 @@ def opened(
             mesh = copy.data
             bpy.data.objects.remove(copy)
             bpy.data.meshes.remove(mesh)
+
+
+def _may_be_building(item: bpy.types.Object) -> bool:
+    """Has nobody said that an object is anything but building? What is new says so."""
+    return item.get(CATEGORY, "") in ("", *STRUCTURE)
 
 
 def _without_hiding(item: bpy.types.Object, room: RoomView, toward: Points, metres: float) -> bpy.types.Object:

@@ -17,7 +17,7 @@ from ...spatial.structure.structure import Room
 FINE, COARSE, LARGE = 0.05, 0.1, 60.0
 """Metres of a cell, in rooms whose rectangle has so many square metres of a coarser one."""
 
-PERSON, POCKET = 0.27, 1.0
+PERSON, POCKET = 0.24, 1.0
 """Metres from the middle of a person to what is beside; and the square metres of a place that is not to be cut off."""
 
 STEP, HEAD, CUTS = 0.12, 1.8, 9
@@ -66,7 +66,7 @@ def _walkable(free: Bools, cell: float) -> Bools:
     from scipy.ndimage import distance_transform_edt
 
     away: Any = distance_transform_edt(np.pad(free, 1))
-    return np.asarray(away[1:-1, 1:-1] * cell > PERSON)
+    return np.asarray((away[1:-1, 1:-1] - 0.5) * cell > PERSON)  # to the border of the next cell that is taken
 
 
 def _obstacles(triangles: Floats, grid: Grid, floor: float) -> Bools:
