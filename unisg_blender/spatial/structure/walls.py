@@ -67,7 +67,7 @@ class Cuts:
 
 
 @dataclass(frozen=True, eq=False)
-class Beside:
+class CutsAlong:
     """Cuts as they are seen along an edge of so many metres: of both ends (S, 2) how far along it they are, and how far
     to its left, metres; ``along`` tells those that run as the edge does."""
 
@@ -78,7 +78,7 @@ class Beside:
     cuts: Cuts
 
     @staticmethod
-    def of(start: Floats, stop: Floats, cuts: Cuts) -> Beside:
+    def of(start: Floats, stop: Floats, cuts: Cuts) -> CutsAlong:
         """Those of some cuts that may be of a wall along an edge."""
         near = cuts.near(np.stack([start, stop]), BESIDE + THICKEST)
         length = float(np.linalg.norm(stop - start))
@@ -86,7 +86,7 @@ class Beside:
         place, offset = step @ along, step @ np.array([-along[1], along[0]])
         way = near.segments[:, 1] - near.segments[:, 0]
         runs = np.abs(offset[:, 1] - offset[:, 0]) <= PARALLEL * np.hypot(way[:, 0], way[:, 1])
-        return Beside(length, place, offset, runs, near)
+        return CutsAlong(length, place, offset, runs, near)
 
 
 def walls_along(outline: Floats, region: Region, cuts: Cuts) -> tuple[tuple[WallPiece, ...], tuple[Opening, ...]]:
@@ -99,7 +99,7 @@ def walls_along(outline: Floats, region: Region, cuts: Cuts) -> tuple[tuple[Wall
     for start, stop in zip(outline, np.roll(outline, -1, axis=0), strict=True):
         if np.linalg.norm(stop - start) < NARROWEST:
             continue
-        near = Beside.of(start, stop, cuts)
+        near = CutsAlong.of(start, stop, cuts)
         if _closed(near, BESIDE).mean(axis=1).max() < CLOSED:
             continue
         thickness, row = _thickness_and_row(near)
@@ -138,7 +138,7 @@ def _from_to(wall: WallPiece, region: Region, heights: Floats, open_at: Bools, k
     return bottom, region.floor + float(over[0]) if len(over) else wall.top
 
 
-def _closed(beside: Beside, depth: float) -> Bools:
+def _closed(beside: CutsAlong, depth: float) -> Bools:
     """Where along an edge cuts run beside it, or up to ``depth`` metres behind it: bool (H, steps)."""
     cuts, steps = beside.cuts, max(round(beside.length / STEP), 1)
     low, high = ordered(beside.offset)
@@ -151,7 +151,7 @@ def _closed(beside: Beside, depth: float) -> Bools:
     return np.asarray(np.cumsum(count.reshape(-1, steps + 1), axis=1)[:, :-1] > 0)
 
 
-def _thickness_and_row(beside: Beside) -> tuple[float, int]:
+def _thickness_and_row(beside: CutsAlong) -> tuple[float, int]:
     """How far behind an edge the far side of its wall is (0 if there is none), and whose the near side is."""
     first, last = ordered(beside.place.clip(0, beside.length))
     shared, middle = last - first, (beside.offset[:, 0] + beside.offset[:, 1]) / 2
