@@ -13,6 +13,7 @@ from unisg_blender.predict.calibration import calibrated, setting_evidence
 from unisg_blender.predict.things_as_one import things_as_one
 from unisg_blender.scene import SceneBuilder, SceneGraph
 
+TRUST = LabelModel.load().trust
 TOP, SIDE = box((1.4, 0.8, 0.05), (0, 0, 0.7)), box((0.05, 0.8, 0.7))
 
 
@@ -121,7 +122,7 @@ def test_what_lies_apart_stays_apart() -> None:
 def test_calibrated_chances_are_chances_and_keep_the_best(seed: int, kinds: int) -> None:
     rng = np.random.default_rng(seed)
     scores, apart = rng.normal(0, 3, (4, kinds)), rng.uniform(0, 2, (4, kinds))
-    found = calibrated(scores, apart, LabelModel.load().trust)
+    found = calibrated(scores, apart, TRUST)
     assert ((found >= 0) & (found <= 1)).all()
     assert (found.sum(axis=1) <= 1 + 1e-9).all()
     assert (found.argmax(axis=1) == scores.argmax(axis=1)).all()

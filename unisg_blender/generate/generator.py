@@ -167,9 +167,8 @@ class Generator:
         """
         counts = self.understood(_checked(counts), words)
         given, scene = scene, with_instances(scene)
-        point = _point(scene, within, on or beside)
-        how = How(bulk, settle, assets or {}, on, beside, point if within else None)
-        reading = SceneReading.of(scene, self.contract, words, point)
+        how = How(bulk, settle, assets or {}, on, beside, _point(scene, within, on or beside) if within else None)
+        reading = self.read(scene, words, near=on or beside, within=within)
         new = New(Names(scene.name), uid_maker(scene, seed), np.random.default_rng(seed))
         room, placements, wanted = self._with_room(scene, counts, reading, new)
         yield from placements

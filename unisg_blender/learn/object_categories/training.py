@@ -31,13 +31,9 @@ LIGHTLY = 1e-4
 
 
 def fit_labels(
-    models: Sequence[ShapeFile],
-    scenes: Sequence[SceneGraph],
-    encoder: AtlasNetEncoder,
-    provenance: dict,
-    progress: Callable[[int], None] = lambda done: None,
-    judges: Sequence[ShapeFile] = (),
-) -> LabelModel:
+    models: Sequence[ShapeFile], scenes: Sequence[SceneGraph], encoder: AtlasNetEncoder, provenance: dict,
+    progress: Callable[[int], None] = lambda done: None, judges: Sequence[ShapeFile] = (),
+) -> LabelModel:  # fmt: skip
     """Fit a model of categories.
 
     Parameters
@@ -72,15 +68,11 @@ def fit_labels(
     apart = distances(vectors, sizes, vectors, sizes, spread)
     warmth = temperature(apart, classes, families)
     if judges:
-        asked, asked_sizes = shape_inputs(judges, encoder)
-        nearest = nearest_of_class(distances(asked, size_channels(asked_sizes), vectors, sizes, spread), classes)
+        asked, raw = shape_inputs(judges, encoder)
+        nearest = nearest_of_class(distances(asked, size_channels(raw), vectors, sizes, spread), classes)
         truth = np.repeat([(*vocabulary, model.category).index(model.category) for model in judges], QUARTER_TURNS)
     else:
-        of_files = [not model.family.startswith(OF_WORLDS) for model in known]  # what is made by rule tells nothing
-        mine = np.flatnonzero(np.repeat(of_files, QUARTER_TURNS))[::QUARTER_TURNS]
-        nearest = nearest_of_class(np.where(families[mine, None] == families, np.inf, apart[mine]), classes)
-        possible = np.isfinite(nearest[np.arange(len(mine)), classes[mine]])
-        nearest, truth = np.minimum(nearest[possible], FARTHEST), classes[mine][possible]
+        nearest, truth = _of_other_families(known, apart, classes, families)
     return LabelModel(
         vocabulary=vocabulary,
         vectors=vectors.astype(np.float16),
@@ -128,6 +120,17 @@ def _log_likelihood(scores: NDArray[np.float64], truth: NDArray[np.int64]) -> fl
     best = scores.max(axis=1)
     total = best + np.log(np.exp(scores - best[:, None]).sum(axis=1))
     return float((scores[np.arange(len(truth)), truth] - total).mean())
+
+
+def _of_other_families(
+    known: Sequence[ShapeFile], apart: NDArray[np.float64], classes: NDArray[np.integer], families: NDArray[np.integer]
+) -> tuple[NDArray[np.float64], NDArray[np.integer]]:
+    """Distances (N, K) of the shapes from files to those of other families in each category, and their own category."""
+    of_files = [not model.family.startswith(OF_WORLDS) for model in known]  # what is made by rule tells nothing
+    mine = np.flatnonzero(np.repeat(of_files, QUARTER_TURNS))[::QUARTER_TURNS]
+    nearest = nearest_of_class(np.where(families[mine, None] == families, np.inf, apart[mine]), classes)
+    possible = np.isfinite(nearest[np.arange(len(mine)), classes[mine]])
+    return np.minimum(nearest[possible], FARTHEST), classes[mine][possible]
 
 
 def trust(nearest: NDArray[np.float64], truth: NDArray[np.integer], warmth: float) -> tuple[float, ...]:
