@@ -121,9 +121,7 @@ class WordTable:
             thing, used = self._longest(words, place)
             if found and used <= 1 and words[place] in PARTS and not self._is_head(words, place):
                 part = part or words[place - 1] not in COUNTS
-            elif thing and not (
-                found and (thing in BUILDING or words[place] in MATERIALS or thing in self.things[found].broader)
-            ):
+            elif thing and not (found and self._describes(thing, words[place], found)):
                 found, part = thing, False
             place += max(used, 1)
         return NameReading(found, part)
