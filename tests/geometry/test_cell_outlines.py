@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
@@ -16,6 +16,7 @@ CELL = 0.5
 masks = arrays(bool, st.tuples(st.integers(1, 9), st.integers(1, 9)))
 
 
+@settings(deadline=None)
 @given(masks)
 def test_outlines_enclose_the_cells(mask) -> None:
     loops = outlines(mask, Grid((0.0, 0.0), CELL, mask.shape))
@@ -28,6 +29,7 @@ def test_outlines_enclose_the_cells(mask) -> None:
         assert (turns != 0).all(), "a corner where it does not turn"
 
 
+@settings(deadline=None)
 @given(st.lists(masks, min_size=1, max_size=4), st.floats(0.01, 2.0))
 def test_simplified_outlines_stay_near(shapes, tolerance) -> None:
     loops = [loop for mask in shapes for loop in outlines(mask, Grid((0.0, 0.0), CELL, mask.shape))]
@@ -42,6 +44,7 @@ def test_simplified_outlines_stay_near(shapes, tolerance) -> None:
         assert (np.linalg.norm(off, axis=-1).min(axis=1) <= tolerance + 1e-9).all()
 
 
+@settings(deadline=None)
 @given(arrays(np.float64, st.tuples(st.integers(1, 30), st.just(3), st.just(3)), elements=st.floats(0, 4)))
 def test_columns_go_from_below(triangles) -> None:
     found = columns(triangles, Grid((0.0, 0.0), CELL, (8, 8)))
