@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -52,6 +53,11 @@ class Surroundings:
     row: Ints
     room: RoomObjects
     doors: Boxes
+
+    @cached_property
+    def ends(self) -> tuple[Floats, Floats]:
+        """Least and greatest coordinates (M, 3) of each triangle."""
+        return self.triangles.min(axis=1), self.triangles.max(axis=1)
 
     @staticmethod
     def of(graph: SceneGraph, before: SceneGraph) -> Surroundings:
@@ -120,7 +126,8 @@ def _fault(around: Surroundings, row: int, gone: Bools, holder_row: int) -> str:
     if not len(mine):
         return ""
     low, high = mine.min(axis=(0, 1)) - ASIDE, mine.max(axis=(0, 1)) + ASIDE
-    near = rest & (around.triangles.min(axis=1) <= high).all(axis=1) & (around.triangles.max(axis=1) >= low).all(axis=1)
+    least, most = around.ends
+    near = rest & (least <= high).all(axis=1) & (most >= low).all(axis=1)
     others, other_row = around.triangles[near], around.row[near]
     if _outside(around, (low + high) / 2):
         return OUTSIDE
@@ -224,7 +231,7 @@ def _outside(around: Surroundings, middle: Floats) -> bool:
     number = structure.room_at(middle)
     if number < 0 or structure.rooms[number].indoors:
         return number < 0
-    return bool(structure.rooms[number].floor - around.triangles[:, :, 2].min() > BUILT)
+    return bool(structure.rooms[number].floor - around.ends[0][:, 2].min() > BUILT)
 
 
 def _in_boxes(triangles: Floats, boxes: Boxes) -> bool:
