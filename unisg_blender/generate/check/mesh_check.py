@@ -120,14 +120,15 @@ def _cutting(around: Surroundings, uids: Sequence[str], gone: Bools) -> list[str
 
 def _fault(around: Surroundings, row: int, gone: Bools, holder_row: int) -> str:
     """Why the thing at a row does not hold, "" if it does; what is ``gone`` (N,) is not looked at."""
-    rows = subtree(around.graph, row)
-    own = np.isin(around.row, rows)
-    mine, rest = around.triangles[own], ~own & ~gone[around.row]
+    skipped = gone.copy()
+    skipped[(rows := subtree(around.graph, row))] = True
+    mine = around.triangles[np.isin(around.row, rows)]
     if not len(mine):
         return ""
     low, high = mine.min(axis=(0, 1)) - ASIDE, mine.max(axis=(0, 1)) + ASIDE
     least, most = around.ends
-    near = rest & (least <= high).all(axis=1) & (most >= low).all(axis=1)
+    near = np.flatnonzero((least <= high).all(axis=1) & (most >= low).all(axis=1))
+    near = near[~skipped[around.row[near]]]
     others, other_row = around.triangles[near], around.row[near]
     if _outside(around, (low + high) / 2):
         return OUTSIDE
@@ -166,11 +167,18 @@ def smaller(triangles: Floats, matrix: Floats, depth: float = DEEPEST) -> Floats
 
 def meets(first: Floats, second: Floats) -> Ints:
     """Numbers of the triangles of the second (M, 3, 3) that go through triangles of the first (N, 3, 3)."""
-    low, high = first.min(axis=(0, 1)), first.max(axis=(0, 1))
-    near = np.flatnonzero((second.min(axis=1) <= high).all(axis=1) & (second.max(axis=1) >= low).all(axis=1))
-    hit = crossings(edges_of(first), second[near])[1]
+    near = _around(second, first)
+    hit = crossings(edges_of(first[_around(first, second)]), second[near])[1]
     hit = hit if len(hit) else crossings(edges_of(second[near]), first)[0] // 3
     return near[hit]
+
+
+def _around(triangles: Floats, others: Floats) -> Ints:
+    """Numbers of the triangles (M, 3, 3) that reach into the box around the others."""
+    if not len(others):
+        return np.zeros(0, np.int64)
+    low, high = others.min(axis=(0, 1)), others.max(axis=(0, 1))
+    return np.flatnonzero((triangles.min(axis=1) <= high).all(axis=1) & (triangles.max(axis=1) >= low).all(axis=1))
 
 
 def _within(skin: Floats, others: Floats, row: Ints) -> Ints:
@@ -194,11 +202,13 @@ def _grounded(around: Surroundings, mine: Floats) -> bool:
 
 
 def _carried(mine: Floats, others: Floats) -> bool:
-    """Is there a face of others close below a face of a thing?"""
+    """Is there a face of others close below a face of a thing? Its lowest faces are looked at first: most stand."""
     up = np.array([0, 0, 1.0])
-    return _reach(_corners(mine), -AIR * up, DEEPEST * up, others) or _reach(
-        _corners(others), AIR * up, -DEEPEST * up, mine
-    )
+    low = mine[:, :, 2].min(axis=1)
+    lowest = mine[low <= low.min() + AIR]
+    if any(_reach(_corners(part), -AIR * up, DEEPEST * up, others) for part in (lowest, mine)):
+        return True
+    return _reach(_corners(others), AIR * up, -DEEPEST * up, mine)
 
 
 def _touched(mine: Floats, others: Floats) -> bool:
