@@ -15,7 +15,9 @@ if TYPE_CHECKING:
     from ...unisg_blender.generate.check.scene_check import SceneCheck
     from ...unisg_blender.scene import SceneGraph
 
-_background = Background["tuple[SceneGraph, SceneCheck]"]()
+_background: Background[tuple[SceneGraph, SceneCheck]] = (
+    Background()
+)  # `Background[...]()` would be kept by typing, see there
 
 
 class UNISG_Fault(bpy.types.PropertyGroup):

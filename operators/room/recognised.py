@@ -75,7 +75,8 @@ class Known:
     again: bool = False
 
 
-_known, _background = Known(), Background["Recognised"]()
+_known = Known()
+_background: Background[Recognised] = Background()  # `Background[...]()` would be kept by typing, and Blender not end
 
 
 def recognised(scene: bpy.types.Scene) -> Recognised | None:
