@@ -112,7 +112,7 @@ def test_dask_does(tmp_path: Path, put: Callable[..., Path]) -> None:
         ("crash", "crashed with SIGSEGV"),
         ("exit", "ended with status 7"),
         ("bug", "ZeroDivisionError: in the reader"),
-        ("hang", "not done after 1 s"),
+        ("hang", "not done after 5 s"),
         ("memory", "out of memory"),
     ],
 )
@@ -122,7 +122,7 @@ def test_trouble_costs_only_the_file(tmp_path: Path, put: Callable[..., Path], t
         put(f"{number}.obj", seed=number)
     put("1-bad.obj", seed=0, trouble=trouble, seconds=60 if trouble == "hang" else 0)
     options = ExportOptions(
-        reader=OPTIONS.reader, timeout=1 if trouble == "hang" else 60, memory=4 * 2**30 if trouble == "memory" else 0
+        reader=OPTIONS.reader, timeout=5 if trouble == "hang" else 60, memory=4 * 2**30 if trouble == "memory" else 0
     )
     records = export_dataset([tmp_path / "in"], tmp_path / "ds", options, jobs=1)
     assert [record["status"] for record in records] == ["ok", "failed", "ok", "ok"]
