@@ -133,6 +133,7 @@ def test_a_signal_that_a_library_does_not_answer_ends_it_soon(tmp_path: Path) ->
     process = start(over(tmp_path / "a.blend", "print('ready', flush=True); within_a_library()"))
     assert process.stdout is not None
     process.stdout.readline()
+    time.sleep(0.5)  # it is within the library by then: before, Python would answer
     process.send_signal(signal.SIGINT)
     assert end(process)[::2] == (130, "unisg try: stopped\n")
 
