@@ -6,23 +6,22 @@ an asset has no front, or two sides would do, ``fronts`` says so.
 
 from __future__ import annotations
 
+import contextlib
 import csv
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
-
+from unisg_blender.errors import UniSGError
+from unisg_blender.formats.mesh_parts import whole_mesh
 from unisg_blender.geometry.surface_contact import Triangles
 from unisg_blender.meshes.mesh_files import mesh_paths
 from unisg_blender.meshes.shape_files import ShapeFile, read_models
-from unisg_blender.scene import Mesh, mesh_from_faces
+from unisg_blender.scene import Mesh
 
 LIST = Path(__file__).with_name("foreign_assets.csv")
 LEARNED = ("kaykit", "sweethome3d")
 """Makers whose splits ``pretrained/atlasnet_models.csv`` tells; of the others nothing was learned."""
 COLLADA = "aws"
-CENTIMETRES = 12
-"""Extent from which on a file without a unit is taken to be in centimetres."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,17 +65,8 @@ def _by_file(folder: Path) -> dict[str, ShapeFile]:
 
 
 def _collada(stem: str, folders: list[Path]) -> Mesh | None:
-    """A mesh of the first Collada file of a name that can be read; needs pycollada."""
-    import trimesh
-
-    paths = [path for folder in folders for path in sorted(folder.rglob("*.[dD][aA][eE]")) if path.stem == stem]
-    for path in paths:
-        try:
-            scene = trimesh.load(path, process=False, force="scene")
-            whole = scene.to_geometry() if hasattr(scene, "to_geometry") else scene.dump(concatenate=True)
-        except Exception:  # some are cut off
-            continue
-        points = np.asarray(whole.vertices, float)
-        scale = 0.01 if np.ptp(points, axis=0).max() > CENTIMETRES else 1.0
-        return mesh_from_faces(stem, scale * points, np.asarray(whole.faces))
+    """A mesh, in its file's own frame, of the first Collada file of a name that can be read."""
+    for path in (path for folder in folders for path in sorted(folder.rglob("*.[dD][aA][eE]")) if path.stem == stem):
+        with contextlib.suppress(UniSGError):  # some are cut off
+            return whole_mesh(path, upright=False)
     return None

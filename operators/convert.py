@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import bpy
 
@@ -10,7 +11,25 @@ from ..unisg_blender.errors import UniSGError
 from ..unisg_blender.runtime.file_endings import JSON, USD, is_of
 from .base import FileOperator
 
+if TYPE_CHECKING:
+    from ..unisg_blender.runtime.read_report import ReadReport
+    from ..unisg_blender.scene import SceneGraph
+
 ENDINGS = (*USD, *JSON)
+
+
+def show_scene(operator: FileOperator, context: bpy.types.Context, graph: SceneGraph, lost: ReadReport) -> None:
+    """Put a scenegraph into a scene of its own, look at that, and tell what of it, and of its file, got lost."""
+    from ..unisg_blender.blender import ReadReport, write_scene
+
+    report = ReadReport()
+    scene = write_scene(graph, report=report)
+    if context.window is not None:
+        context.window.scene = scene
+    report.extend(lost)
+    if len(report):
+        operator.report({"WARNING"}, f"Not represented: {report.summary(most=3)}")
+    operator.report({"INFO"}, f"{len(graph)} entities in the scene {scene.name!r}")
 
 
 class UNISG_OT_convert(FileOperator):
@@ -64,21 +83,12 @@ class UNISG_OT_open_master_file(FileOperator):
     filter_glob: bpy.props.StringProperty(default=";".join(f"*{ending}" for ending in ENDINGS), options={"HIDDEN"})
 
     def run(self, context: bpy.types.Context) -> None:
-        from ..unisg_blender.blender import ReadReport, write_scene
         from ..unisg_blender.formats.scene_files import read_scene_file
 
         path = Path(bpy.path.abspath(self.filepath))
-        report = ReadReport()
         if not is_of(path, ENDINGS):
             raise UniSGError(f"a master file ends in {', '.join(ENDINGS)}")
-        graph, lost = read_scene_file(path)
-        scene = write_scene(graph, report=report)
-        if context.window is not None:
-            context.window.scene = scene
-        report.extend(lost)
-        if len(report):
-            self.report({"WARNING"}, f"Not represented: {report.summary(most=3)}")
-        self.report({"INFO"}, f"{len(graph)} entities in the scene {scene.name!r}")
+        show_scene(self, context, *read_scene_file(path))
 
 
 CLASSES = (UNISG_OT_convert, UNISG_OT_open_master_file)

@@ -9,6 +9,7 @@ import bpy
 from ...unisg_blender.errors import UniSGError
 from ...unisg_blender.runtime.file_endings import JSON, LAYOUTS, MESHES, is_of
 from ..base import FileOperator
+from ..convert import show_scene
 
 ENDINGS = (*JSON, *LAYOUTS, *MESHES)
 DROPPED = (".jsonl", ".gz", ".world", ".sdf", ".urdf", ".mjcf", ".dae", ".off", ".3mf")
@@ -38,10 +39,9 @@ class UNISG_OT_import_layout(FileOperator):
         return super().invoke(context, event)
 
     def run(self, context: bpy.types.Context) -> None:
-        from ...unisg_blender.blender import ReadReport, write_scene
         from ...unisg_blender.formats.scene_files import read_scene_file
 
-        path, report, manager = Path(bpy.path.abspath(self.filepath)), ReadReport(), context.window_manager
+        path, manager = Path(bpy.path.abspath(self.filepath)), context.window_manager
         if not is_of(path, ENDINGS):
             raise UniSGError(f"a room of another program ends in {', '.join(ENDINGS)}")
         assets = Path(bpy.path.abspath(self.assets)) if self.assets else None
@@ -53,15 +53,9 @@ class UNISG_OT_import_layout(FileOperator):
                 scene="" if is_of(path, MESHES) else self.scene,
                 assets=assets,
             )
-            scene = write_scene(graph, report=report)
         finally:
             manager.progress_end()
-        if context.window is not None:
-            context.window.scene = scene
-        report.extend(lost)
-        if len(report):
-            self.report({"WARNING"}, f"Not represented: {report.summary(most=3)}")
-        self.report({"INFO"}, f"{len(graph)} entities in the scene {scene.name!r}")
+        show_scene(self, context, graph, lost)
 
 
 CLASSES: tuple[type, ...] = (UNISG_OT_import_layout,)

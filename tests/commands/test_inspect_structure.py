@@ -13,13 +13,13 @@ from unisg_blender.errors import UNUSABLE_INPUT
 from unisg_blender.formats.scene_files import write_scene_file
 from unisg_blender.geometry.polygon import area
 
-from ..spatial.built_rooms import SQUARE, Hole, room, scene, table
+from ..spatial.built_rooms import DOOR, SQUARE, room, scene, table
 
 
 @pytest.fixture
 def file(tmp_path: Path) -> Path:
     path = tmp_path / "house.usda"
-    objects = room(SQUARE, 0.1, roof=True, holes=(Hole(0, 1.0, 1.9),)) | {"desk": table(2, 2, 0)}
+    objects = room(SQUARE, 0.1, roof=True, holes=(DOOR,)) | {"desk": table(2, 2, 0)}
     write_scene_file(scene(objects), path)
     return path
 

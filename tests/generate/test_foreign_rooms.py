@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from tests.spatial.built_rooms import (
+    DOOR,
     L_SHAPE,
     SQUARE,
     TRIANGLE,
-    Hole,
     box,
     grown,
     joined,
@@ -34,7 +34,6 @@ from unisg_blender.spatial import find_relations
 from unisg_blender.spatial.part_boxes import part_boxes
 
 COUNTS = {"Chair": 2, "Plant": 2, "Bookshelf": 1, "Armchair": 1}
-DOOR = Hole(0, 1.0, 1.9)
 
 
 @pytest.fixture(scope="module")

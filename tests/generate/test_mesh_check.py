@@ -34,7 +34,7 @@ def fault(low, high) -> str:
         ((3.2, 2.2, 0.697), (3.4, 2.4, 0.9), ""),
         ((2.5, 2, 0), (3.003, 2.5, 0.5), ""),
         ((2.5, 2, 0), (3.02, 2.5, 0.5), "in desk"),
-        ((3.3, 2.3, 0.2), (3.6, 2.6, 0.5), "in"),
+        ((3.3, 2.3, 0.2), (3.6, 2.6, 0.5), "in the air"),
         ((4.8, 2, 0), (5.1, 2.5, 0.5), "in house"),
         ((1, 2, 0.2), (1.5, 2.5, 0.5), "in the air"),
         ((8, 2, 0), (8.5, 2.5, 0.5), "outside"),
@@ -45,6 +45,15 @@ def test_faults_of_a_box(low, high, reason) -> None:
     said = fault(low, high)
     assert reason in said
     assert bool(said) == bool(reason)
+
+
+@pytest.mark.parametrize(("height", "reason"), [(2.2, "it would be in crate"), (3.0, "")])
+def test_what_stands_within_something_closed_is_in_it_however_far_its_faces_are(height: float, reason: str) -> None:
+    """Unless it is as large as a house: a room is around all that is in it."""
+    parts = {"crate": box((1, 0.8, 0), (3.8, 3.4, height)), "board": box((2.2, 1.8, 0.5), (2.8, 2.4, 0.52))}
+    before = scene(ROOM | parts)
+    after = scene(ROOM | parts | {"new": box((2.3, 1.9, 0.52), (2.5, 2.1, 0.7))})
+    assert faults(after, before, ["new"]).get("new", "") == reason
 
 
 def test_of_two_in_each_other_the_later_goes_and_what_stands_on_it() -> None:

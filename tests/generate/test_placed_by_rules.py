@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tests.generate.test_foreign_rooms import check
-from tests.spatial.built_rooms import SQUARE, Hole, room, scene
+from tests.spatial.built_rooms import DOOR, SQUARE, room, scene
 from tests.words.foreign_scenes import kitchen
 from unisg_blender.errors import UniSGError
 from unisg_blender.generate import Generator
@@ -22,7 +22,7 @@ def generator() -> Generator:
 
 @pytest.mark.parametrize("seed", range(4))
 def test_fridges_stand_with_their_backs_to_walls(generator: Generator, seed: int) -> None:
-    graph = scene(room(SQUARE, 0.1, holes=(Hole(0, 1.0, 1.9),)))
+    graph = scene(room(SQUARE, 0.1, holes=(DOOR,)))
     made = generator.add(graph, {"Kühlschrank": 1, "washing machine": 2}, seed)
     check(made, SQUARE, 0.0, least=3)
     for item in made.objects:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from tests.spatial.built_rooms import SQUARE, Hole, joined, mesh, room, scene, table
+from tests.spatial.built_rooms import DOOR, SQUARE, joined, mesh, room, scene, table
 from unisg_blender.predict.category_proposals import propose_categories
 from unisg_blender.scene import SceneBuilder
 
@@ -12,7 +12,7 @@ def best(graph, **options) -> dict[str, str]:
 
 
 def test_a_floor_plane_and_walls_by_hand() -> None:
-    parts = room(SQUARE, 0.0, roof=True, holes=(Hole(0, 1.0, 1.9),))
+    parts = room(SQUARE, 0.0, roof=True, holes=(DOOR,))
     builder = SceneBuilder("Built")
     words = {"ground": "Plane", "top": "Plane.001"}
     for number, (name, part) in enumerate(parts.items()):

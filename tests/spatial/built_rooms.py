@@ -32,6 +32,9 @@ class Hole:
     top: float = 2.0
 
 
+DOOR, WINDOW = Hole(0, 1.0, 1.9), Hole(1, 1.0, 2.2, 0.9, 2.0)
+
+
 def box(low, high) -> tuple[np.ndarray, list[list[int]]]:
     low, high = np.array(low, float), np.array(high, float)
     points = [[(low, high)[i][0], (low, high)[j][1], (low, high)[k][2]] for i in (0, 1) for j in (0, 1) for k in (0, 1)]

@@ -7,7 +7,7 @@ import pytest
 
 from unisg_blender.spatial.structure import recognise_structure
 
-from .built_rooms import SQUARE, Hole, box, overlap, room, scene, slab, table
+from .built_rooms import DOOR, SQUARE, box, overlap, room, scene, slab, table
 
 
 def turned(part):
@@ -17,7 +17,7 @@ def turned(part):
 
 @pytest.mark.parametrize("some", ["all", "ground", "side"])
 def test_solids_drawn_inside_out(some) -> None:
-    parts = room(SQUARE, 0.2, roof=True, holes=(Hole(0, 1.0, 1.9),)) | {"table": table(1.5, 1.5, 0)}
+    parts = room(SQUARE, 0.2, roof=True, holes=(DOOR,)) | {"table": table(1.5, 1.5, 0)}
     wrong = {name: turned(part) if some == "all" or name.startswith(some) else part for name, part in parts.items()}
     structure = recognise_structure(scene(wrong))
     assert [found.indoors for found in structure.rooms] == [True]

@@ -15,11 +15,13 @@ from unisg_blender.spatial.structure import recognise_structure
 
 from .built_rooms import (
     CORRIDOR,
+    DOOR,
     FACES,
     L_SHAPE,
     ROUND,
     SQUARE,
     TRIANGLE,
+    WINDOW,
     Hole,
     box,
     grown,
@@ -34,7 +36,6 @@ from .built_rooms import (
     walls,
 )  # fmt: skip
 
-DOOR, WINDOW = Hole(0, 1.0, 1.9), Hole(1, 1.0, 2.2, 0.9, 2.0)
 PLAIN = (DOOR, WINDOW)
 LAND = np.array([[-30, -30], [35, -30], [35, 34], [-30, 34]], float)
 

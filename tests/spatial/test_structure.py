@@ -14,10 +14,12 @@ from unisg_blender.spatial.structure.structure_text import structure_lines, stru
 
 from .built_rooms import (
     CORRIDOR,
+    DOOR,
     FACES,
     L_SHAPE,
     OUTLINES,
     SQUARE,
+    WINDOW,
     Hole,
     box,
     grown,
@@ -30,8 +32,6 @@ from .built_rooms import (
     table,
     walls,
 )  # fmt: skip
-
-DOOR, WINDOW = Hole(0, 1.0, 1.9), Hole(1, 1.0, 2.2, 0.9, 2.0)
 
 
 def shapes(structure):

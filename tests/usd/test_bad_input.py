@@ -248,16 +248,21 @@ uniform token[] xformOpOrder = ["xformOp:transform"]
     assert [text for text in told if "projective" in text] == ["/A: its transform is projective; read as affine"]
 
 
-def test_slots_of_types_that_usd_does_not_know_are_found_by_their_names(tmp_path: Path) -> None:
-    path = tmp_path / "slots.usda"
-    path.write_text("""#usda 1.0
+TWO_FACES = """#usda 1.0
 def Mesh "Box"
 {
     point3f[] points = [(0, 0, 0), (1, 0, 0), (0, 1, 0)]
     int[] faceVertexCounts = [3, 3]
     int[] faceVertexIndices = [0, 1, 2, 2, 1, 0]
     uniform token subdivisionScheme = "none"
-    custom nothing[] unisg:materials = ["a"]
+"""
+
+
+def test_slots_of_types_that_usd_does_not_know_are_found_by_their_names(tmp_path: Path) -> None:
+    path = tmp_path / "slots.usda"
+    path.write_text(
+        TWO_FACES
+        + """    custom nothing[] unisg:materials = ["a"]
     uniform token subsetFamily:materialBind:familyType = "partition"
     def GeomSubset "one"
     {
@@ -273,20 +278,16 @@ def Mesh "Box"
         custom uniform nothing unisg:slot = 1
     }
 }
-""")
+"""
+    )
     assert read_usd(path)["Box"].mesh.materials == ("one", "two")
 
 
 def test_a_slot_that_is_not_there_is_the_last_one(tmp_path: Path) -> None:
     path = tmp_path / "slots.usda"
-    path.write_text("""#usda 1.0
-def Mesh "Box"
-{
-    point3f[] points = [(0, 0, 0), (1, 0, 0), (0, 1, 0)]
-    int[] faceVertexCounts = [3, 3]
-    int[] faceVertexIndices = [0, 1, 2, 2, 1, 0]
-    uniform token subdivisionScheme = "none"
-    custom string[] unisg:materials = ["a", "b"]
+    path.write_text(
+        TWO_FACES
+        + """    custom string[] unisg:materials = ["a", "b"]
     uniform token subsetFamily:materialBind:familyType = "partition"
     def GeomSubset "two"
     {
@@ -296,7 +297,8 @@ def Mesh "Box"
         custom int unisg:slot = 12
     }
 }
-""")
+"""
+    )
     mesh = read_usd(path)["Box"].mesh
     check_mesh(mesh)
     assert (mesh.materials, mesh.material_index.tolist()) == (("a", "b"), [0, 1])

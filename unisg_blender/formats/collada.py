@@ -1,5 +1,8 @@
 """COLLADA (.dae): its geometry, and where its nodes put it; materials, animation and skinning are not read.
 
+Read here and not by pycollada: that finds no triangles in some shelves of a simulated bookstore, and the zip would have
+to carry it.
+
 Khronos Group, "COLLADA - Digital Asset Schema Release 1.5.0", 2008; versions 1.4 and 1.5 are the same in what is read.
 """
 

@@ -24,6 +24,7 @@ def parse_xml(text: bytes, path: Path) -> Element:
     depth = count = 0
 
     def start(name: str, attributes: dict[str, str]) -> None:
+        """Begin an element, unless there are too many."""
         nonlocal depth, count
         depth, count = depth + 1, count + 1
         if depth > DEEPEST or count > MOST_ELEMENTS:
@@ -31,6 +32,7 @@ def parse_xml(text: bytes, path: Path) -> Element:
         builder.start(name.rpartition(" ")[2], attributes)
 
     def end(name: str) -> None:
+        """End an element."""
         nonlocal depth
         depth -= 1
         builder.end(name.rpartition(" ")[2])

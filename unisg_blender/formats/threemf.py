@@ -45,6 +45,7 @@ def threemf_parts(path: Path) -> list[Part]:
     found: list[Part] = []
 
     def add(key: str, matrix: Array, depth: int) -> None:
+        """Add an object, and what it is composed of."""
         if depth > DEEPEST or len(found) > MOST_PARTS:
             raise UniSGError(f"cannot read {path}: its objects are nested too deeply, or too many")
         if key in meshes:

@@ -151,6 +151,7 @@ def _pass_signals_on(child: int, note: mmap.mmap) -> list[int]:
     asked: list[int] = []
 
     def pass_on(number: int, frame: object) -> None:
+        """Ask the work to end."""
         asked.append(number)
         with contextlib.suppress(ProcessLookupError):
             os.kill(child, number)
@@ -158,6 +159,7 @@ def _pass_signals_on(child: int, note: mmap.mmap) -> list[int]:
             signal.alarm(ANSWER)
 
     def insist(number: int, frame: object) -> None:
+        """Kill it where it stays within a library."""
         if _told(note):
             with contextlib.suppress(ProcessLookupError):
                 os.kill(child, signal.SIGKILL)

@@ -59,6 +59,14 @@ class Surroundings:
         """Least and greatest coordinates (M, 3) of each triangle."""
         return self.triangles.min(axis=1), self.triangles.max(axis=1)
 
+    @cached_property
+    def row_ends(self) -> tuple[Floats, Floats]:
+        """Least and greatest coordinates (N, 3) of what each row shows; infinite, the wrong way round, for nothing."""
+        low, high = np.full((len(self.graph), 3), np.inf), np.full((len(self.graph), 3), -np.inf)
+        np.minimum.at(low, self.row, self.ends[0])
+        np.maximum.at(high, self.row, self.ends[1])
+        return low, high
+
     @staticmethod
     def of(graph: SceneGraph, before: SceneGraph) -> Surroundings:
         """A scene to be judged; its rooms are those that it had ``before`` things were put into it."""
@@ -135,24 +143,22 @@ def _fault(around: Surroundings, row: int, gone: Bools, holder_row: int) -> str:
     kinds = _relations(around.graph, row)
     held = holder_row >= 0 or bool(kinds & HELD)
     holder_row = holder_row if holder_row >= 0 else int(around.graph.parent[row])
-    holder = np.isin(other_row, subtree(around.graph, holder_row)) if held and holder_row >= 0 else other_row < 0
+    holders = subtree(around.graph, holder_row) if held and holder_row >= 0 else np.zeros(0, np.int64)
+    holder = np.isin(other_row, holders)
     stands = _grounded(around, mine) or _carried(mine, others)
     if not stands and not (held and _touched(mine, others[holder] if holder_row >= 0 else others)):
         return FLOATING
     matrix = world_matrices(around.graph)[row]
     skin = smaller(mine, matrix)
-    inside_of = _entered(skin, others[~holder], other_row[~holder])
+    inside_of = other_row[~holder][meets(skin, others[~holder])]
+    if not len(inside_of):
+        skipped[holders] = True
+        inside_of = _within(around, skin, skipped)
     if not len(inside_of) and held and INSIDE not in kinds:
         inside_of = other_row[holder][meets(smaller(mine, matrix, MOUNTED), others[holder])]
     if len(inside_of):
         return f"it would be in {around.graph.name[int(inside_of[0])]}"
     return BLOCKING if _in_boxes(skin, around.doors) else ""
-
-
-def _entered(skin: Floats, others: Floats, row: Ints) -> Ints:
-    """Rows of the others whose faces a thing goes through, or else that it is within."""
-    met = meets(skin, others)
-    return row[met] if len(met) else _within(skin, others, row)
 
 
 def smaller(triangles: Floats, matrix: Floats, depth: float = DEEPEST) -> Floats:
@@ -181,12 +187,23 @@ def _around(triangles: Floats, others: Floats) -> Ints:
     return np.flatnonzero((triangles.min(axis=1) <= high).all(axis=1) & (triangles.max(axis=1) >= low).all(axis=1))
 
 
-def _within(skin: Floats, others: Floats, row: Ints) -> Ints:
-    """Rows of the closed meshes that a thing is in without crossing a face: odd many faces in all directions."""
+def _within(around: Surroundings, skin: Floats, skipped: Bools) -> Ints:
+    """Rows of the closed meshes that a thing is in without crossing a face: odd many faces in all directions.
+
+    What is as large as a house does not count: a room drawn as one closed sheet is around all that is in it.
+    """
+    low, high = around.row_ends
+    size = np.maximum(high - low, 0.0)
+    house = (size[:, 2] >= BUILT) & (size[:, :2].max(axis=1) >= BUILT)
+    larger = (low < skin.min(axis=(0, 1))).all(axis=1) & (high > skin.max(axis=(0, 1))).all(axis=1)
+    mine = (larger & ~house & ~skipped)[around.row]
+    if not mine.any():
+        return np.zeros(0, np.int64)
+    others, row = around.triangles[mine], around.row[mine]
     point, far = skin[0, 0], np.ptp(np.concatenate([others.reshape(-1, 3), skin.reshape(-1, 3)]), axis=0).max() + 1
     ways = np.array([[0.02, 0.03, 1.0], [1.0, 0.025, 0.035], [0.015, -1.0, 0.045]]) * far
     ray, face = crossings(np.stack([np.tile(point, (3, 1)), point + ways], axis=1), others)
-    count = np.zeros((3, int(row.max(initial=-1)) + 1), np.int64)
+    count = np.zeros((3, len(around.graph)), np.int64)
     np.add.at(count, (ray, row[face]), 1)
     return np.flatnonzero((count % 2 == 1).all(axis=0))
 

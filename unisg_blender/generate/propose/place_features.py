@@ -97,6 +97,7 @@ class _Near:
 
     @staticmethod
     def of(scene: ObservedScene, obj: Ints, places: Floats, half: Floats) -> _Near:
+        """Objects (K,) of a scene seen from places (T, 4) of a thing with half extents (3,)."""
         offset = scene.center[obj, :2] - places[:, None, :2]
         local = rotate(offset, -places[:, 3:])
         turn = scene.yaw[obj] - places[:, 3:]

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...geometry.arrays import Bools, Floats, Ints
-from ...geometry.planar import rotate, turned_reach
+from ...geometry.planar import rotate
 from ..observe.observed_scene import ObservedScene
 from ..observe.prior_tables import PriorTables
-from ..observe.room_walls import RoomWalls
+from ..observe.room_walls import QUARTER, RoomWalls
 from ..observe.seen_places import (
     ABOVE,
     ACROSS,
@@ -29,8 +29,6 @@ from .proposer import Proposals
 FRACTION, AT_WALL, BESIDE, ANYWHERE = range(4)
 SHARES = (0.3, 0.3, 0.25, 0.15)
 """How often a place is tried at the same fraction of a support, at a wall, beside a neighbour, anywhere."""
-
-QUARTER = np.pi / 2
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,17 +118,9 @@ def _at_walls(
     rows = np.flatnonzero(mine)
     if not len(walls.yaw) or not len(rows):
         return
-    chance = walls.half[:, 0] / walls.half[:, 0].sum()
-    wall = rng.choice(len(chance), size=len(rows), p=chance)
+    wall = walls.drawn(len(rows), rng)
     side = np.where(rotate(walls.middle.mean(axis=0) - walls.middle, -walls.yaw)[:, 1] < 0, -1.0, 1.0)[wall]
-    normal = walls.yaw[wall] + side * QUARTER
-    yaw = normal + drawn[rows, WALL_TURN]
-    reach = turned_reach(half[:2], yaw - walls.yaw[wall])
-    room = np.maximum(walls.half[wall, 0] - reach[:, 0], 0)
-    off = walls.half[wall, 1] + reach[:, 1] + drawn[rows, GAP]
-    local = np.column_stack([rng.uniform(-room, room), side * off])
-    result[rows, :2] = walls.middle[wall] + rotate(local, walls.yaw[wall])
-    result[rows, 3] = yaw
+    result[rows, :2], result[rows, 3] = walls.along(wall, side, half, drawn[rows, GAP], drawn[rows, WALL_TURN], rng)
 
 
 def _beside(

@@ -9,6 +9,7 @@ import numpy as np
 from ...geometry.arrays import Floats
 from ...geometry.planar import rotate, turned_reach
 from ..observe.observed_scene import ObservedScene
+from ..observe.room_walls import QUARTER, RoomWalls
 from .proposer import Proposals, Proposer, Query
 
 TO_WALL = 0.01
@@ -73,14 +74,9 @@ def _at_walls(
     scene: ObservedScene, floor: int, walls: np.ndarray, half: Floats, count: int, rng: np.random.Generator
 ) -> Floats:
     """Places with the back to a wall, the front into the room."""
-    wall = rng.choice(walls, count, p=_shares(scene.half[walls, :2].max(axis=1)))
-    turned = scene.yaw[wall] + scene.room.swap[wall] * (np.pi / 2)
-    inwards = rotate(np.array([[0.0, 1.0]]), turned) * scene.room.inner[wall, None]
-    along = rotate(np.array([[1.0, 0.0]]), turned)
-    length, thin = scene.half[wall, :2].max(axis=1), scene.half[wall, :2].min(axis=1)
-    shift = rng.uniform(-1, 1, count) * np.maximum(length - half[0], 0)
-    middle = scene.center[wall, :2] + shift[:, None] * along + (thin + half[1] + TO_WALL)[:, None] * inwards
-    yaw = np.arctan2(inwards[:, 0], -inwards[:, 1])
+    sides = RoomWalls.of_objects(scene, walls)
+    wall = sides.drawn(count, rng)
+    middle, yaw = sides.along(wall, scene.room.inner[walls[wall]], half, TO_WALL, QUARTER, rng)
     return np.column_stack([middle, np.full(count, _top(scene, floor)), yaw])
 
 
@@ -91,7 +87,7 @@ def _on_floor(
     local = rng.uniform(-1, 1, (count, 2)) * np.maximum(scene.half[floor, :2] - half[:2].max(), 0)
     middle = scene.center[floor, :2] + rotate(local, float(scene.yaw[floor]))
     base = float(scene.yaw[walls[0]]) if len(walls) else float(scene.yaw[floor])
-    return np.column_stack([middle, np.full(count, _top(scene, floor)), base + rng.integers(4, size=count) * np.pi / 2])
+    return np.column_stack([middle, np.full(count, _top(scene, floor)), base + rng.integers(4, size=count) * QUARTER])
 
 
 def _on_top(scene: ObservedScene, holders: np.ndarray, rng: np.random.Generator) -> Proposals:
@@ -109,7 +105,3 @@ def _around(middle: Floats, ground: float, count: int, rng: np.random.Generator)
 
 def _top(scene: ObservedScene, floor: int) -> float:
     return float(scene.center[floor, 2] + scene.half[floor, 2])
-
-
-def _shares(values: Floats) -> Floats:
-    return np.asarray(values / values.sum())

@@ -184,6 +184,7 @@ def _length(segments: Floats) -> float:
 
 
 def smooth(mask: Bools) -> Bools:
+    """The cells (I, J) around which more than half of five by five are in the mask."""
     from scipy.ndimage import uniform_filter
 
     return np.asarray(uniform_filter(mask.astype(np.float32), 5) > 0.5)
