@@ -14,10 +14,10 @@ from ...geometry.mask_outline import components
 from ...spatial.structure.doorways import doorways
 from ...spatial.structure.structure import Room
 
-FINE, COARSE, LARGE = 0.05, 0.1, 60.0
+FINE, COARSE, LARGE = 0.05, 0.1, 1000.0
 """Metres of a cell, in rooms whose rectangle has so many square metres of a coarser one."""
 
-PERSON, POCKET = 0.24, 1.0
+PERSON, POCKET = 0.25, 1.0
 """Metres from the middle of a person to what is beside; and the square metres of a place that is not to be cut off."""
 
 STEP, HEAD, CUTS = 0.12, 1.8, 9
