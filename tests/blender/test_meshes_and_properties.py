@@ -205,6 +205,15 @@ def test_strange_meshes_do_no_harm() -> None:
     assert all(np.isfinite(mesh.points).all() for mesh in again.meshes)
 
 
+def test_points_that_are_no_numbers_are_told() -> None:
+    mesh = bpy.data.meshes.new("Odd")
+    mesh.from_pydata([(0, 0, 0), (1, 0, 0), (float("nan"), 1, 0)], [], [(0, 1, 2)])
+    bpy.context.collection.objects.link(bpy.data.objects.new("Odd", mesh))
+    report = ReadReport()
+    read_scene(report=report)
+    assert "Odd: some of its points are not finite numbers" in list(report)
+
+
 def test_an_empty_scene() -> None:
     graph = read_scene()
     assert len(graph) == 0

@@ -119,6 +119,20 @@ def test_objects_of_habitat_stand_where_their_own_origin_is_told(tmp_path: Path)
     np.testing.assert_allclose(bounds(graph, stage[0]), [[0, -3, 0], [1, 0, 2]], atol=1e-6)
 
 
+def test_templates_that_the_description_of_a_habitat_set_makes(tmp_path: Path) -> None:
+    """One changes the file of another, one names a mesh itself; the licence is not guessed."""
+    path = habitat(tmp_path, translation_origin="asset_local", stage_instance={"template_name": "great_hall"})
+    halls = [{"original_file": "stages/hall.stage_config.json", "template_handle": "great_hall",
+              "attributes": {"scale": [2, 2, 2]}}]  # fmt: skip
+    chests = [{"template_handle": "a1", "attributes": {"render_asset": "stages/hall.obj", "scale": [3, 1, 1]}}]
+    write(tmp_path / "set.scene_dataset_config.json", {"stages": {"configs": halls}, "objects": {"configs": chests}})
+    (found,) = found_in(path)
+    stage = [name for name in found.graph.name if found.graph[name].parent is not None]
+    np.testing.assert_allclose(bounds(found.graph, stage[0]), [[0, -6, 0], [2, 0, 4]], atol=1e-6)
+    np.testing.assert_allclose(np.ptp(bounds(found.graph, "wardrobe"), axis=0), [6, 6, 4], atol=1e-5)
+    assert found.reader.LICENCE == ""
+
+
 def test_objects_of_habitat_stand_where_their_middle_is_told(tmp_path: Path) -> None:
     (found,) = found_in(habitat(tmp_path))
     np.testing.assert_allclose(bounds(found.graph, "wardrobe").mean(axis=0), [10, -20, 0], atol=1e-5)

@@ -21,6 +21,7 @@ WORLD = f"""<?xml version="1.0"?><sdf version="1.6"><world name="w">
 </model>
 <include><uri>model://chair</uri><name>seat</name><pose>5 0 0 0 0 0</pose></include>
 <include><uri>model://lost</uri></include>
+<include><uri>model://ground_plane</uri><pose>0 0 0.5 0 0 0</pose></include>
 <model name="mesh"><link name="l"><visual name="v"><geometry><mesh><uri>model://chair/meshes/wedge.dae</uri>
   <scale>2 2 2</scale></mesh></geometry></visual></link></model>
 </world></sdf>"""
@@ -56,6 +57,7 @@ def test_a_world_of_gazebo_is_read_as_it_stands(world: Path) -> None:
     assert graph["seat"].children[0].name == "v"
     # centimetres, scaled by two; its axis up is not asked
     np.testing.assert_allclose(bounds(graph, "part"), [[-2, 0, 0], [2, 2, 6]], atol=1e-5)
+    np.testing.assert_allclose(bounds(graph, "ground_plane"), [[-50, -50, 0.5], [50, 50, 0.5]])  # Gazebo's own
     assert "model://lost: this model is not there: it is left out" in list(found.report)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from tests.spatial.built_rooms import SQUARE, box, room, scene
 from tests.words.foreign_scenes import bedroom, house, kitchen, parlour
 from unisg_blender.errors import UniSGError
 from unisg_blender.generate import Generator
@@ -58,3 +59,18 @@ def test_of_a_house_the_room_that_is_used_is_read(generator: Generator) -> None:
     made = generator.add(scene, {"Cup": 1}, 0, beside="SM_Stove_01", behaviour=False)
     assert made.reading is not None
     assert made.reading.kind == "kitchen"
+
+
+@pytest.mark.parametrize(("width", "copied"), [(0.06, False), (0.5, True)])
+def test_a_mere_part_is_no_shape_of_its_category(generator: Generator, width: float, copied: bool) -> None:
+    """A pole that is called a chair is not what a new chair looks like."""
+    parts = room(SQUARE, 0.1) | {"chair_01": box((1, 1, 0), (1 + width, 1 + width, 0.9))}
+    made = generator.add(scene(parts), {"Chair": 1}, 0)
+    (new,) = made.rows[made.scene.mesh[made.rows] >= 0][:1]
+    assert (made.scene.meshes[made.scene.mesh[new]].name == made.scene["chair_01"].mesh.name) == copied
+
+
+def test_a_scene_in_which_no_room_is_recognised_is_doubted_before_anything_is_added(generator: Generator) -> None:
+    toy = scene(room(0.1 * SQUARE, 0.01, height=0.25))
+    assert any("is its unit right?" in line for line in generator.read(toy).lines())
+    assert generator.read(scene(room(SQUARE, 0.1))).lines() == []

@@ -32,7 +32,7 @@ PARTS = frozenset(
      "cover", "body", "stand", "post", "jamb", "sill", "edge", "cushion", "cushions", "shelf",
      "shelves", "burner", "basin", "collision", "collider", "mattress", "display", "pot", "plate", "board",
      "sponge", "roll", "bat", "brush", "hanger", "holder", "dispenser", "opener", "shaker", "racket", "goal", "cloth",
-     "rail", "bracket", "mount", "cord", "cable", "pipe", "door", "doors",
+     "rail", "bracket", "mount", "middle", "leaves", "leaf", "foliage", "cord", "cable", "pipe", "door", "doors",
      "pillow", "pillows", "bein", "beine", "platte", "griff", "fuss", "lehne", "schublade")
 )  # fmt: skip
 """Words that, behind a thing, name a part of it or another thing: "Chair_Leg", "Cabinet_Door", "DishSponge"."""
@@ -55,7 +55,9 @@ SPELT = {"ä": "ae", "ö": "oe", "ü": "ue", "Ä": "Ae", "Ö": "Oe", "Ü": "Ue"}
 NOT_THINGS = frozenset(
     ("eyeglasses", "sunglasses", "hourglass", "wallpaper", "sandpaper", "flashlight", "dashboard", "toiletpaper",
      "papertowel", "keychain", "doorbell", "ucx", "ubx", "usp", "collider", "wireframe", "windowsill", "headphone",
-     "headphones", "xylophone", "microphone", "saxophone", "megaphone", "forklift", "cupcake", "ashtray", "steckdose")
+     "headphones", "xylophone", "furnitures", "footprint", "fingerprint", "blueprint", "vegetable", "vegetables",
+     "portable", "transplant", "doorway", "microphone", "saxophone", "megaphone", "forklift", "cupcake", "ashtray",
+     "steckdose")
 )  # fmt: skip
 """Compounds whose last part is a thing that they are not."""
 

@@ -68,6 +68,8 @@ class MeshShelf:
         mesh = self._read(item, own)
         if mesh is None:
             return -1
+        if not np.isfinite(mesh.points).all():
+            self.report.add(item.name, "some of its points are not finite numbers")
         if own and item.data.users > 1:  # the same modifiers on the same data give the same mesh
             alike = (item.data, mesh.checksum, mesh.materials)
             if alike in self.places:

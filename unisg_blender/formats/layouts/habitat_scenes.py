@@ -27,9 +27,10 @@ from ..mesh_parts import KINDS, mesh_parts, moved, whole_mesh
 from ..room_builder import RoomBuilder
 
 NAME = "Habitat scene"
-LICENCE = "as its data set says (HSSD: CC-BY-NC-4.0)"
+LICENCE = ""
 DATASET = ".scene_dataset_config.json"
 CONFIGS = (".object_config.json", ".stage_config.json", ".ao_config.json")
+KINDS_MADE = ("stages", "objects", "articulated_objects")
 CATEGORY_FILES = ("semantics/objects.csv", "metadata/object_categories_filtered.csv", "metadata/objects.csv")
 CATEGORIES = ("main_category", "clean_category", "category", "super_category")
 LEVELS = 4
@@ -70,17 +71,40 @@ def _dataset(file: LayoutFile) -> Path:
     return folder.parent
 
 
+class _Templates:
+    """The templates of a data set, by their names without ending: files of their own, and those that its description
+    makes, of which each has a file that it changes, if any, and what it says."""
+
+    def __init__(self, root: Path) -> None:
+        self.root = root
+        self.files: dict[str, Path] = {}
+        self.made: dict[str, tuple[str, Mapping[str, Any]]] = {}
+        for folder, folders, names in os.walk(root):
+            folders[:] = sorted(name for name in folders if not name.startswith("."))
+            for name in sorted(names):
+                if ending := next((each for each in CONFIGS if name.endswith(each)), ""):
+                    self.files.setdefault(name.removesuffix(ending), Path(folder, name))
+        for file in sorted(root.glob("*" + DATASET)):
+            data = json.loads(file.read_text("utf-8"))
+            for item in (item for kind in KINDS_MADE for item in (data.get(kind) or {}).get("configs") or ()):
+                if name := str(item.get("template_handle") or ""):
+                    self.made[name] = str(item.get("original_file") or ""), item.get("attributes") or {}
+
+    def find(self, name: str) -> tuple[Mapping[str, Any], Path | None]:
+        """What a template says, and the file of its mesh, if that is there."""
+        short = name.rpartition("/")[2]
+        original, changes = self.made.get(short, ("", {}))
+        config = self.root / original if original else self.files.get(short)
+        said = json.loads(config.read_text("utf-8")) if config is not None and config.is_file() else {}
+        folder = self.root if config is None or "render_asset" in changes else config.parent
+        said = {**said, **changes}
+        mesh = folder / said["render_asset"] if said.get("render_asset") else None
+        return said, mesh if mesh is not None and mesh.is_file() and mesh.suffix.lower() in KINDS else None
+
+
 @lru_cache(maxsize=8)
-def _templates(root: Path) -> dict[str, Path]:
-    """Descriptions of templates in a folder, by their names without ending."""
-    found: dict[str, Path] = {}
-    for folder, folders, names in os.walk(root):
-        folders[:] = sorted(name for name in folders if not name.startswith("."))
-        for name in sorted(names):
-            ending = next((each for each in CONFIGS if name.endswith(each)), "")
-            if ending:
-                found.setdefault(name.removesuffix(ending), Path(folder, name))
-    return found
+def _templates(root: Path) -> _Templates:
+    return _Templates(root)
 
 
 @lru_cache(maxsize=8)
@@ -102,14 +126,6 @@ def _placed(item: Mapping[str, Any]) -> Array:
     return pose(item.get("translation") or (0.0, 0.0, 0.0), turn, scale)
 
 
-def _template(name: str, templates: Mapping[str, Path]) -> tuple[Mapping[str, Any], Path | None]:
-    """What the description of a template says, and the file of its mesh, if both are there."""
-    config = templates.get(name.rpartition("/")[2])
-    said = {} if config is None else json.loads(config.read_text("utf-8"))
-    mesh = None if config is None or not said.get("render_asset") else config.parent / said["render_asset"]
-    return said, mesh if mesh is not None and mesh.is_file() and mesh.suffix.lower() in KINDS else None
-
-
 def _frame(said: Mapping[str, Any]) -> Array:
     """From an asset's own frame to Habitat's: its up becomes y, its front -z, with the template's scale."""
     up = numbers(said.get("up") or (0, 1, 0), 3)
@@ -120,9 +136,9 @@ def _frame(said: Mapping[str, Any]) -> Array:
     return np.diag([*numbers(said.get("scale") or (1, 1, 1), 3), 1.0]) @ pose((0, 0, 0), turn)
 
 
-def _stage(file: LayoutFile, builder: RoomBuilder, item: Mapping[str, Any], templates: Mapping[str, Path]) -> None:
+def _stage(file: LayoutFile, builder: RoomBuilder, item: Mapping[str, Any], templates: _Templates) -> None:
     """The building, an entity for each part of its mesh."""
-    said, path = _template(str(item["template_name"]), templates)
+    said, path = templates.find(str(item["template_name"]))
     if path is None:
         file.report.add(str(item["template_name"]), "the stage is not there: floor and walls are left out")
         return
@@ -133,13 +149,13 @@ def _stage(file: LayoutFile, builder: RoomBuilder, item: Mapping[str, Any], temp
 
 
 def _object(
-    file: LayoutFile, builder: RoomBuilder, item: Mapping[str, Any], templates: Mapping[str, Path],
+    file: LayoutFile, builder: RoomBuilder, item: Mapping[str, Any], templates: _Templates,
     categories: Mapping[str, str], default: str,
 ) -> None:  # fmt: skip
     """An object with its mesh, if that is there, in its own frame turned to z up."""
     name = str(item["template_name"])
     short = name.rpartition("/")[2]
-    said, path = _template(name, templates)
+    said, path = templates.find(name)
     matrix, mesh = _placed(item), _shape(path, said, file, short)
     origin = str(item.get("translation_origin", default)).lower()
     if mesh is not None and origin != "asset_local":

@@ -20,10 +20,13 @@ from ..layout_file import LayoutFile, is_xml
 from ..plain_xml import parse_xml
 from ..room_builder import RoomBuilder
 from .robot_shapes import RobotShapes
-from .shapes import text_numbers
+from .shapes import shape, text_numbers
 
 NAME = "Gazebo world"
 LICENCE = ""
+GROUND = 100.0
+"""Metres of a side of the model "ground_plane", which comes with Gazebo and so is beside no world."""
+
 DEEPEST = 20
 """Models within models, included ones too."""
 
@@ -75,6 +78,10 @@ class _World:
         uri = (element.findtext("uri") or "").strip()
         path = self.shapes.place(uri)
         path = path / "model.sdf" if path is not None and path.is_dir() else path
+        if (path is None or not path.is_file()) and uri.rstrip("/").endswith("ground_plane"):
+            plane = shape("plane", GROUND, GROUND)
+            self.builder.add("", _pose(element.find("pose")), plane, name="ground_plane", parent=parent)
+            return
         if path is None or not path.is_file():
             self.file.report.add(uri, "this model is not there: it is left out")
             return

@@ -105,15 +105,22 @@ class SceneReading:
         """How much is known, what was understood, and what was not; nothing where all is known by its own name."""
         count, told = len(self.things), self.words.lines()
         if not count or (self.known == count and not told):
-            return []
+            return self.doubts
         lines = [self.summary]
         if told:
             lines.append(f"understood: {some_of(told, SHOWN)}")
-        return lines + ([f"not known: {some_of(self.unknown, SHOWN)}"] if self.unknown else [])
+        return lines + ([f"not known: {some_of(self.unknown, SHOWN)}"] if self.unknown else []) + self.doubts
 
     def report_lines(self) -> list[str]:
         """The same in full, a line for each thing."""
         return [self.summary, *self.words.lines(), *(f"{name}: not known" for name in self.unknown)]
+
+    @property
+    def doubts(self) -> list[str]:
+        """What is said of a scene that shows something, but no room: is its unit right, has it no floor?"""
+        structure = recognise_structure(self.scene)
+        indoors = any(room.indoors for room in structure.rooms)
+        return [] if indoors or not (self.scene.mesh >= 0).any() else list(structure.notes)
 
     @property
     def summary(self) -> str:

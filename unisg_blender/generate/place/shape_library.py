@@ -12,6 +12,9 @@ from ..observe.facing import front_first
 from ..observe.placeable import Placeable, box_placeable
 from ..propose.trained_model import TrainedModel
 
+LEAST_SHARE = 1 / 3
+"""Of the usual two larger sizes of a category, from which on a thing of a scene is one of it and no part of one."""
+
 
 class Library:
     """Assets of a model by category number, opened as they are needed and kept."""
@@ -70,5 +73,11 @@ class Library:
                 meshes = tuple(id(mesh) for mesh in asset.graph.meshes)
                 if meshes and meshes not in found:
                     found[meshes] = Placeable(front_first(asset))
-            self._own[category] = list(found.values())
+            shapes = list(found.values())
+            self._own[category] = self._whole(name, shapes) if self._numbers(category) else shapes
         return self._own[category]
+
+    def _whole(self, name: str, shapes: list[Placeable]) -> list[Placeable]:
+        """Those that are no mere parts: a "Chair Middle" is no chair, for it is a pole."""
+        usual = np.sort(np.array(self.model.contract.priors.sizes.get(name, (0, 0, 0))))[1:]
+        return [shape for shape in shapes if (np.sort(2 * shape.half)[1:] >= LEAST_SHARE * usual).all()]
