@@ -14,8 +14,10 @@ from ...geometry.mask_outline import components
 from ...spatial.structure.doorways import doorways
 from ...spatial.structure.structure import Room
 
-FINE, COARSE, LARGE = 0.05, 0.1, 1000.0
-"""Metres of a cell, in rooms whose rectangle has so many square metres of a coarser one."""
+FINE, COARSE = 0.05, 0.1
+LARGE, LARGEST = 1_000.0, 20_000.0
+"""Metres of a cell; square metres of a room's rectangle from which on a coarser one will do, and from which on nobody
+looks: no thing parts such a place."""
 
 PERSON, POCKET = 0.25, 1.0
 """Metres from the middle of a person to what is beside; and the square metres of a place that is not to be cut off."""
@@ -37,7 +39,9 @@ def in_the_way(room: Room, there: Floats, things: Sequence[Floats]) -> list[int]
         The triangles of each thing.
     """
     low, high = room.outline.min(axis=0), room.outline.max(axis=0)
-    grid = Grid.around(low, high, FINE if np.prod(high - low) < LARGE else COARSE)
+    if (size := float(np.prod(high - low))) >= LARGEST:
+        return []
+    grid = Grid.around(low, high, FINE if size < LARGE else COARSE)
     middles = grid.middles_of(np.arange(grid.size))
     doors = _in_any(doorways((room,)), middles, room.floor + STEP).reshape(grid.shape)
     floor = room.contains(middles).reshape(grid.shape) | doors
