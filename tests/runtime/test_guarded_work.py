@@ -20,6 +20,7 @@ import ctypes, os, signal, sys, time
 from pathlib import Path
 from unisg_blender.runtime import guarded_work
 from unisg_blender.runtime.process_end import stop_when_asked
+signal.signal(signal.SIGHUP, signal.SIG_DFL)  # nohup has it ignored
 lock = ctypes.create_string_buffer(64)
 def within_a_library():  # for ever, while no Python runs in any thread
     [ctypes.PyDLL(None).pthread_mutex_lock(lock) for _ in range(2)]
