@@ -169,7 +169,7 @@ def test_categories_are_in_an_order_in_which_alike_ones_are_near() -> None:
     sizes = {"Table": (1.4, 0.8, 0.8), "Chair": (0.5, 0.6, 0.9), "Cup": (0.1, 0.1, 0.1)}
     sizes |= {"Wall": (6, 0.1, 2.5), "Floor": (6, 5, 0.1)}
     kinds = CategoryKinds.of(found, sizes, VOCABULARY)
-    # wholly on floors or the ground, the largest first; then by how often; what was never seen last; unknown ones behind
+    # wholly on floors or the ground: the largest first; then by how often; what was never seen last
     by_rank = [VOCABULARY[k] for k in np.argsort(kinds.rank[:-1])]
     assert by_rank == ["Floor", "Wall", "Table", "Chair", "Cup", "Door"]
     assert kinds.rank[-1] == len(VOCABULARY)

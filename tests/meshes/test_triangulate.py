@@ -77,7 +77,9 @@ def test_only_concave_faces_are_cut_anew_and_all_ground_is_covered_once(
 ) -> None:
     monkeypatch.setattr(triangulate, "CHUNK", chunk)
     square, triangle = np.array([(0, 0), (1, 0), (1, 1), (0, 1.0)]), np.array([(0, 0), (1, 0), (0, 1.0)])
-    rings = [in_space(np.array(ring, float) + 10 * k, 2, False) for k, ring in enumerate([square, COMB, triangle, ARROW])]
+    rings = [
+        in_space(np.array(ring, float) + 10 * k, 2, False) for k, ring in enumerate([square, COMB, triangle, ARROW])
+    ]
     mesh = mesh_of(rings)
     found = inner_triangles(mesh)
     assert len(found) == len(mesh.triangles)
