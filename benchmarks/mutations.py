@@ -2,11 +2,13 @@
 
     python benchmarks/mutations.py --room poses --count 20 --seed 1 [--tests tests/poses] [--fast]
 
-    pytest -n 2 --dist loadfile --cov=unisg_blender --cov-context=test --cov-report=
-    python benchmarks/mutations.py --count 200 --seed 1 --coverage .coverage
+    pytest -m "not slow" -n 2 --dist loadfile --cov=unisg_blender --cov-context=test --cov-report=
+    python benchmarks/mutations.py --count 200 --seed 1 --coverage .coverage --fast --results FILE.csv
+    python benchmarks/mutations.py --count 200 --seed 1 --results FILE.csv --slow
 
 With a coverage file that says which test runs which line, each change is tried by the tests that run it, at most
-``--most`` of them, and where none is known by the tests of the room. Works in a temporary copy of the checkout. Prints
+``--most`` of them, and where none is known by the tests of the room. The last line tries what those did not notice with
+the slow tests of its room. Works in a temporary copy of the checkout. Prints
 every change that no test noticed, with file and line, and how many were noticed. Such a change is a hole in the tests,
 or makes no difference (a bound of which both sides are allowed).
 """
@@ -15,7 +17,6 @@ from __future__ import annotations
 
 import argparse
 import ast
-import csv
 import importlib
 import os
 import random
@@ -25,6 +26,7 @@ import signal
 import sqlite3
 import sys
 import tempfile
+import time
 from collections import Counter
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
@@ -34,12 +36,17 @@ from pathlib import Path
 
 import pytest
 
+sys.path.insert(0, str(Path(__file__).parents[1]))
+
+from benchmarks.mutation_results import Row, keep, kept
+
 ROOT = Path(__file__).resolve().parent.parent
 LEFT_OUT = shutil.ignore_patterns(".git", ".venv*", "build", "demo", "__pycache__", ".*_cache", ".hypothesis")
 OF_OTHERS = ("matplotlib", "scipy.spatial", "trimesh")
 """What is loaded once, not for every change; not Blender, whose threads do not live in a forked process, nor torch."""
 AT_ONCE = 10
 NOTHING_RAN = "no test could be run"
+UNSEEN = "no"
 TOLD = "told.txt"
 NOTHING_TO_RUN = 5  # pytest's exit status when every test was left out
 SWAPS: dict[type[ast.AST], type[ast.AST]] = {
@@ -113,14 +120,14 @@ def failing_tests(copy: Path, words: list[str], broken: set[str], args: argparse
     """The tests that fail in the copy, or in words that they could not be run, or not in that time."""
     words = ["-q", "-rfE", "-p", "no:cacheprovider", "--timeout", str(args.seconds), *words]
     words += ["-n", str(args.workers), "--dist", "loadfile"] if args.workers > 1 else []
-    words += ["-m", "not slow"] if args.fast else []
+    words += ["-m", "slow"] if args.slow else ["-m", "not slow"] if args.fast else []
     process = get_context("fork").Process(target=run_tests, args=(copy, words + [f"--deselect={t}" for t in broken]))
     process.start()
     process.join(3 * args.seconds)
     if process.exitcode is None:
         os.killpg(process.pid or 0, signal.SIGKILL)
         process.join()
-        return ["not done in time"]
+        return [] if args.slow else ["not done in time"]  # a slow room may take that long
     told = (copy / TOLD).read_text(errors="replace")
     failed = re.findall(r"^(?:FAILED|ERROR) (\S+::.+?)(?: - .*)?$", told, re.MULTILINE)
     return [] if process.exitcode in (0, NOTHING_TO_RUN) else failed or [NOTHING_RAN]
@@ -173,7 +180,7 @@ def drawn_mutations(room: str, count: int, seed: int) -> tuple[list[Mutation], i
 
 def claim(copy: Path, mutation: Mutation, broken: set[str], args: argparse.Namespace) -> str:
     """The first test that fails with the change, "" for none."""
-    tests = covering_tests(args.coverage, mutation, args.most) if args.coverage else []
+    tests = covering_tests(args.coverage, mutation, args.most) if args.coverage and not args.slow else []
     words = ["-x", *(tests or tests_of(args, mutation.path.parts[1]))]
     before = (copy / mutation.path).read_bytes()
     (copy / mutation.path).write_bytes(mutation.apply(before))
@@ -199,44 +206,39 @@ def check(args: argparse.Namespace) -> None:
             importlib.import_module(name)
     drawn, possible = drawn_mutations(args.room, args.count, args.seed)
     seen, broken = kept(args.results, args.seed), set[str]()
-    left = [number for number in range(len(drawn)) if number not in seen]
+    left = [number for number in range(len(drawn)) if to_try(seen.get(number), args.slow)]
+    end = time.monotonic() + 60 * args.minutes
     with tempfile.TemporaryDirectory() as name:
         copy = Path(name) / "copy"
         shutil.copytree(ROOT, copy, ignore=LEFT_OUT)
-        while left:
+        while left and time.monotonic() < end:
             now, left = left[:AT_ONCE], left[AT_ONCE:]
             claims = {number: claim(copy, drawn[number], broken, args) for number in now}
             broken |= unsound(copy, claims.values(), args)
             left = [number for number in now if claims[number] in broken] + left
             for number in sorted(set(now) - set(left)):
-                seen[number] = bool(claims[number])
-                if not seen[number]:
-                    print(f"unseen  {drawn[number]}", flush=True)
+                seen[number] = row_of(drawn[number], number, claims[number], args)
                 if args.results:
-                    keep(args.results, args.seed, number, drawn[number], seen[number])
-            print(f"{len(seen)} of {len(drawn)}, {sum(seen.values())} noticed", end="\r", file=sys.stderr, flush=True)
-    print(f"{sum(seen.values())} of {len(drawn)} noticed ({possible} possible changes, seed {args.seed})")
+                    keep(args.results, seen[number])
+            print(f"{len(seen)} of {len(drawn)} tried", end="\r", file=sys.stderr, flush=True)
+    told = Counter(row["noticed"] for row in seen.values())
+    print(f"{len(seen)} of {len(drawn)} tried ({possible} possible, seed {args.seed}): {dict(told)}")
     print(*(f"fails without a change: {test}" for test in sorted(broken)), sep="\n")
 
 
-def kept(results: Path | None, seed: int) -> dict[int, bool]:
-    """What an earlier call with this seed found, by the number of the change."""
-    if results is None or not results.exists():
-        return {}
-    with results.open(newline="", encoding="utf-8") as file:
-        rows = [row for row in csv.DictReader(file) if int(row["seed"]) == seed]
-    return {int(row["number"]): row["noticed"] == "1" for row in rows}
+def to_try(row: Row | None, slow: bool) -> bool:
+    """Whether a change is tried: those not tried yet, or with slow tests those that the others did not notice."""
+    return row is not None and row["noticed"] == UNSEEN if slow else row is None
 
 
-def keep(results: Path, seed: int, number: int, mutation: Mutation, found: bool) -> None:
-    """Add a row to the results, so that a call that was stopped can go on."""
-    new = not results.exists()
-    with results.open("a", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        if new:
-            writer.writerow(["seed", "number", "room", "line", "old", "new", "noticed"])
-        place = f"{mutation.path.as_posix()}:{mutation.line}"
-        writer.writerow([seed, number, mutation.path.parts[1], place, mutation.old, mutation.new, int(found)])
+def row_of(mutation: Mutation, number: int, claimed: str, args: argparse.Namespace) -> Row:
+    """What is kept of a change; tells of one that no test noticed."""
+    if not claimed:
+        print(f"unseen  {mutation}", flush=True)
+    place = f"{mutation.path.as_posix()}:{mutation.line}"
+    noticed = ("slow tests" if args.slow else "tests") if claimed else UNSEEN
+    facts = {"room": mutation.path.parts[1], "line": place, "old": mutation.old, "new": mutation.new}
+    return {"seed": str(args.seed), "number": str(number), **facts, "noticed": noticed}
 
 
 def tests_of(args: argparse.Namespace, room: str) -> list[str]:
@@ -258,5 +260,7 @@ if __name__ == "__main__":
     parser.add_argument("--fast", action="store_true", help="leave out the tests that are marked slow")
     parser.add_argument("--coverage", type=Path, help="a .coverage file with test contexts: choose tests by line")
     parser.add_argument("--most", type=int, default=150, help="with --coverage, tests for one change (default: 150)")
+    parser.add_argument("--minutes", type=float, default=float("inf"), help="begin no more changes after so many")
     parser.add_argument("--results", type=Path, help="a .csv file that keeps what was found; a further call goes on")
+    parser.add_argument("--slow", action="store_true", help="try what is unseen in the results with slow tests")
     check(parser.parse_args())

@@ -42,8 +42,8 @@ ARROWS: dict[str, set[str]] = {
         "cli": "",
         "commands": "experiments learn metrics generate predict dataset formats blender worlds meshes spatial"
         " behaviour words scene poses",
-        "experiments": "learn metrics generate predict dataset formats blender worlds meshes spatial behaviour words"
-        " scene geometry poses",
+        "experiments": "learn metrics generate predict dataset formats blender worlds meshes spatial behaviour scene"
+        " geometry poses",
         "learn": "metrics generate predict dataset worlds meshes spatial words scene geometry poses",
         "metrics": "generate dataset spatial scene geometry poses",
         "generate": "dataset spatial behaviour words scene geometry poses",

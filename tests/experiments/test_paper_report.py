@@ -25,8 +25,6 @@ from unisg_blender.predict.object_pairs import candidate_pairs
 from unisg_blender.scene import world_matrices
 from unisg_blender.worlds import cubes
 
-pytestmark = pytest.mark.slow
-
 TINY = plan.PaperPlan(
     Sizes(augmented=4, tests=1, rooms=10, pairs=12, cubes=8),
     seeds=2, classification=1, few=1, topology=1, generation=1, links=1, steps=3, most_cubes=0,
@@ -47,6 +45,7 @@ def tiny(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(report, "QUICK_PLAN", replace(TINY))
 
 
+@pytest.mark.slow
 def test_everything_is_written_and_a_second_call_goes_on(
     tiny: None, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -44,14 +44,12 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return out
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("part", SMALL, ids=lambda part: part.world)
 def test_the_rooms_of_the_benchmark_never_change(folder: Path, part: FrozenPart) -> None:
     """If this fails, undo what changed the worlds: numbers of other people depend on these rooms."""
     assert scenes_digest(folder / part.folder) == part.digest
 
 
-@pytest.mark.slow
 def test_a_part_says_what_it_is(folder: Path) -> None:
     record = json.loads((folder / SMALL[0].folder / "part.json").read_text())
     assert (record["seed"], record["count"], record["is_version"]) == (100_000, 2, "1.0")

@@ -42,8 +42,6 @@ from unisg_blender.learn.training_scenes import TrainingScene  # noqa: E402
 from unisg_blender.scene import world_matrices  # noqa: E402
 from unisg_blender.spatial.objects import scene_objects  # noqa: E402
 
-pytestmark = pytest.mark.slow
-
 VOCABULARY = ("Cup", "Floor", "Lamp", "Table", "Wall")
 
 
@@ -309,6 +307,7 @@ def test_heights_are_a_density(network: AnchorModel) -> None:
     assert total == pytest.approx(1.0, abs=1e-3)
 
 
+@pytest.mark.slow
 def test_onnxruntime_agrees_with_torch(network: AnchorModel, tmp_path: Path) -> None:
     path = tmp_path / "model.onnx"
     write_anchors(network, Contract("anchors", VOCABULARY, CategoryPriors({}, {}, {}, []), latent=LATENT), path)

@@ -23,8 +23,6 @@ from unisg_blender.learn.atiss.training import example_inputs, write_atiss  # no
 from unisg_blender.learn.hyperparameters import Settings  # noqa: E402
 from unisg_blender.learn.losses.mixtures import logistics_nll  # noqa: E402
 
-pytestmark = pytest.mark.slow
-
 
 @pytest.fixture(scope="module")
 def model(tmp_path_factory: pytest.TempPathFactory) -> Path:
@@ -75,6 +73,7 @@ def test_the_density_integrates_to_one(turn: bool) -> None:
     assert torch.trapezoid(density, values).item() == pytest.approx(1.0, abs=0.01)
 
 
+@pytest.mark.slow
 def test_the_file_says_what_the_network_says(tmp_path: Path) -> None:
     words = ("Box", "Cup", "Door", "Floor")
     write_atiss(network(), Contract("atiss", words, CategoryPriors({}, {}, {}, [])), tmp_path / "a.onnx")
@@ -86,6 +85,7 @@ def test_the_file_says_what_the_network_says(tmp_path: Path) -> None:
             np.testing.assert_allclose(one.numpy(), two, atol=1e-5, rtol=1e-5)
 
 
+@pytest.mark.slow
 def test_rooms_are_furnished_and_the_same_seed_gives_the_same(model: Path) -> None:
     generator = load_generator(model)
     room = next(iter(scenes_with_shapes(open_dataset(shared_dataset()))))
@@ -97,6 +97,7 @@ def test_rooms_are_furnished_and_the_same_seed_gives_the_same(model: Path) -> No
     np.testing.assert_array_equal(made[1].scene.local, again.scene.local)
 
 
+@pytest.mark.slow
 def test_drawn_places_are_where_the_density_is_high(model: Path) -> None:
     from unisg_blender.generate.observe.observed_scene import ObservedScene
     from unisg_blender.generate.propose.proposer import Query

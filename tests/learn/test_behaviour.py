@@ -25,8 +25,6 @@ from unisg_blender.learn.behaviour.training import make_network, train_beside, w
 from unisg_blender.learn.hyperparameters import Settings  # noqa: E402
 from unisg_blender.worlds import living_room  # noqa: E402
 
-pytestmark = pytest.mark.slow
-
 
 @cache
 def taught() -> tuple[Kinds, BehaviourObservation, BehaviourNet]:
@@ -92,6 +90,7 @@ def test_padding_changes_nothing() -> None:
             np.testing.assert_allclose(together[number], network.encode(alone).wanted[0], atol=1e-4)
 
 
+@pytest.mark.slow
 def test_the_exported_file_says_the_same(tmp_path: Path) -> None:
     kinds, play, network = taught()
     path = tmp_path / "model.behaviour.onnx"
@@ -109,6 +108,7 @@ def test_the_exported_file_says_the_same(tmp_path: Path) -> None:
                 assert tool.shape == scores.tool.shape, kind
 
 
+@pytest.mark.slow
 def test_a_folder_of_scenes_teaches_its_own_behaviour_and_too_few_are_told(tmp_path: Path) -> None:
     torch.set_num_threads(1)
     few, enough, model = tmp_path / "few", tmp_path / "enough", tmp_path / "model.onnx"

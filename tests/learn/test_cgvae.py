@@ -23,8 +23,6 @@ from unisg_blender.learn.cgvae.training import batch_terms, normalisation, suppo
 from unisg_blender.learn.training_scenes import load_scenes, vocabulary_of  # noqa: E402
 from unisg_blender.poses import FORMS  # noqa: E402
 
-pytestmark = pytest.mark.slow
-
 SIZES = CgvaeSizes(features=5, categories=4)
 NOTHING = CategoryPriors({}, {}, {}, [])
 
@@ -92,6 +90,7 @@ def test_the_loss_of_a_batch_does_not_mix_scenes(network: Cgvae) -> None:
     np.testing.assert_allclose(both[1], pairs[0] * alone[1] + pairs[1] * rest[1], rtol=1e-5)
 
 
+@pytest.mark.slow
 def test_the_file_agrees_with_torch_and_keeps_to_blenders_onnxruntime(network: Cgvae, tmp_path: Path) -> None:
     import onnx
 

@@ -16,6 +16,7 @@ from ..runtime.atomic_files import made_folder
 from ..runtime.made_files import own_folder
 from .argument_types import PROCESSES, SEED, whole
 from .common import add_mapping, jobs_of
+from .given_scenes import check_mapping, dataset_of
 from .outputs import check_results
 
 if TYPE_CHECKING:
@@ -67,6 +68,8 @@ def run(args: argparse.Namespace) -> int:
     from ..experiments.rooms.generation_report import table, write_report
 
     check_results("--out", args.out, [args.data, args.training, args.model, *args.also])
+    if rooms := [path for path in (args.model, *args.also) if path.is_dir()]:
+        check_mapping(args, rooms)
     jobs, start = jobs_of(args), time.perf_counter()
     with _folder(args.out) as folder, _bars(args.quiet) as progress:
         plan = _plan(args, folder, jobs)
@@ -88,19 +91,16 @@ def _plan(args: argparse.Namespace, work: Path, jobs: int) -> TablePlan:
     from ..dataset.format.reader import open_dataset
     from ..experiments.rooms.atiss_proposer import load_generator
     from ..experiments.rooms.benchmark_rows import Data
-    from ..experiments.rooms.furnished_folders import rooms_dataset
     from ..experiments.rooms.generation_benchmark import TablePlan
     from ..metrics.two_sample_test import FOLDS, TREES
     from ..scene.categories import STRUCTURE
-    from ..words import read_mapping
 
     tests = open_dataset(args.data)
     training = "" if args.training is None else str(open_dataset(args.training).path)
-    mapping = None if args.mapping is None else read_mapping(args.mapping)
     scenes, models, known = min(args.scenes, len(tests)), [], set(tests.category_counts)
     for path in (args.model, *args.also):
         if path.is_dir():
-            path = rooms_dataset(path, work, mapping, jobs)
+            path = dataset_of(args, path, work, jobs)
             scenes = min(scenes, len(open_dataset(path)))  # as many real rooms as there are given ones
         else:
             path = find_generator(path)

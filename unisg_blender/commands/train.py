@@ -6,6 +6,7 @@ import argparse
 import os
 import shlex
 import sys
+import tempfile
 import time
 from pathlib import Path
 from typing import Any
@@ -15,9 +16,9 @@ from ..learn import job_list
 from ..learn.hyperparameters import ACCELERATORS, Settings
 from ..learn.job_list import JOBS
 from ..runtime.process_end import end_with_parent
-from . import train_meshes
+from . import given_scenes, train_meshes
 from .argument_types import PROCESSES, SEED, whole
-from .common import print_report
+from .common import add_mapping, print_report
 from .outputs import check_file, check_folder
 
 HELP = "Train a model on a dataset and write it as an ONNX file that runs without torch."
@@ -29,7 +30,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
     texts = "; ".join(f"{name}: {job.text}" for name, job in JOBS.items())
     parser.add_argument("job", choices=JOBS, help=texts)
-    parser.add_argument("--data", metavar="DATASET", type=Path, nargs="+", required=True, help="folder of the dataset")
+    parser.add_argument(
+        "--data", metavar="DATASET_OR_SCENES", type=Path, nargs="+", required=True,
+        help="folder of a dataset, or of scene files, which become one for this training",
+    )  # fmt: skip
+    add_mapping(parser)
     parser.add_argument("--out", metavar="MODEL.onnx", type=Path, required=True, help="file (meshes: folder) to write")
     parser.add_argument("--form", choices=FORMS, help="form of the poses that the network sees")
     parser.add_argument("--epochs", metavar="N", type=whole(1, 10**6), help="passes over the dataset")
@@ -59,10 +64,15 @@ def run(args: argparse.Namespace) -> int:
         end_with_parent()
     if args.job == "meshes":
         return train_meshes.run(args)
+    _check(args)
+    with tempfile.TemporaryDirectory(prefix="unisg-train-") as work:
+        return _train(args, Path(work))
+
+
+def _train(args: argparse.Namespace, work: Path) -> int:
     from ..dataset.format.reader import open_dataset
 
-    _check(args)
-    datasets = [open_dataset(path) for path in args.data]
+    datasets = [open_dataset(given_scenes.dataset_of(args, path, work)) for path in args.data]
     told = [] if JOBS[args.job].several else job_list.load("provenance").dataset_notes(datasets[0])
     if not args.quiet:
         for note in told:  # now, while stopping costs nothing
@@ -82,15 +92,19 @@ def run(args: argparse.Namespace) -> int:
 def _command(args: argparse.Namespace) -> str:
     """The command that makes this model again, wherever the dataset lies."""
     words = ["unisg", "train", args.job, "--data", *(path.name for path in args.data), "--out", args.out.name]
-    for name in ("form", "epochs", "seed", "patience"):
-        if getattr(args, name) is not None:
-            words += [f"--{name}", str(getattr(args, name))]
+    for name in ("mapping", "assets", "form", "epochs", "seed", "patience"):
+        value = getattr(args, name)
+        if value is not None:
+            words += [f"--{name}", value.name if isinstance(value, Path) else str(value)]
     return shlex.join([*words, *(["--paper"] if args.paper else [])])
 
 
 def _check(args: argparse.Namespace) -> None:
     if len(args.data) > 1 and not JOBS[args.job].several:
         raise UniSGError(f"'train {args.job}' takes one dataset, not {len(args.data)}")
+    given_scenes.check_mapping(args, args.data)
+    if max(args.devices, args.nodes) > 1 and not all(map(given_scenes.is_dataset, args.data)):
+        raise UniSGError("several devices learn from datasets: make one of the scene files first, with 'unisg export'")
     check_file("--out", args.out, (".onnx",))
     check_folder("--logs", args.logs, args.data)
 

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from .. import __version__
-from ..errors import DONE
+from ..errors import DONE, UniSGError
 from ..learn.atlasnet.world_shapes import world_models
 from ..learn.job_list import load
 from ..meshes.shape_files import SPLITS, ShapeFile, of_split, read_models
@@ -39,6 +39,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Train, export, report."""
     check_folder("--out", args.out, args.data)
+    if args.mapping or args.assets:
+        raise UniSGError("'train meshes' reads mesh files, of which --mapping and --assets say nothing: leave them out")
     start = time.perf_counter()
     models = read_models(args.data)
     unseen = {model.category for model in of_split(models, "unseen")}
