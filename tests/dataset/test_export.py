@@ -286,7 +286,7 @@ def test_another_form_is_read_anew(tmp_path: Path, put: Callable[..., Path]) -> 
 
 
 def test_large_exports_go_in_windows(tmp_path: Path, put: Callable[..., Path], monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("unisg_blender.dataset.export.file_pool.WINDOW", 3)
+    monkeypatch.setattr("unisg_blender.runtime.job_pool.WINDOW", 3)
     for number in range(20):
         put(f"{number:02}.obj", seed=number)
     export_dataset([tmp_path / "in"], tmp_path / "ds", OPTIONS, jobs=2)
@@ -297,14 +297,15 @@ def test_large_exports_go_in_windows(tmp_path: Path, put: Callable[..., Path], m
 def test_children_that_retired_are_replaced(
     tmp_path: Path, put: Callable[..., Path], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from unisg_blender.dataset.export import supervisor as supervise
+    from unisg_blender.dataset.export.supervisor import export_file
+    from unisg_blender.runtime import asked_process
 
     put("1.obj", seed=1)
     put("2.obj", seed=2)
-    monkeypatch.setattr(supervise, "FILES_PER_CHILD", 1)
+    monkeypatch.setattr(asked_process, "REQUESTS_PER_CHILD", 1)
     records = export_dataset([tmp_path / "in"], tmp_path / "ds", OPTIONS, jobs=1)
     assert [record["status"] for record in records] == ["ok", "ok"]
-    monkeypatch.setattr(supervise, "FILES_PER_CHILD", 200)
+    monkeypatch.setattr(asked_process, "REQUESTS_PER_CHILD", 200)
     job = {"source": "s", "path": str(tmp_path / "in" / "1.obj"), "parts": str(tmp_path), "known": "", "timeout": 60}
     job |= {
         "memory": 0,
@@ -318,14 +319,14 @@ def test_children_that_retired_are_replaced(
     }
     job |= {"beside": {}, "instances": "keep"}
     try:
-        assert supervise.export_file(job | {"reader": "fake_reader:read"})["status"] == "ok"
-        child = supervise._idle[0].queue[0]
+        assert export_file(job | {"reader": "fake_reader:read"})["status"] == "ok"
+        child = asked_process._idle[0].queue[0]
         with open(os.devnull, "w") as nowhere:  # it sees the end of its requests, and ends by itself
             os.dup2(nowhere.fileno(), child._process.stdin.fileno())
         child._process.wait(timeout=30)
-        assert supervise.export_file(job | {"reader": "fake_reader:read", "source": "t"})["status"] == "ok"
+        assert export_file(job | {"reader": "fake_reader:read", "source": "t"})["status"] == "ok"
     finally:
-        supervise.close_children()
+        asked_process.close_children()
 
 
 def test_command_line(

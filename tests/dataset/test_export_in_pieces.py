@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from unisg_blender.dataset.export import reader_process
-from unisg_blender.dataset.export.supervisor import SETTINGS, ReadPart, read_part
+from unisg_blender.dataset.export.supervisor import SETTINGS, WORK, ReadPart, read_part
+from unisg_blender.runtime.serving_process import handle
 
 
 def exported(folder: Path, key: str) -> tuple[ReadPart, int]:
@@ -18,7 +19,7 @@ def exported(folder: Path, key: str) -> tuple[ReadPart, int]:
     job: dict[str, Any] = dict.fromkeys(SETTINGS, "") | {"mapping": None, "understand": None, "instances": "realize"}
     job |= {"path": str(folder / "five.obj"), "source": "five.obj", "form": "quaternion", "parts": str(folder)}
     said: list[int] = []
-    answer = reader_process.handle(job | {"reader": "fake_reader:read", "key": key}, lambda: said.append(1))
+    answer = handle(job | {"reader": "fake_reader:read", "key": key, "work": WORK}, lambda: said.append(1))
     assert (answer["status"], answer["scenes"]) == ("ok", 5)
     return read_part(folder / answer["part"]), len(said)
 

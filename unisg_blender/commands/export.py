@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 import argparse
-import contextlib
 import textwrap
-from collections.abc import Iterator
-from concurrent.futures import Executor
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..errors import DONE, SOME_FAILED, MissingPackageError, UniSGError
+from ..errors import DONE, SOME_FAILED
 from .argument_types import PROCESSES, number
 from .common import add_dataset_options, add_form, add_mapping, mesh_encoder_of, print_report, vocabulary_of
 from .outputs import check_folder
@@ -61,6 +58,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Export, show progress and one line per file that lost something or failed."""
     from ..dataset.export.batch_export import ExportOptions, export_steps
+    from ..runtime.job_pool import dask_executor
     from ..runtime.progress import Progress
     from ..runtime.steps import drain
     from ..words import read_mapping
@@ -92,7 +90,7 @@ def run(args: argparse.Namespace) -> int:
         _show_file(bar, record)
         bar.update(counts["done"], counts["failed"])
 
-    with _executor(args.scheduler) as executor:
+    with dask_executor(args.scheduler) as executor:
         steps = export_steps(
             args.inputs, args.out, options, executor=executor, jobs=args.jobs, resume=args.resume,
             overwrite=args.overwrite,
@@ -116,24 +114,6 @@ def _show_file(bar: Progress, record: dict[str, Any]) -> None:
             record["not_represented"], LONGEST_NOTE, placeholder=" ... (all of it in files-*.jsonl)"
         )
         bar.write(f"{source}: {f'not represented: {note}' if note else 'complete'}")
-
-
-@contextlib.contextmanager
-def _executor(address: str | None) -> Iterator[Executor | None]:
-    """Dask's executor for a scheduler's address; None without one."""
-    if address is None:
-        yield None
-        return
-    try:
-        from distributed import Client
-    except ImportError:
-        raise MissingPackageError("distributed", "cluster") from None
-    try:
-        client = Client(address, timeout=20)
-    except (OSError, ValueError) as error:
-        raise UniSGError(f"no Dask scheduler answers at {address}: {error}") from None
-    with client:
-        yield client.get_executor(pure=False)
 
 
 def _report(args: argparse.Namespace, records: list[dict[str, Any]]) -> int:

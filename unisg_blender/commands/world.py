@@ -68,7 +68,7 @@ def _scenes(args: argparse.Namespace, bar: Progress) -> Iterator[SceneGraph]:
 
 def _write_dataset(args: argparse.Namespace, bar: Progress) -> list[str]:
     from ..dataset import Sample, write_dataset
-    from ..dataset.export.reader_process import load_function
+    from ..runtime.serving_process import load_function
 
     encoder = load_function(mesh_encoder_of(args)) if args.mesh_features else None
     vocabulary = vocabulary_of(args)

@@ -14,6 +14,7 @@ from typing import Literal
 from ... import __version__
 from ...errors import UniSGError
 from ...runtime.atomic_files import UNFINISHED, DiskFullError
+from ...runtime.job_pool import Record, borrowed, own_executor, run_jobs
 from ...runtime.steps import at_once
 from ...words.category_mapping import Patterns, scene_label
 from ..assets.asset_file import VERSION as ASSETS_VERSION
@@ -23,9 +24,8 @@ from ..format.encoding import known_form
 from ..format.reader import Dataset, open_dataset
 from ..format.schema import VERSION
 from ..format.writer import PARTS, DatasetWriter, dataset_folder, read_manifest
-from .file_pool import Record, borrowed, own_executor, run_files
 from .sources import find_sources, largest_first
-from .supervisor import read_part
+from .supervisor import export_file, read_part
 
 
 @dataclass(frozen=True)
@@ -121,7 +121,7 @@ def export_steps(
         yield None, len(sources)
         records: dict[str, Record] = {}
         with own_executor(jobs) if executor is None else borrowed(executor) as pool:
-            for record in run_files(pool, work, wait):
+            for record in run_jobs(pool, export_file, work, wait):
                 if record is not None:
                     records[record["source"]] = record
                 yield record, len(sources)
