@@ -18,6 +18,7 @@ LAYERS: dict[str, tuple[str, ...]] = {
     "what a user sees": ("panels",),
     "what a user asks for": ("operators",),
     "the command line": ("cli", "commands"),
+    "made in number": ("batches",),
     "measured": ("experiments",),
     "trained": ("learn",),
     "judged": ("metrics",),
@@ -40,8 +41,9 @@ ARROWS: dict[str, set[str]] = {
         "operators": "cli generate predict dataset formats blender usd worlds meshes spatial behaviour words scene"
         " poses",
         "cli": "",
-        "commands": "experiments learn metrics generate predict dataset formats blender worlds meshes spatial"
+        "commands": "batches experiments learn metrics generate predict dataset formats blender worlds meshes spatial"
         " behaviour words scene poses",
+        "batches": "generate dataset formats blender worlds words scene geometry",
         "experiments": "learn metrics generate predict dataset formats blender worlds meshes spatial behaviour scene"
         " geometry poses",
         "learn": "metrics generate predict dataset worlds meshes spatial words scene geometry poses",

@@ -30,6 +30,7 @@ PLACES: dict[str, tuple[float, float]] = {
     "operators": (3.6, 2.2),
     "cli": (3.2, 1.4),
     "commands": (8.6, 3.4),
+    "batches": (8.6, 3.0),
     "experiments": (8.6, 4.0),
     "learn": (8.7, 5.7),
     "metrics": (8.4, 2.2),
@@ -53,6 +54,9 @@ PLACES: dict[str, tuple[float, float]] = {
 }
 # Where an arrow that passes other layers runs straight down between their boxes.
 LANES: dict[tuple[str, str], float] = {
+    ("commands", "experiments"): 10.4,
+    ("batches", "generate"): 5.5,
+    ("batches", "worlds"): 11.75,
     ("operators", "predict"): 4.3,
     ("operators", "generate"): 4.75,
     ("learn", "predict"): 6.2,
@@ -64,7 +68,7 @@ LANES: dict[tuple[str, str], float] = {
     ("meshes", "geometry"): 7.7,
 }
 COLOURS = ["#e3edf6", "#e9f1e1", "#f8f0de", "#f5e7e9", "#eae6f4"]
-BANDS = [0, 0, 0, 1, 1, 1, 2, 2, 3, 3, 4, 4, 4, 4]  # the colour of each layer
+BANDS = [0, 0, 0, 1, 1, 1, 1, 2, 2, 3, 3, 4, 4, 4, 4]  # the colour of each layer
 
 
 def needed_arrows(pairs: set[tuple[str, str]]) -> set[tuple[str, str]]:

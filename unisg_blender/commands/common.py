@@ -65,7 +65,7 @@ def add_scene_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--scene", default="", metavar="NAME", help="of a file with several scenes: this one")
 
 
-def add_form(parser: argparse.ArgumentParser, default: str = "quaternion") -> None:
+def add_form(parser: argparse._ActionsContainer, default: str = "quaternion") -> None:
     """The form of poses in a dataset."""
     from ..poses import FORMS
 

@@ -9,11 +9,14 @@ from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ..batches.made_room import MadeRoom
+from ..batches.room_files import open_room
 from ..errors import DONE, SOME_FAILED, UniSGError
 from ..formats.scene_files import check_kinds, load_blender, write_scene_file
 from ..runtime.atomic_files import replacing
 from ..runtime.file_endings import BLENDER, WRITABLE, is_of
 from .argument_types import SEED
+from .batch_options import add_batch_options, is_batch
 from .common import add_limit, add_mapping, print_report, read_shown, shown_lines, words_of
 from .outputs import check_file
 from .room_picture import room_view
@@ -29,7 +32,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--model", metavar="M", type=Path, help="trained model, or name of a shipped one (default: operating_room)"
     )
-    parser.add_argument("--scene", metavar="IN", type=Path, help="scene file to complete (default: an empty scene)")
+    parser.add_argument(
+        "--scene", metavar="IN", nargs="+",
+        help="scene file to complete (default: an empty scene); for a batch files, folders and globs",
+    )  # fmt: skip
     add_mapping(parser)
     parser.add_argument("--add", metavar="WHAT", help='such as "Scalpel=2,Monitor=1" (default: a whole room)')
     parser.add_argument("--on", metavar="NAME", default="", help="thing of the scene on which all of it is wanted")
@@ -38,7 +44,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--in", dest="within", metavar="ROOM", default="",
         help='room of the scene in which it is wanted: "kitchen", "the bedroom", or its number (inspect --structure)',
     )  # fmt: skip
-    parser.add_argument("--out", metavar="OUT", type=Path, required=True, help=f"file to write: {', '.join(WRITABLE)}")
+    parser.add_argument(
+        "--out",
+        metavar="OUT",
+        type=Path,
+        required=True,
+        help=f"file to write: {', '.join(WRITABLE)}; for a batch a folder",
+    )
     parser.add_argument("--seed", type=SEED, help="same seed, same result (default: another result every time)")
     mode = parser.add_mutually_exclusive_group()
     mode.add_argument("--sequential", action="store_true", help="one by one, each sees the ones before (default)")
@@ -54,10 +66,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--render-categories", action="store_true", help="colours by category there, not the things' own"
     )
     add_limit(parser, "objects")
+    add_batch_options(parser)
 
 
 def run(args: argparse.Namespace) -> int:
-    """Generate, write, report; exit status 3 if some objects found no place."""
+    """Generate, write, report; exit status 3 if some objects found no place, or rooms of a batch failed."""
+    if is_batch(args):
+        from .generate_batch import run_batch
+
+        return run_batch(args)
+    args.scene = None if args.scene is None else Path(args.scene[0])
     import numpy as np
 
     from ..generate import Generator
@@ -104,7 +122,7 @@ def _write(args: argparse.Namespace, result: Generated) -> str:
     note, in_blender = "", is_of(args.out, BLENDER)
     with nullcontext() if args.render is None else replacing(args.render) as picture:
         if in_blender or picture is not None:
-            _open_with_blender(args, result)
+            open_room(MadeRoom(result.scene, {}, base=args.scene, new=result.rows))
         if picture is not None:
             from ..blender import render_picture
 
@@ -118,20 +136,6 @@ def _write(args: argparse.Namespace, result: Generated) -> str:
         else:
             write_scene_file(result.scene, args.out)
     return note
-
-
-def _open_with_blender(args: argparse.Namespace, result: Generated) -> None:
-    """Make the result the open scene; a given Blender file keeps what the scenegraph does not hold."""
-    from ..blender import open_file, write_rows
-    from ..blender.authoring.extended_lessons import extend_lessons
-    from ..blender.blend_files import current_scene, new_scene
-
-    if args.scene is not None and is_of(args.scene, BLENDER):
-        open_file(args.scene)
-        extend_lessons(result.scene, result.rows.tolist(), current_scene())
-        write_rows(result.scene, result.rows, current_scene())
-    else:
-        new_scene(result.scene)
 
 
 def to_report(result: Generated) -> dict[str, Any]:

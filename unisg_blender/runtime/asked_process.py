@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from .process_end import ended_by
-from .process_pool import blender_program
+from .process_pool import THREADS, blender_program
 from .serving_process import ALIVE, MARK
 
 ROOT = Path(__file__).parents[2]
@@ -39,7 +39,8 @@ class Child:
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=self._errors,
-            env=os.environ
+            env=dict.fromkeys(THREADS, "1")
+            | os.environ
             | dict.fromkeys(("TMPDIR", "TMP", "TEMP"), self._folder.name),  # Blender leaves objects there
             encoding="utf-8",
             errors="replace",
@@ -147,6 +148,8 @@ def ask(job: dict[str, Any]) -> dict[str, Any]:
         except queue.Empty:
             child = Child(job["memory"])
         answer = child.ask(job) if child.ready else {}
+        if answer.get("status") == "failed":
+            answer["how_far"] = child.how_far
         if answer and child.requests < REQUESTS_PER_CHILD and not answer.pop("tired", False):
             waiting.put(child)
             return answer

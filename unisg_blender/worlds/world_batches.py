@@ -30,12 +30,13 @@ def make_many(name: str, seeds: Sequence[int], jobs: int) -> Iterator[SceneGraph
 
     world = WORLDS[name]
     batches = [seeds[start : start + BATCH] for start in range(0, len(seeds), BATCH)]
-    jobs = min(jobs, len(batches)) if _can_be_imported(world) else 1
+    jobs = min(jobs, len(batches)) if can_be_imported(world) else 1
     for scenes in _in_processes(world, batches, jobs) if jobs > 1 else _here(world, seeds):
         yield from scenes
 
 
-def _can_be_imported(world: World) -> bool:
+def can_be_imported(world: World) -> bool:
+    """Whether other processes can find the function of a world."""
     try:
         pickle.dumps(world)
     except (pickle.PicklingError, AttributeError, TypeError):

@@ -69,7 +69,9 @@ def export_file(job: dict[str, Any]) -> dict[str, Any]:
     record["key"] = checksum(json.dumps(settings, sort_keys=True).encode())[:32]
     if record["key"] == job["known"] and unchanged(Path(job["path"]), job["beside"]):
         return record | {"status": "same"}
-    return record | (_earlier_answer(job, record["key"]) or ask(job | {"key": record["key"], "work": WORK}))
+    answer = _earlier_answer(job, record["key"]) or ask(job | {"key": record["key"], "work": WORK})
+    answer.pop("how_far", None)
+    return record | answer
 
 
 def _earlier_answer(job: dict[str, Any], key: str) -> dict[str, Any] | None:

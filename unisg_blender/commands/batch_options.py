@@ -1,0 +1,79 @@
+"""Options of a batch: how many rooms, what is written, by how many processes or which cluster."""
+
+from __future__ import annotations
+
+import argparse
+from collections import Counter
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from ..batches.batch_plan import FORMATS, BatchOptions, Task
+from ..batches.batch_run import batch_steps
+from ..runtime.job_pool import dask_executor
+from ..runtime.progress import Progress
+from ..runtime.steps import drain
+from .argument_types import PROCESSES, number, whole
+from .common import add_form
+
+
+def add_batch_options(parser: argparse.ArgumentParser) -> None:
+    """What makes a single room many."""
+    group = parser.add_argument_group("batches", "many rooms into a folder, each with its number for a seed")
+    group.add_argument("--count", metavar="N", type=whole(1, 10**7), help="variations of each scene, or rooms (1)")
+    group.add_argument("--format", choices=FORMATS, help="what to write (blend)")
+    add_form(group)
+    add_running_options(group)
+
+
+def add_running_options(group: argparse._ActionsContainer) -> None:
+    """How a batch is run."""
+    group.add_argument("--jobs", metavar="N", type=PROCESSES, help="rooms made at a time (one per processor)")
+    group.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask scheduler whose workers see the same folders")
+    group.add_argument(
+        "--timeout", metavar="SECONDS", type=number(0.1, 10**7), default=300.0, help="limit for one room (300)"
+    )
+    group.add_argument(
+        "--memory", metavar="GIB", type=number(0.1, 10**6), default=4.0,
+        help="a process that has used so much is replaced (4)",
+    )  # fmt: skip
+    again = group.add_mutually_exclusive_group()
+    again.add_argument("--resume", action="store_true", help="go on with an interrupted batch")
+    again.add_argument("--overwrite", action="store_true", help="replace what an earlier batch made in that folder")
+
+
+def is_batch(args: argparse.Namespace) -> bool:
+    """Whether many rooms are asked for: by an option that only batches have, or by several scenes."""
+    asked = (args.count, args.format, args.jobs, args.scheduler)
+    scenes = args.scene or ()
+    many = len(scenes) > 1 or any(Path(scene).is_dir() or any(sign in scene for sign in "*?[") for scene in scenes)
+    return any(value is not None for value in asked) or args.resume or args.overwrite or many
+
+
+def batch_options(args: argparse.Namespace, maker: str, settings: dict[str, Any]) -> BatchOptions:
+    """The options of a batch out of those of the command line."""
+    return BatchOptions(
+        maker, settings, args.format or "blend", args.form, timeout=args.timeout, memory=int(args.memory * 2**30)
+    )
+
+
+def made_rooms(args: argparse.Namespace, tasks: Sequence[Task], options: BatchOptions) -> list[dict[str, Any]]:
+    """Make the rooms of a batch with progress and a line for each that fails; returns their records."""
+    bar, counts = Progress(len(tasks), "rooms", args.quiet), Counter[str]()
+
+    def show(step: tuple[list[dict[str, Any]], int]) -> None:
+        """Show which rooms are done."""
+        for record in step[0]:
+            counts[record["status"]] += 1
+            if record["status"] == "failed":
+                bar.write(f"{record['source']}: {record['reason']}")
+        bar.update(counts.total(), counts["failed"])
+
+    with dask_executor(args.scheduler) as executor:
+        steps = batch_steps(
+            tasks, args.out, options, executor=executor, jobs=args.jobs, resume=args.resume, overwrite=args.overwrite
+        )
+        try:
+            return drain(steps, show)
+        finally:
+            bar.close()

@@ -1,0 +1,59 @@
+"""``unisg generate`` for many rooms: variations of scenes, or whole rooms, each with its number for a seed."""
+
+from __future__ import annotations
+
+import argparse
+import time
+from typing import TYPE_CHECKING, Any
+
+from ..batches.batch_plan import BatchOptions, Task, plan_rooms
+from ..batches.batch_report import REPORT
+from ..batches.room_makers import GENERATED
+from ..errors import DONE, SOME_FAILED, UniSGError
+from .batch_options import batch_options, made_rooms
+from .common import print_report, words_of
+from .outputs import check_folder
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+
+def run_batch(args: argparse.Namespace) -> int:
+    """Make the rooms, show progress and one line per room that failed; exit status 3 if any did."""
+    from ..dataset.export.sources import find_sources
+    from ..generate import Generator
+    from ..generate.counts import parse_counts
+    from ..pretrained import find_generator
+    from ..runtime.atomic_files import checksum_of
+    from ..words import read_mapping
+
+    if args.render is not None:
+        raise UniSGError("--render is for one room: give a single --out file")
+    check_folder("--out", args.out)
+    model = find_generator(args.model)
+    generator, words = Generator.load(model), words_of(args)
+    scenes = find_sources(args.scene) if args.scene else []
+    settings: dict[str, Any] = {
+        "model": str(model.absolute()), "sha256": checksum_of(model),
+        "add": None if args.add is None else generator.understood(parse_counts(args.add), words),
+        "mapping": None if args.mapping is None else read_mapping(args.mapping),
+        "assets": "" if args.assets is None else str(args.assets.absolute()),
+        "how": {
+            "bulk": args.bulk, "settle": not args.raw, "behaviour": not args.no_behaviour, "on": args.on,
+                "beside": args.beside, "within": args.within, "words": words},
+    }  # fmt: skip
+    tasks = plan_rooms(scenes, args.count or 1, args.seed or 0, model.stem)
+    return make_and_report(args, tasks, batch_options(args, GENERATED, settings))
+
+
+def make_and_report(args: argparse.Namespace, tasks: Sequence[Task], options: BatchOptions) -> int:
+    """Make the rooms of a batch with progress, and say what became of them."""
+    started = time.perf_counter()
+    records = made_rooms(args, tasks, options)
+    seconds = time.perf_counter() - started
+    failed = sum(record["status"] == "failed" for record in records)
+    report = {"out": str(args.out), "rooms": len(records), "failed": failed, "seconds": round(seconds, 3)}
+    report |= {"format": options.format, "records": records}
+    words = f", {failed} failed" if failed else ""
+    print_report(args, report, [f"{args.out}: {len(records)} rooms{words} in {seconds:.1f} s ({REPORT} says more)"])
+    return SOME_FAILED if failed else DONE
