@@ -13,13 +13,15 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+from unisg_blender.behaviour import all_actions
 from unisg_blender.cli import main
 from unisg_blender.dataset import open_dataset
 from unisg_blender.errors import MISUSE
 from unisg_blender.formats.scene_files import read_scene_file, write_scene_file
-from unisg_blender.worlds import living_room
+from unisg_blender.worlds import living_room, operating_room
 
 pytestmark = [pytest.mark.slow, pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")]
 LIMIT = 100
@@ -56,13 +58,40 @@ def test_variations_of_a_folder_of_scenes(tmp_path: Path, capsys: pytest.Capture
         assert set(before.uid) < set(room.uid)
 
 
+def test_a_variation_of_a_blender_file_is_that_of_its_scenegraph(tmp_path: Path) -> None:
+    """Things that are gone, moved, new or of another shape, their actions and the lesson; what is not held stays."""
+    pytest.importorskip("bpy")
+    base = tmp_path / "base.blend"
+    write_scene_file(operating_room(1), base)
+    (tmp_path / "vary.toml").write_text(
+        "reroll = ['Scalpel']\nremove = ['Clamp']\nswap = ['Stool']\n[jitter]\ndistance = 0.03\nangle = 5\n"
+    )
+    words = ["generate", "--scene", str(base), "--vary", str(tmp_path / "vary.toml"), "-q", "--out"]
+    assert main([*words, str(tmp_path / "blend")]) == 0
+    assert main([*words, str(tmp_path / "json"), "--format", "json"]) == 0
+    blend, _ = read_scene_file(tmp_path / "blend" / "base-00000.blend")
+    graph, _ = read_scene_file(tmp_path / "json" / "base-00000.json")
+    assert sorted(blend.uid) == sorted(graph.uid)
+    rows = [graph.row_of_uid[uid] for uid in blend.uid]
+    np.testing.assert_allclose(blend.world, graph.world[rows], atol=1e-5)
+    assert sorted(all_actions(blend), key=str) == sorted(all_actions(graph), key=str)
+    assert [tree for _, tree in blend.entries("lsa", "data")] == [tree for _, tree in graph.entries("lsa", "data")]
+    assert set(blend.entries("relations", "kind", "target")) == {
+        (blend.row_of_uid[graph.uid[row]], kind, target)
+        for row, kind, target in graph.entries("relations", "kind", "target")
+    }
+    record = json.loads((tmp_path / "json" / "report.jsonl").read_text())
+    assert min(record["removed"], record["moved"], record["added"]) > 0
+
+
 def test_bad_input_of_a_batch(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     out = str(tmp_path / "out")
     assert main([*ROOM, "--count", "2", "--out", out, "--render", str(tmp_path / "x.png")]) == 1
     assert main([*ROOM, "--count", "2", "--out", out, "--scene", str(tmp_path / "none*.blend")]) == 1
     assert main(["generate", "--add", "Sclapel=1", "--count", "2", "--out", out]) == 1
+    assert main([*ROOM, "--vary", str(tmp_path / "none.toml"), "--out", out]) == 1
     assert main([*ROOM, "--count", "0", "--out", out]) in (1, MISUSE)
-    assert len(capsys.readouterr().err.splitlines()) == 4
+    assert len(capsys.readouterr().err.splitlines()) == 5
     assert not (tmp_path / "out").exists()
 
 

@@ -31,6 +31,8 @@ class MadeRoom:
         Rows of the scene that are new in it; of a ``base`` that Blender reads, all others stand there.
     gone, moved
         uids of what the base has and the room has not, and of what stands elsewhere in it.
+    changed
+        Whether actions, lessons and relations of what stands in the base may be others, too.
     """
 
     scene: SceneGraph
@@ -40,6 +42,7 @@ class MadeRoom:
     new: Ints = field(default_factory=lambda: np.zeros(0, np.int64))
     gone: tuple[str, ...] = ()
     moved: tuple[str, ...] = ()
+    changed: bool = False
 
 
 Maker = Callable[[Mapping[str, Any], Mapping[str, Any]], MadeRoom]

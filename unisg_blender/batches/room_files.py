@@ -35,6 +35,7 @@ def open_room(room: MadeRoom) -> None:
         If that file cannot be opened any more.
     """
     from ..blender import open_file, write_rows
+    from ..blender.authoring.changed_objects import bring_behaviour, move_objects, remove_objects
     from ..blender.authoring.extended_lessons import extend_lessons
     from ..blender.blend_files import current_scene, new_scene
 
@@ -42,5 +43,9 @@ def open_room(room: MadeRoom) -> None:
         new_scene(room.scene)
         return
     open_file(room.base)
+    remove_objects(room.gone, current_scene())
+    move_objects(room.scene, room.moved, current_scene())
+    if room.changed:
+        bring_behaviour(room.scene, room.new.tolist(), current_scene())
     extend_lessons(room.scene, room.new.tolist(), current_scene())
     write_rows(room.scene, room.new, current_scene())

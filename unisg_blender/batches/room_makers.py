@@ -12,6 +12,9 @@ import numpy as np
 
 from ..formats.scene_files import read_scene_file
 from ..generate import Generated, Generator
+from ..generate.variation.variation_file import variation_from
+from ..generate.variation.varied_room import VariedRoom, known_variation, vary
+from ..geometry.arrays import Ints
 from ..runtime.serving_process import load_function
 from ..scene import SceneBuilder, SceneGraph
 from ..words import apply_mapping
@@ -25,16 +28,37 @@ WORLD = "unisg_blender.batches.room_makers:world_room"
 def generated_room(settings: Mapping[str, Any], task: Mapping[str, Any]) -> MadeRoom:
     """The scene of a task with what a model adds to it, as ``unisg generate --seed`` makes it.
 
-    ``settings``: ``model`` (path), ``add`` (counts or None for a whole room), ``how`` (arguments of
-    :meth:`~..generate.Generator.add`), ``mapping`` and ``assets`` (of reading scenes).
+    ``settings``: ``model`` (path), ``add`` (counts or None for a whole room), ``variation`` (what varies, as in a file,
+    or None), ``how`` (arguments of :meth:`~..generate.Generator.add`), ``mapping`` and ``assets`` (of reading scenes).
     """
     generator = _generator(settings["model"])
     scene = _scene(task["path"], task["sha256"], settings)
     seed, how = task["seed"], settings["how"]
-    counts = settings["add"] or generator.sample_counts(np.random.default_rng(seed), scene, how["words"])
-    result = generator.add(scene, counts, seed, **how)
-    base = Path(task["path"]) if task["path"] else None
-    return MadeRoom(result.scene, added_record(result), Path(settings["model"]).stem, base, result.rows)
+    base, label = Path(task["path"]) if task["path"] else None, Path(settings["model"]).stem
+    if settings["variation"] is None:
+        counts = settings["add"] or generator.sample_counts(np.random.default_rng(seed), scene, how["words"])
+        result = generator.add(scene, counts, seed, **how)
+        return MadeRoom(result.scene, added_record(result), label, base, result.rows)
+    variation = known_variation(variation_from(settings["variation"]), generator, how["words"])
+    made = vary(generator, scene, variation, seed, how, settings["add"])
+    changed = {"removed": made.gone, "swapped": made.swapped, "moved": made.moved}
+    record = {name: len(uids) for name, uids in changed.items()} | {"redrawn": made.redrawn}
+    return MadeRoom(
+        made.scene, added_record(made.generated) | record, label, base, new_rows(scene, made), lost_uids(scene, made),
+        made.moved, changed=True,
+    )  # fmt: skip
+
+
+def new_rows(scene: SceneGraph, made: VariedRoom) -> Ints:
+    """Rows of a variation that its scene has not, or that have another shape in it."""
+    known = set(scene.uid) - set(made.swapped)
+    return np.array([row for row, uid in enumerate(made.scene.uid) if uid not in known], np.int64)
+
+
+def lost_uids(scene: SceneGraph, made: VariedRoom) -> tuple[str, ...]:
+    """uids of a scene that a variation has not, or that have another shape in it."""
+    kept = set(made.scene.uid) - set(made.swapped)
+    return tuple(uid for uid in scene.uid if uid not in kept)
 
 
 def added_record(result: Generated) -> dict[str, Any]:

@@ -16,12 +16,25 @@ from ..runtime.steps import drain
 from .argument_types import PROCESSES, number, whole
 from .common import add_form
 
+VARIED = {
+    "reroll": "take out and place anew",
+    "lock": "leave as they are",
+    "remove": "take out",
+    "swap": "give another shape of their category",
+}
+"""What of a file of variations is an option, too."""
+
 
 def add_batch_options(parser: argparse.ArgumentParser) -> None:
     """What makes a single room many."""
     group = parser.add_argument_group("batches", "many rooms into a folder, each with its number for a seed")
     group.add_argument("--count", metavar="N", type=whole(1, 10**7), help="variations of each scene, or rooms (1)")
     group.add_argument("--format", choices=FORMATS, help="what to write (blend)")
+    group.add_argument(
+        "--vary", metavar="FILE", type=Path, help="TOML file that says what varies (docs/examples/variations.toml)"
+    )
+    for name, what in VARIED.items():
+        group.add_argument(f"--{name}", metavar="NAMES", help=f'things to {what}, such as "Chair,Book"')
     add_form(group)
     add_running_options(group)
 
@@ -42,9 +55,14 @@ def add_running_options(group: argparse._ActionsContainer) -> None:
     again.add_argument("--overwrite", action="store_true", help="replace what an earlier batch made in that folder")
 
 
+def variation_words(args: argparse.Namespace) -> dict[str, str | None]:
+    """What the options say that a file of variations may say, too."""
+    return {name: getattr(args, name) for name in VARIED}
+
+
 def is_batch(args: argparse.Namespace) -> bool:
     """Whether many rooms are asked for: by an option that only batches have, or by several scenes."""
-    asked = (args.count, args.format, args.jobs, args.scheduler)
+    asked = (args.count, args.format, args.jobs, args.scheduler, *variation_words(args).values(), args.vary)
     scenes = args.scene or ()
     many = len(scenes) > 1 or any(Path(scene).is_dir() or any(sign in scene for sign in "*?[") for scene in scenes)
     return any(value is not None for value in asked) or args.resume or args.overwrite or many

@@ -4,18 +4,22 @@ from __future__ import annotations
 
 import argparse
 import time
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..batches.batch_plan import BatchOptions, Task, plan_rooms
 from ..batches.batch_report import REPORT
 from ..batches.room_makers import GENERATED
+from ..dataset import open_dataset
 from ..errors import DONE, SOME_FAILED, UniSGError
-from .batch_options import batch_options, made_rooms
+from .batch_options import batch_options, made_rooms, variation_words
 from .common import print_report, words_of
 from .outputs import check_folder
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+
+    from ..generate import Generator
 
 
 def run_batch(args: argparse.Namespace) -> int:
@@ -36,6 +40,7 @@ def run_batch(args: argparse.Namespace) -> int:
     settings: dict[str, Any] = {
         "model": str(model.absolute()), "sha256": checksum_of(model),
         "add": None if args.add is None else generator.understood(parse_counts(args.add), words),
+        "variation": variation_of(args, generator, words),
         "mapping": None if args.mapping is None else read_mapping(args.mapping),
         "assets": "" if args.assets is None else str(args.assets.absolute()),
         "how": {
@@ -44,6 +49,30 @@ def run_batch(args: argparse.Namespace) -> int:
     }  # fmt: skip
     tasks = plan_rooms(scenes, args.count or 1, args.seed or 0, model.stem)
     return make_and_report(args, tasks, batch_options(args, GENERATED, settings))
+
+
+def variation_of(args: argparse.Namespace, generator: Generator, words: dict[str, str]) -> dict[str, Any] | None:
+    """What varies, as a file says it, with what the options say in place of that; None where nothing is said."""
+    from ..generate.variation.variation_file import read_record, variation_from
+    from ..generate.variation.varied_room import MODEL, OWN, known_variation
+
+    options = {
+        name: [word.strip() for word in text.split(",")]
+        for name, text in variation_words(args).items() if text is not None
+    }  # fmt: skip
+    if args.vary is None and not options:
+        return None
+    record = ({} if args.vary is None else read_record(args.vary)) | options
+    known_variation(variation_from(record), generator, words)
+    if "shapes" in record:
+        record["shapes"] = [name if name in (MODEL, OWN) else _dataset_path(name) for name in record["shapes"]]
+    return record
+
+
+def _dataset_path(name: str) -> str:
+    """The absolute path of a dataset; UniSGError if there is none."""
+    open_dataset(name)
+    return str(Path(name).absolute())
 
 
 def make_and_report(args: argparse.Namespace, tasks: Sequence[Task], options: BatchOptions) -> int:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import replace
 
 from ...errors import UniSGError
@@ -134,3 +134,22 @@ def lift(root: LessonNode, uid: str) -> LessonNode:
         return root
     place = [child.uid for child in outer.children].index(above.uid) + 1
     return insert(_cut(root, uid), outer.uid, node, place)
+
+
+def without_leaves(operation: LessonNode, gone: Collection[str]) -> LessonNode:
+    """The tree without the leaves of some actions, parts left empty, and requirements of what is gone."""
+
+    def cut(node: LessonNode) -> LessonNode:
+        """The node without leaves of lost actions and what is empty then."""
+        below = [cut(child) for child in node.children if child.action not in gone or child.kind != "action"]
+        return replace(node, children=tuple(child for child in below if child.kind == "action" or child.children))
+
+    tree = cut(operation)
+    left = {node.uid for node in tree.walk()}
+
+    def kept(node: LessonNode) -> LessonNode:
+        """The node with only those prerequisites that are left."""
+        needs = tuple(uid for uid in node.requires if uid in left)
+        return replace(node, requires=needs, children=tuple(kept(child) for child in node.children))
+
+    return kept(tree)

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from ...behaviour.lesson.edit import without_leaves
 from ...generate.behaviour.roled_actions import read_roled_actions
-from ...scene import ActionData, LessonNode, SceneGraph, entry_table
+from ...scene import ActionData, SceneGraph, entry_table
 from ...scene.identity import derived_uid
 
 
@@ -31,7 +32,7 @@ def without_behaviour(graph: SceneGraph, row: int) -> tuple[SceneGraph, str]:
                 continue
             owner = owners.get(action.members[0], owner) if owner == row else owner
         actions.append((owner, _renamed(action, old, uid)))
-    trees = [(above, _cut(tree, gone)) for above, tree in graph.entries("lsa", "data")]
+    trees = [(above, without_leaves(tree, gone)) for above, tree in graph.entries("lsa", "data")]
     relations = graph.entries("relations", "kind", "target")
     bare = graph.with_component("actions", entry_table(actions, "data"))
     bare = bare.with_component("lsa", entry_table([entry for entry in trees if entry[1].children], "data"))
@@ -42,22 +43,3 @@ def without_behaviour(graph: SceneGraph, row: int) -> tuple[SceneGraph, str]:
 
 def _renamed(action: ActionData, old: str, uid: str) -> ActionData:
     return replace(action, frame=uid) if action.frame == old else action
-
-
-def _cut(operation: LessonNode, gone: set[str]) -> LessonNode:
-    """The tree without the leaves of some actions, parts left empty, and requirements of what is gone."""
-
-    def cut(node: LessonNode) -> LessonNode:
-        """The node without leaves of lost actions and what is empty then."""
-        below = [cut(child) for child in node.children if child.action not in gone or child.kind != "action"]
-        return replace(node, children=tuple(child for child in below if child.kind == "action" or child.children))
-
-    tree = cut(operation)
-    left = {node.uid for node in tree.walk()}
-
-    def kept(node: LessonNode) -> LessonNode:
-        """The node with only those prerequisites that are left."""
-        needs = tuple(uid for uid in node.requires if uid in left)
-        return replace(node, requires=needs, children=tuple(kept(child) for child in node.children))
-
-    return kept(tree)

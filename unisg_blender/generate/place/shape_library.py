@@ -45,6 +45,17 @@ class Library:
         """All that there is of a category, apart from plain boxes."""
         return self._of_scene(category, scene) or [self._kept(number) for number in self._numbers(category)]
 
+    def of_model(self, category: str) -> list[Placeable]:
+        """The shapes of a category that lie beside the model."""
+        vocabulary = self.model.contract.vocabulary
+        numbers = self._numbers(vocabulary.index(category)) if category in vocabulary else []
+        return [self._kept(number) for number in numbers]
+
+    def of_scene(self, category: str, scene: SceneGraph) -> list[Placeable]:
+        """The different shapes of a category that a scene has."""
+        vocabulary = self.model.contract.vocabulary
+        return self._of_scene(vocabulary.index(category), scene) if category in vocabulary else []
+
     def shells(self) -> list[Asset]:
         """The room shells beside the model."""
         file = self.model.assets

@@ -1,0 +1,3 @@
+"""What varies from room to room, and rooms that vary so."""
+
+from __future__ import annotations
