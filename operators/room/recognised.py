@@ -53,13 +53,15 @@ class Recognised:
     @property
     def summary(self) -> str:
         """All in a line."""
+        from ...unisg_blender.spatial.structure.structure_text import count_text
+
         rooms, floors = self.structure.rooms, self.structure.storeys
         openings = sum(len(room.openings) for room in rooms)
         if not rooms:
             return " ".join(self.structure.notes)
         storeys = f" on {_many(floors, 'storey')}" if floors > 1 else ""
         held = _many(len(self.structure.surfaces), "surface")
-        return f"{_many(len(rooms), 'room')}{storeys}, {_many(openings, 'opening')}, {held} for things"
+        return f"{count_text(self.structure)}{storeys}, {_many(openings, 'opening')}, {held} for things"
 
 
 def _many(count: int, word: str) -> str:

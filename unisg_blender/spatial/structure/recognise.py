@@ -16,10 +16,13 @@ from ...scene.categories import STRUCTURE, has_category
 from ...scene.graph import SceneGraph
 from ...scene.structure_marks import PART_MARK, ROOM_MARK, marks
 from ..object_rows import shown
-from .looks import FAR_ROOFED, FARTHEST
+from .looks import EYE, FAR_ROOFED, FARTHEST
+from .named_openings import with_named_openings
+from .region import Region
 from .room_marks import without_marked
 from .scan import FINEST, HEADROOM, LEVEL, Scan
-from .storeys import LEAST_OPEN, Region, find_regions
+from .stages import backdrop, is_stage
+from .storeys import LEAST_OPEN, find_regions
 from .structure import Room, Structure
 from .surfaces import holding_surfaces
 from .walls import Cuts, walls_along
@@ -36,8 +39,8 @@ UPRIGHT = 0.2
 FEW_WALLS = 4
 """Upright triangles as high as people of which a scene without a floor has so many, at least, where it has walls."""
 
-LARGEST = 500.0
-"""Metres of a scene from which on its unit is asked for."""
+SMALL, LARGEST = 6.0, 500.0
+"""Square metres of a scene without a floor up to which, and metres of one from which on, its unit is asked for."""
 
 BEHIND = 1.0
 """Metres around a room in which lines are looked for: the far sides of its walls are there."""
@@ -56,7 +59,8 @@ def recognise_structure(graph: SceneGraph) -> Structure:
     much has 1.8 m free above; a place on it is inside where there is a roof and walls on most sides, or walls all
     around; rooms are what walls, and the lintels over doors, part from each other. Outlines are then moved onto the
     very edges of walls and floors. What the user gave a category that is not of a building does not count, and what
-    the user called a floor is the floor; marks (:mod:`...scene.structure_marks`) say what is no building, or no room.
+    the user called a floor is the floor, a door or a window an opening; marks (:mod:`...scene.structure_marks`) say
+    what is no building, or no room.
 
     A scene too large for the finest cells is scanned coarsely, and again where most walls stand. What was recognised of
     a scenegraph is kept as long as that is, also for others that look the same, such as one in other words.
@@ -86,16 +90,19 @@ def _recognised(graph: SceneGraph) -> Structure:
     if scan is None:
         return Structure((), (), FINEST, ("the scene has no faces: there is no floor to be found",))
     scan, regions = _closer(graph, scan) if scan.grid.cell > COARSE * FINEST else (scan, find_regions(scan))
+    if regions and not any(region.indoors for region in regions):
+        scan, regions = _before_backdrop(graph, scan) or (scan, regions)
     cuts = {id(region.cuts): region.cuts for region in regions}
     together = {key: Cuts.of(some) for key, some in cuts.items()}
     rooms = [_room(scan, region, together[id(region.cuts)]) for region in regions]
+    rooms = with_named_openings(rooms, scan, graph)
     heights = sorted({room.floor for room in rooms})
     storeys = np.cumsum(np.diff(heights, prepend=-np.inf) >= HEADROOM) - 1
     of_height = dict(zip(heights, storeys.tolist(), strict=True))
     rooms = [replace(room, storey=of_height[room.floor]) for room in rooms]
     order = sorted(range(len(rooms)), key=lambda number: (rooms[number].storey, -rooms[number].area))
     surfaces = holding_surfaces(scan, [regions[number] for number in order])
-    ordered, notes = tuple(rooms[number] for number in order), _notes(scan, rooms)
+    ordered, notes = tuple(rooms[number] for number in order), _notes(graph, scan, rooms)
     return without_marked(Structure(ordered, tuple(surfaces), scan.grid.cell, notes), graph)
 
 
@@ -108,6 +115,15 @@ def _closer(graph: SceneGraph, scan: Scan) -> tuple[Scan, list[Region]]:
             if any(region.indoors for region in found):
                 return finer, found
     return scan, find_regions(scan)
+
+
+def _before_backdrop(graph: SceneGraph, scan: Scan) -> tuple[Scan, list[Region]] | None:
+    """A scan without a backdrop, with the rooms or the stage that are before it; None where there is none."""
+    inner = Scan.of(graph, without=row) if (row := backdrop(scan)) >= 0 else None
+    regions = [] if inner is None else find_regions(inner)
+    if inner is None or not any(region.indoors or is_stage(region, inner, region.floor + EYE) for region in regions):
+        return None
+    return inner, regions
 
 
 def _built_up(scan: Scan) -> list[tuple[Floats, Floats]]:
@@ -157,16 +173,13 @@ def _floor_edges(scan: Scan, floor: float, outline: Floats) -> Floats:
     return edges[meets(*boxes_of(edges), outline, BEHIND)]
 
 
-def _notes(scan: Scan, rooms: list[Room]) -> tuple[str, ...]:
+def _notes(graph: SceneGraph, scan: Scan, rooms: list[Room]) -> tuple[str, ...]:
     coarse, notes = scan.grid.cell > COARSE * FINEST, []
     size = np.ptp(scan.triangles.reshape(-1, 3), axis=0) if coarse or not rooms else np.zeros(3)
     if not rooms:
         notes.append(_why_nothing(scan, size))
     elif not any(room.indoors for room in rooms):
-        notes.append(
-            f"no room was found, only open ground: no walls are around it within {FARTHEST:.0f} m, or under a roof "
-            f"within {FAR_ROOFED:.0f} m"
-        )
+        notes.append(_why_open(graph, scan, rooms))
     if coarse:
         unit = "; is its unit right?" if size.max() > LARGEST else ""
         notes.append(
@@ -175,10 +188,28 @@ def _notes(scan: Scan, rooms: list[Room]) -> tuple[str, ...]:
     return tuple(notes)
 
 
+def _why_open(graph: SceneGraph, scan: Scan, rooms: list[Room]) -> str:
+    """Why what was found is no room, in a sentence."""
+    for room in rooms:
+        low, _ = scan.ends
+        beneath = (scan.row == room.floor_row) & ~scan.up & (low <= room.floor - HEADROOM)
+        if np.abs(scan.normals[beneath, 2]).sum() / 2 >= room.area / 2:
+            return (
+                f"no room was found, only the top of {graph.name[room.floor_row]}, whose faces look outwards as those "
+                "of a block do: if it is the room, turn its normals round (Blender: Edit Mode, Mesh > Normals > Flip)"
+            )
+    if any(room.walls for room in rooms):
+        return "no room was found, only an open place: walls are on too few of its sides"
+    return (
+        f"no room was found, only open ground: no walls are around it within {FARTHEST:.0f} m, or under a roof within "
+        f"{FAR_ROOFED:.0f} m"
+    )
+
+
 def _why_nothing(scan: Scan, size: Floats) -> str:
     """Why there is no floor, in a sentence."""
     low, high = scan.ends
-    if size[:2].prod() < LEAST_OPEN:
+    if size[:2].prod() < SMALL:
         return f"the scene is {size[0]:.2f} x {size[1]:.2f} m: no room, but a thing; is its unit right?"
     if (np.abs(scan.slope) < UPRIGHT)[high - low > HEADROOM].sum() >= FEW_WALLS:
         return "no floor was found, though walls stand there: a plane under them makes a room of it"

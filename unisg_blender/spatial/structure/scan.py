@@ -68,9 +68,14 @@ class Scan:
     grid: Grid
 
     @staticmethod
-    def of(graph: SceneGraph, region: tuple[Floats, Floats] | None = None) -> Scan | None:
-        """The scan of a scene, or of what reaches into a region (low, high) (2,); None where there are no triangles."""
+    def of(graph: SceneGraph, region: tuple[Floats, Floats] | None = None, without: int = -1) -> Scan | None:
+        """The scan of a scene, or of what reaches into a region (low, high) (2,); None where there are no triangles.
+
+        The row ``without`` is left out.
+        """
         triangles, row = world_triangles(graph)
+        if without >= 0:
+            triangles, row = triangles[row != without], row[row != without]
         if region is not None:
             low, high = region
             near = (triangles[:, :, :2].min(axis=1) <= high) & (triangles[:, :, :2].max(axis=1) >= low)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from heapq import heappop, heappush
 from typing import Any
 
@@ -14,7 +14,9 @@ from ...geometry.column_raster import Grid
 from ...geometry.mask_outline import components
 from .looks import MOSTLY, ROOF_SHARE, Look, holds_a_room, look_from, slices, smooth, walls_around
 from .open_sides import closed_off, walled_share
+from .region import Region
 from .scan import HEADROOM, LEAST, LEVEL, FreeSpans, Scan, free_spans
+from .stages import LARGER, stands_on
 from .structure import TALLEST
 
 LEAST_OPEN = 4.0
@@ -54,46 +56,8 @@ LEVEL_SHARE = 0.2
 MOST_LEVELS = 24
 
 
-@dataclass(frozen=True, eq=False)
-class Region:
-    """A room as cells: bool ``mask`` of the shape of ``grid``, the part of the scan's grid that begins at ``first``.
-
-    Heights of floor, ceiling (inf for none) and lintels in metres. ``cuts`` are the walls at some heights over the
-    floor: segments (S, 2, 2) and the rows (S,) of their entities.
-    """
-
-    mask: Bools
-    grid: Grid
-    first: tuple[int, int]
-    floor: float
-    ceiling: float
-    lintel: float
-    indoors: bool
-    floor_row: int
-    ceiling_row: int
-    cuts: dict[float, tuple[Floats, Ints]]
-
-    @property
-    def slices(self) -> tuple[slice, slice]:
-        """Where the mask lies in the scan's grid."""
-        return slices(self.first, self.mask.shape)
-
-    def over(self, cells: Ints, columns: int) -> Bools:
-        """Which cells of the scan's grid, which has so many along y, are in the room."""
-        i, j = np.divmod(cells, columns)
-        i, j = i - self.first[0], j - self.first[1]
-        near = (i >= 0) & (j >= 0) & (i < self.mask.shape[0]) & (j < self.mask.shape[1])
-        near[near] = self.mask[i[near], j[near]]
-        return near
-
-    def holds(self, points: Floats) -> Bools:
-        """Which points (N, 2) are in the room."""
-        cells = self.grid.at(points)
-        return np.asarray((cells >= 0) & self.mask.reshape(-1)[cells])
-
-
 def find_regions(scan: Scan) -> list[Region]:
-    """The rooms of all storeys; where there is none, the largest open place that is level."""
+    """The rooms of all storeys; the largest open place that is level, where there is none, or all are things on it."""
     spans = free_spans(scan.building_columns, scan.up)
     stands = spans.high - spans.low >= HEADROOM
     if scan.is_floor.any():
@@ -107,7 +71,12 @@ def find_regions(scan: Scan) -> list[Region]:
                 found.append(region)
                 held = taken[region.slices]
                 held[region.mask] = region.floor
-    return found or _open_place(scan, spans, stands, levels)
+    area = sum(int(region.mask.sum()) for region in found)
+    largest = max((int((stands & (np.abs(spans.low - level) <= LEVEL)).sum()) for level in levels[:1]), default=0)
+    if found and largest < LARGER * area:
+        return found
+    place = _open_place(scan, spans, stands, levels)
+    return place if not found or (place and stands_on(found, place[0], scan)) else found
 
 
 def _looks(scan: Scan, spans: FreeSpans, stands: Bools, levels: list[float], taken: Floats) -> Iterator[Look]:

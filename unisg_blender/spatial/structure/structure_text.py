@@ -81,7 +81,7 @@ def structure_lines(structure: Structure, graph: SceneGraph, names: Sequence[Roo
     """A line for each room, with what it is if that is known; what its parts are; and the notes."""
     if not structure.rooms:
         return list(structure.notes)
-    lines = [f"{_many(len(structure.rooms), 'room')} on {_many(structure.storeys, 'storey')}"]
+    lines = [f"{count_text(structure)} on {_many(structure.storeys, 'storey')}"]
     things = things_in_rooms(structure, graph)
     for number, room in enumerate(structure.rooms):
         kind = "room" if room.indoors else "open place"
@@ -102,6 +102,14 @@ def structure_lines(structure: Structure, graph: SceneGraph, names: Sequence[Roo
         )
     lines += [f"  {graph.name[row]}: {', '.join(kinds)}" for row, kinds in structure.parts.items()]
     return [*lines, *structure.notes]
+
+
+def count_text(structure: Structure) -> str:
+    """How many rooms there are indoors, and how many open places: "2 rooms, 1 open place"."""
+    rooms = sum(room.indoors for room in structure.rooms)
+    places = len(structure.rooms) - rooms
+    told = [_many(rooms, "room") if rooms else "no room"]
+    return ", ".join(told + ([_many(places, "open place")] if places else []))
 
 
 def _many(count: int, word: str) -> str:

@@ -8,8 +8,8 @@ from ...geometry.arrays import Floats, Ints
 from ...geometry.column_raster import Crossings, Grid, columns
 from ...geometry.surface_contact import STEEPEST
 from ...geometry.traced_outlines import outlines_of, simplified_all
+from .region import Region
 from .scan import FINEST, Scan, free_spans
-from .storeys import Region
 from .structure import HoldingSurface
 
 LOWEST, HIGHEST = 0.1, 2.2

@@ -11,7 +11,7 @@ import numpy as np
 from ...geometry.arrays import Bools, Floats, Ints
 from ...geometry.mask_outline import boxes_of, meets, ordered
 from .looks import EYE
-from .storeys import Region
+from .region import Region
 from .structure import Opening, WallPiece
 
 BESIDE = 0.12
