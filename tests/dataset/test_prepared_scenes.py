@@ -1,4 +1,4 @@
-"""What a reading process makes of scenes before they are encoded: as the request says, and it tells what is left out."""
+"""What a reading process makes of scenes before they are encoded, as the request says; what is left out is told."""
 
 from __future__ import annotations
 

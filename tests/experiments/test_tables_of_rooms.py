@@ -95,8 +95,9 @@ def test_what_does_not_apply_is_left_out() -> None:
 
 
 def test_the_table_has_percent_and_spreads() -> None:
-    row = TableRow("mine", 2, 3, 40, {"colliding": 0.1234, "p_model_better": 0.01, "diversity": 1.0},
-                   {"colliding": 0.011, "diversity": 0.001, "p_model_better": 0.5}, {"colliding": (0.1, 0.2)})  # fmt: skip
+    values = {"colliding": 0.1234, "p_model_better": 0.01, "diversity": 1.0}
+    spread = {"colliding": 0.011, "diversity": 0.001, "p_model_better": 0.5}
+    row = TableRow("mine", 2, 3, 40, values, spread, {"colliding": (0.1, 0.2)})
     other = TableRow("real", 1, 3, 40, {"colliding": 0.0})
     head, _, first, second = [
         [cell.strip() for cell in line.strip("|").split("|")] for line in table([row, other]).splitlines()
