@@ -8,7 +8,7 @@
 
 With a coverage file that says which test runs which line, each change is tried by the tests that run it, at most
 ``--most`` of them, and where none is known by the tests of the room. The last line tries what those did not notice with
-the slow tests of its room. Works in a temporary copy of the checkout. Prints
+more of them, and the slow tests of its room. Works in a temporary copy of the checkout. Prints
 every change that no test noticed, with file and line, and how many were noticed. Such a change is a hole in the tests,
 or makes no difference (a bound of which both sides are allowed).
 """
@@ -17,6 +17,7 @@ from __future__ import annotations
 
 import argparse
 import ast
+import compileall
 import importlib
 import os
 import random
@@ -42,9 +43,12 @@ from benchmarks.mutation_results import Row, keep, kept
 
 ROOT = Path(__file__).resolve().parent.parent
 LEFT_OUT = shutil.ignore_patterns(".git", ".venv*", "build", "demo", "__pycache__", ".*_cache", ".hypothesis")
-OF_OTHERS = ("matplotlib", "scipy.spatial", "trimesh")
-"""What is loaded once, not for every change; not Blender, whose threads do not live in a forked process, nor torch."""
+OF_OTHERS = ("matplotlib", "scipy.spatial", "trimesh", "torch", "torch_geometric", "pytorch_lightning", "onnxruntime")
+"""What is loaded once, not for every change; not Blender, whose threads do not live in a forked process."""
 AT_ONCE = 10
+MOST_OTHERS = 200
+"""With slow tests, so many of the others that run the line are tried first."""
+
 NOTHING_RAN = "no test could be run"
 UNSEEN = "no"
 TOLD = "told.txt"
@@ -120,7 +124,6 @@ def failing_tests(copy: Path, words: list[str], broken: set[str], args: argparse
     """The tests that fail in the copy, or in words that they could not be run, or not in that time."""
     words = ["-q", "-rfE", "-p", "no:cacheprovider", "--timeout", str(args.seconds), *words]
     words += ["-n", str(args.workers), "--dist", "loadfile"] if args.workers > 1 else []
-    words += ["-m", "slow"] if args.slow else ["-m", "not slow"] if args.fast else []
     process = get_context("fork").Process(target=run_tests, args=(copy, words + [f"--deselect={t}" for t in broken]))
     process.start()
     process.join(3 * args.seconds)
@@ -147,7 +150,7 @@ def run_tests(copy: Path, words: list[str]) -> None:
     os._exit(status)
 
 
-def covering_tests(coverage: Path, mutation: Mutation, most: int) -> list[str]:
+def covering_tests(coverage: Path, mutation: Mutation) -> list[str]:
     """Tests that run the line: the room's own first, and one case of each test before its other cases."""
     room = mutation.path.parts[1]
     with sqlite3.connect(coverage) as data:
@@ -166,7 +169,7 @@ def covering_tests(coverage: Path, mutation: Mutation, most: int) -> list[str]:
         function = name.split("[")[0]
         ordered.append((seen[function], not name.startswith(f"tests/{room}/"), name))
         seen[function] += 1
-    return [name for _, _, name in sorted(ordered)[:most]]
+    return [name for _, _, name in sorted(ordered)]
 
 
 def drawn_mutations(room: str, count: int, seed: int) -> tuple[list[Mutation], int]:
@@ -180,17 +183,24 @@ def drawn_mutations(room: str, count: int, seed: int) -> tuple[list[Mutation], i
 
 def claim(copy: Path, mutation: Mutation, broken: set[str], args: argparse.Namespace) -> str:
     """The first test that fails with the change, "" for none."""
-    tests = covering_tests(args.coverage, mutation, args.most) if args.coverage and not args.slow else []
-    words = ["-x", *(tests or tests_of(args, mutation.path.parts[1]))]
+    covering = covering_tests(args.coverage, mutation) if args.coverage else []
+    room, marks = tests_of(args, mutation.path.parts[1]), ["-m", "not slow"] if args.fast else []
+    tries = [["-x", *marks, *(covering[: args.most] or room)]]
+    if args.slow:
+        others = covering[args.most : MOST_OTHERS]
+        tries = [["-x", *marks, *others]] * bool(others) + [["-x", "-m", "slow", *room]]
     before = (copy / mutation.path).read_bytes()
-    (copy / mutation.path).write_bytes(mutation.apply(before))
-    try:
-        failing = failing_tests(copy, words, broken, args)
-    finally:
-        (copy / mutation.path).write_bytes(before)
-    if NOTHING_RAN in failing and NOTHING_RAN in failing_tests(copy, words, broken, args):
-        sys.exit((copy / TOLD).read_text(errors="replace"))
-    return next(iter(failing), "")
+    for words in tries:
+        (copy / mutation.path).write_bytes(mutation.apply(before))
+        try:
+            failing = failing_tests(copy, words, broken, args)
+        finally:
+            (copy / mutation.path).write_bytes(before)
+        if NOTHING_RAN in failing and NOTHING_RAN in failing_tests(copy, words, broken, args):
+            sys.exit((copy / TOLD).read_text(errors="replace"))
+        if failing:
+            return failing[0]
+    return ""
 
 
 def unsound(copy: Path, claims: Iterable[str], args: argparse.Namespace) -> set[str]:
@@ -211,6 +221,7 @@ def check(args: argparse.Namespace) -> None:
     with tempfile.TemporaryDirectory() as name:
         copy = Path(name) / "copy"
         shutil.copytree(ROOT, copy, ignore=LEFT_OUT)
+        compileall.compile_dir(copy, quiet=2)  # read by every run; what is changed is compiled anew
         while left and time.monotonic() < end:
             now, left = left[:AT_ONCE], left[AT_ONCE:]
             claims = {number: claim(copy, drawn[number], broken, args) for number in now}

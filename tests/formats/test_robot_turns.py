@@ -1,0 +1,83 @@
+"""Where simulators put their shapes: turns of planes, shapes between two points, sizes; told by hand."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tests.formats.reading import bounds, found_in, write
+from unisg_blender.formats.simulators.robot_shapes import _primitive, _towards
+
+COORDINATE = st.floats(-3, 3)
+
+
+@given(st.tuples(COORDINATE, COORDINATE, COORDINATE).filter(lambda n: np.linalg.norm(n) > 1e-3))
+def test_a_plane_looks_along_its_normal(normal: tuple[float, float, float]) -> None:
+    found = _towards(list(normal))
+    np.testing.assert_allclose(found[:3, 2], np.array(normal) / np.linalg.norm(normal), atol=1e-9)
+    np.testing.assert_allclose(found[:3, :3].T @ found[:3, :3], np.eye(3), atol=1e-9)
+    assert np.linalg.det(found) == pytest.approx(1)
+    assert not found[:3, 3].any()
+
+
+@pytest.mark.parametrize(
+    ("text", "kind", "numbers"),
+    [
+        ("<box><size>1 2 3</size></box>", "box", [1, 2, 3]), ('<box size="1 2 3"/>', "box", [1, 2, 3]),
+        ("<box/>", "box", [1, 1, 1]), ('<cylinder radius="2" length="5"/>', "cylinder", [2, 5]),
+        ("<capsule><radius>2</radius><length>5</length></capsule>", "capsule", [2, 5]), ("<sphere/>", "sphere", [1]),
+        ("<ellipsoid><radii>1 2 3</radii></ellipsoid>", "ellipsoid", [1, 2, 3]),
+        ("<plane><size>4 5</size></plane>", "plane", [4, 5]),
+    ],
+)  # fmt: skip
+def test_shapes_have_the_sizes_that_are_told(text: str, kind: str, numbers: list[float]) -> None:
+    found = _primitive(ElementTree.fromstring(text))
+    assert found is not None
+    np.testing.assert_allclose(found[0], np.eye(4), atol=1e-12)
+    assert found[1:] == (kind, numbers)
+    assert _primitive(ElementTree.fromstring("<heightmap/>")) is None
+
+
+@pytest.mark.parametrize(
+    ("geom", "low", "high"),
+    [
+        ('type="box" size="1 2 3" pos="1 0 0"', (0, -2, -3), (2, 2, 3)),
+        ('type="box" size="1 2 3" euler="0 0 90"', (-2, -1, -3), (2, 1, 3)),
+        ('type="box" size="1 2 3" quat="0.7071067811865476 0 0.7071067811865476 0"', (-3, -2, -1), (3, 2, 1)),
+        ('type="box" size="1 2 3" axisangle="0 0 1 90"', (-2, -1, -3), (2, 1, 3)),
+        ('type="box" size="1 2 3" xyaxes="0 1 0 -1 0 0"', (-2, -1, -3), (2, 1, 3)),
+        ('type="box" size="1 2 3" zaxis="1 0 0"', (-3, -2, -1), (3, 2, 1)),
+        ('size="0.5"', (-0.5,) * 3, (0.5,) * 3),
+        ('type="cylinder" size="1 2"', (-1, -1, -2), (1, 1, 2)),
+        ('type="capsule" size="1 2"', (-1, -1, -3), (1, 1, 3)),
+        ('type="ellipsoid" size="1 2 3"', (-1, -2, -3), (1, 2, 3)),
+        ('type="cylinder" size="0.5" fromto="1 2 0 1 2 4"', (0.5, 1.5, 0), (1.5, 2.5, 4)),
+        ('type="capsule" size="0.5" fromto="0 2 1 6 2 1"', (-0.5, 1.5, 0.5), (6.5, 2.5, 1.5)),
+        ('type="box" size="0.5" fromto="0 0 0 0 4 0"', (-0.5, 0, -0.5), (0.5, 4, 0.5)),
+        ('type="plane" size="2 3 1"', (-2, -3, 0), (2, 3, 0)),
+        ('type="plane" size="0 3 1"', (-10, -3, 0), (10, 3, 0)),
+    ],
+)  # fmt: skip
+def test_shapes_of_mjcf_stand_where_they_are_told(
+    tmp_path: Path, geom: str, low: tuple[float, ...], high: tuple[float, ...]
+) -> None:
+    text = f'<mujoco><worldbody><body name="b" pos="0 0 10"><geom name="it" {geom}/></body></worldbody></mujoco>'
+    (found,) = found_in(write(tmp_path / "room.xml", text))
+    expected = np.add([low, high], [0, 0, 10])
+    np.testing.assert_allclose(bounds(found.graph, "it"), expected, atol=0.03)
+
+
+def test_what_is_not_seen_is_left_out_and_radians_are_heeded(tmp_path: Path) -> None:
+    text = """<mujoco><compiler angle="radian"/><worldbody><body name="b">
+      <geom name="seen" type="box" size="1 2 3" euler="0 0 1.5707963267948966"/>
+      <geom name="glass" type="box" size="1 1 1" rgba="1 1 1 0"/>
+      <geom name="tinted" type="box" size="1 1 1" rgba="0 0 0 0.5"/></body></worldbody></mujoco>"""
+    (found,) = found_in(write(tmp_path / "room.xml", text))
+    np.testing.assert_allclose(bounds(found.graph, "seen"), [[-2, -1, -3], [2, 1, 3]], atol=1e-6)
+    assert "glass" not in found.graph.name
+    assert "tinted" in found.graph.name
