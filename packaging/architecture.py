@@ -51,7 +51,7 @@ ARROWS: dict[str, set[str]] = {
         "generate": "dataset spatial behaviour words scene geometry poses",
         "predict": "dataset meshes spatial words scene geometry poses",
         "dataset": "formats spatial behaviour words scene geometry poses",
-        "formats": "blender usd scene",
+        "formats": "blender usd meshes scene geometry poses",
         "blender": "behaviour scene poses",
         "usd": "scene",
         "worlds": "spatial scene geometry",

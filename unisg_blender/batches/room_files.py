@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ..formats.scene_files import write_scene_file
-from ..runtime.file_endings import BLENDER, is_of
+from ..formats.scene_files import opened_by_blender, write_scene_file
+from ..runtime.file_endings import is_of
 from .made_room import MadeRoom
 
 
@@ -17,7 +17,7 @@ def write_room(room: MadeRoom, path: Path) -> None:
     UniSGError
         If the file cannot be written.
     """
-    if not is_of(path, BLENDER):
+    if not is_of(path, (".blend",)):
         write_scene_file(room.scene, path)
         return
     from ..blender import save_blend
@@ -39,7 +39,7 @@ def open_room(room: MadeRoom) -> None:
     from ..blender.authoring.extended_lessons import extend_lessons
     from ..blender.blend_files import current_scene, new_scene
 
-    if room.base is None or not is_of(room.base, BLENDER):
+    if room.base is None or not opened_by_blender(room.base):
         new_scene(room.scene)
         return
     open_file(room.base)

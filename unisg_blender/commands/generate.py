@@ -14,7 +14,7 @@ from ..batches.room_files import open_room
 from ..errors import DONE, SOME_FAILED, UniSGError
 from ..formats.scene_files import check_kinds, load_blender, write_scene_file
 from ..runtime.atomic_files import replacing
-from ..runtime.file_endings import BLENDER, WRITABLE, is_of
+from ..runtime.file_endings import WRITABLE, is_of
 from .argument_types import SEED
 from .batch_options import add_batch_options, is_batch
 from .common import add_limit, add_mapping, print_report, read_shown, shown_lines, words_of
@@ -119,7 +119,7 @@ def _check(args: argparse.Namespace) -> None:
 
 def _write(args: argparse.Namespace, result: Generated) -> str:
     """Write the scene and its picture, both or none of them; what is wrong with the picture, "" for nothing."""
-    note, in_blender = "", is_of(args.out, BLENDER)
+    note, in_blender = "", is_of(args.out, (".blend",))
     with nullcontext() if args.render is None else replacing(args.render) as picture:
         if in_blender or picture is not None:
             open_room(MadeRoom(result.scene, {}, base=args.scene, new=result.rows))

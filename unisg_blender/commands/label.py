@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..errors import DONE, SOME_FAILED, UniSGError
-from ..runtime.file_endings import BLENDER, WRITABLE, is_of
+from ..runtime.file_endings import WRITABLE, is_of
 from .argument_types import number, whole
 from .common import (
     add_limit,
@@ -118,11 +118,11 @@ def _checked(args: argparse.Namespace) -> list[str]:
 
 
 def _write(source: Path, out: Path, graph: SceneGraph, accepted: Sequence[Proposal]) -> None:
-    from ..formats.scene_files import write_scene_file
+    from ..formats.scene_files import opened_by_blender, write_scene_file
     from ..predict.category_proposals import accept
 
     graph = accept(graph, accepted)
-    if not (is_of(source, BLENDER) and is_of(out, BLENDER)):
+    if not (is_of(out, (".blend",)) and opened_by_blender(source)):
         write_scene_file(graph, out)
         return
     from ..blender import objects_by_uid, save_blend

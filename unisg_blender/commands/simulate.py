@@ -16,7 +16,7 @@ from tqdm import tqdm
 
 from ..errors import DONE, MISUSE, UniSGError, did_you_mean
 from ..runtime.atomic_files import read_plain
-from ..runtime.file_endings import BLENDER, WRITABLE, is_of
+from ..runtime.file_endings import WRITABLE
 from ..runtime.made_files import filling
 from .argument_types import number
 from .common import add_limit, add_scene, print_report, read_shown, shown_lines
@@ -157,7 +157,9 @@ def _moments(args: argparse.Namespace, graph: SceneGraph, lesson: Any) -> tuple[
     motion = recorded_motion(graph, args.rate or 30.0)
     if motion.tracks or motion.inputs:
         return list(moments(graph, motion)), None
-    if is_of(args.file, BLENDER):
+    from ..formats.scene_files import opened_by_blender
+
+    if opened_by_blender(args.file):
         from ..blender.authoring.stored_behaviour import has_animation, scene_moments
         from ..blender.blend_files import current_scene
 
@@ -183,8 +185,9 @@ def _write(
 def _render(args: argparse.Namespace, graph: SceneGraph, path: Path, frames: list[Any]) -> None:
     from ..blender.blend_files import current_scene, new_scene
     from ..blender.render.film import write_film
+    from ..formats.scene_files import opened_by_blender
 
-    if not is_of(args.file, BLENDER):
+    if not opened_by_blender(args.file):
         new_scene(graph)
     chosen = frames[:: max(1, -(-len(frames) // FILM_FRAMES))]
     leave_out = [name for name in graph.vocabulary if "ceiling" in name.casefold()]

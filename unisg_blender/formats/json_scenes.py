@@ -11,7 +11,8 @@ category, uid of the parent, number of the mesh, and matrices ``local`` and ``wo
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -44,7 +45,7 @@ def write_json(graph: SceneGraph, path: Path) -> None:
     UniSGError
         If the file cannot be written, or a component holds values that have no JSON form.
     """
-    writer = _SceneWriter()
+    writer = RecordWriter()
     record = {KEY: VERSION} | writer.scene(graph)
     record |= {"meshes": [writer.mesh(mesh) for mesh in writer.meshes], "prototypes": writer.prototypes}
     write_file(path, json.dumps(record))
@@ -75,13 +76,20 @@ def read_json(path: Path) -> SceneGraph:
     if not isinstance(record, dict) or KEY not in record:
         raise UniSGError(f"cannot read {path}: it holds no scene with its geometry; convert or generate it again")
     check_version(record[KEY], f"cannot read {path}: it has", VERSION)
+    with damaged(path):
+        return RecordReader(record).scene(record)
+
+
+@contextmanager
+def damaged(path: Path) -> Iterator[None]:
+    """Whatever a record raises that is not whole becomes one UniSGError."""
     try:
-        return _SceneReader(record).scene(record)
+        yield
     except (LookupError, TypeError, ValueError, AttributeError, ArithmeticError, RecursionError, UniSGError) as error:
         raise UniSGError(f"cannot read {path}: the scene in it is damaged: {error}") from None
 
 
-class _SceneWriter:
+class RecordWriter:
     """Records of scenes; meshes and prototypes are numbered as they are met."""
 
     def __init__(self) -> None:
@@ -149,7 +157,7 @@ class _SceneWriter:
         return self._numbers[graph]
 
 
-class _SceneReader:
+class RecordReader:
     """Scenes out of their records."""
 
     def __init__(self, record: Mapping[str, Any]) -> None:

@@ -14,11 +14,12 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import UniSGError
-from ..runtime.file_endings import BLENDER, JSON, LAYOUTS, MESHES, READABLE, SCENE_STATE, USD, WRITABLE, is_of
+from ..runtime.file_endings import BLENDER, GLTF, JSON, LAYOUTS, MESHES, READABLE, SCENE_STATE, USD, WRITABLE, is_of
 from ..runtime.guarded_work import reading, still_reading
 from ..runtime.output_capture import captured_output, heard
 from ..runtime.read_report import Loss, ReadReport
 from ..scene.graph import SceneGraph
+from .gltf.gltf_files import read_own_gltf, write_gltf
 from .json_scenes import is_own_scene, read_json, write_json
 from .layout_scenes import FoundScene, asset_folder, layout_scenes
 from .licences import licence_of
@@ -42,7 +43,7 @@ def check_kinds(source: Path | None, target: Path | None = None) -> None:
         raise UniSGError(f"cannot read {source}: the known kinds are {', '.join(READABLE)}")
     if target is not None and not is_of(target, WRITABLE):
         raise UniSGError(f"cannot write {target}: the known kinds are {', '.join(WRITABLE)}")
-    if any(path is not None and is_of(path, BLENDER) for path in (source, target)):
+    if (source is not None and is_of(source, BLENDER)) or (target is not None and is_of(target, (".blend",))):
         load_blender()
 
 
@@ -73,6 +74,9 @@ def read_scene_file(
         If the file cannot be read.
     """
     path = Path(path)
+    own = read_own_gltf(path) if is_of(path, GLTF) and not scene else None
+    if own is not None:
+        return own, ReadReport()
     if not is_of(path, BLENDER):
         if is_layout(path):
             return _one_layout(path, scene, assets, progress)
@@ -83,6 +87,11 @@ def read_scene_file(
 
     with reading(path):
         return read_file(path, geometry=geometry, animation=animation, scene=scene, progress=_alive(progress))
+
+
+def opened_by_blender(path: Path) -> bool:
+    """Whether :func:`read_scene_file` opens a file in Blender, where it then stands."""
+    return is_of(path, BLENDER) and not (is_of(path, GLTF) and read_own_gltf(path) is not None)
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,7 +123,10 @@ def read_all_scenes(path: Path, assets: Path | None = None) -> AllScenes:
     """As :func:`read_scene_file`, all scenes of a file."""
     if is_layout(path):
         return _all_layouts(path, assets)
-    if is_of(path, BLENDER):
+    own = read_own_gltf(path) if is_of(path, GLTF) else None
+    if own is not None:
+        graphs, report = [own], ReadReport()
+    elif is_of(path, BLENDER):
         from ..blender.blend_files import read_all_scenes
 
         with reading(path):
@@ -232,6 +244,8 @@ def write_scene_file(graph: SceneGraph, path: Path | str, progress: Progress | N
     if is_of(path, JSON):
         write_json(graph, path)
         return ReadReport()
+    if is_of(path, GLTF):
+        return write_gltf(graph, path)
     from ..blender.blend_files import write_blend
 
     return write_blend(graph, path)

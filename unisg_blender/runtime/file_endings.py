@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-BLENDER = (".blend", ".glb", ".gltf", ".fbx", ".obj")
-"""Opened by Blender: its own files, and those that it imports."""
+GLTF = (".glb", ".gltf")
+BLENDER = (".blend", *GLTF, ".fbx", ".obj")
+"""Opened by Blender: its own files, and those that it imports; a glTF file that UniSG wrote is read without it."""
 
 USD = (".usd", ".usda", ".usdc", ".usdz")
 JSON = (".json",)
@@ -29,7 +30,7 @@ READABLE = (*BLENDER, *USD, *JSON, *LAYOUTS, *MESHES)
 SCENE_STATE = ".scenestate.json"
 """Written for SceneEval; read by what it holds."""
 
-WRITABLE = (".blend", *JSON, *USD)
+WRITABLE = (".blend", *JSON, *USD, *GLTF)
 
 
 def is_of(path: Path, kinds: tuple[str, ...]) -> bool:

@@ -13,11 +13,11 @@ from typing import Any
 
 from ..errors import UniSGError
 from . import recording_tables as recording
-from .action_data import ActionData, actions_from_json
+from .action_data import ActionData, actions_from_json, actions_to_json
 from .component_table import Table, entry_table
 from .graph import SceneGraph
-from .lesson_node import LessonNode, lesson_from_json
-from .relation import Relation, relations_from_json
+from .lesson_node import LessonNode, lesson_from_json, lesson_to_json
+from .relation import Relation, relations_from_json, relations_to_json
 
 CATEGORY = "unisg_category"
 UID = "unisg_uid"
@@ -70,6 +70,26 @@ def decode_properties(values: Mapping[str, Any]) -> ObjectProperties:
             others[key] = values[key]
             problems.append(str(error))
     return ObjectProperties(**decoded, others=others, problems=tuple(problems))
+
+
+def encode_properties(graph: SceneGraph, row: int) -> dict[str, Any]:
+    """The custom properties that say what a row's components hold."""
+    values: dict[str, Any] = {}
+    for _, text in graph.entries("properties", "json", row=row):
+        values |= json.loads(text)
+    values[UID] = graph.uid[row]
+    if graph.category[row] >= 0:
+        values[CATEGORY] = graph.category_name(row)
+    if actions := [action for _, action in graph.entries("actions", "data", row=row)]:
+        values[ACTIONS] = actions_to_json(actions)
+    if relations := relations_of(graph, row):
+        values[RELATIONS] = relations_to_json(relations)
+    for _, lesson in graph.entries("lsa", "data", row=row):
+        values[LSA] = lesson_to_json(lesson)
+    recorded = recording.recorded_of(graph, row)
+    if recorded is not None:
+        values[recording.KEY] = recording.recorded_to_json(recorded)
+    return values
 
 
 def property_tables(rows: Sequence[ObjectProperties]) -> dict[str, Table]:
