@@ -29,7 +29,7 @@ from unisg_blender.generate.propose.trees_proposer import BOOTSTRAP
 from unisg_blender.learn import job_list
 from unisg_blender.learn.hyperparameters import Settings
 from unisg_blender.learn.provenance import dataset_notes
-from unisg_blender.learn.trees.fitting import fit_trees, write_trees
+from unisg_blender.learn.trees.fitting import fit_trees, log_odds, write_trees
 from unisg_blender.learn.trees.held_out import GROUPS, POWERS, HeldOut, choices
 from unisg_blender.learn.trees.training_report import report_lines, write_report
 from unisg_blender.metrics.scene_validity import measure_scene
@@ -51,10 +51,10 @@ def test_the_file_gives_the_log_odds_that_were_fitted(tmp_path: Path) -> None:
     features = rng.normal(0, 1, (2000, 5)).astype(np.float32)
     trees = fit_trees(features, (features[:, 0] + features[:, 1] ** 2 > 1).astype(np.float32), 0)
     path = tmp_path / "trees.onnx"
-    write_trees(trees, 5, Contract("trees", ("a",), NOTHING).to_json(), path)
+    write_trees(trees, Contract("trees", ("a",), NOTHING).to_json(), path)
     model = open_model(path, "generate", (5,), "cgvae")
     score = model.run(["score"], features=features)[0][:, 0]
-    np.testing.assert_allclose(score, trees.decision_function(features), atol=1e-4)
+    np.testing.assert_allclose(score, log_odds(trees.predict_proba(features)[:, 1]), atol=1e-4)
 
 
 @pytest.fixture(scope="module")

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 PACKAGES = ("torch", "torch_geometric", "pytorch_lightning", "onnx", "onnxscript", "sklearn")
 
-FEW_ROOMS = 60
+FEW_ROOMS = 150
 """Up to so many rooms trees are trained, unless epochs or the like are asked for."""
 
 

@@ -1,1 +1,1 @@
-"""Boosted trees that judge plain proposals: a generator from few rooms."""
+"""Random trees that judge plain proposals: a generator from few rooms."""

@@ -1,4 +1,4 @@
-"""Boosted trees fitted by scikit-learn, and written as one ONNX node that runs without it."""
+"""Random trees fitted by scikit-learn, and written as an ONNX file that runs without it."""
 
 from __future__ import annotations
 
@@ -9,39 +9,53 @@ import numpy as np
 import onnx
 from numpy.typing import NDArray
 from onnx import TensorProto, helper
-from sklearn.ensemble import HistGradientBoostingClassifier
+from sklearn.ensemble import ExtraTreesClassifier
 
 from ... import __version__
 from ...runtime.atomic_files import write_file
 from ...runtime.onnx_session import KEY
 
-ROUNDS, LEAVES, RATE, SHRINKAGE, FEWEST, SEEN = 200, 4, 0.1, 10.0, 60, 0.3
-"""Trees, leaves of each, how much each corrects, how much its leaves are drawn to 0, examples in a leaf, and the share
-of the features that a split looks at. Larger ones know the training rooms by heart."""
+TREES, FEWEST, SEEN = 100, 10, 0.3
+"""Trees, examples in a leaf at least, and the share of the features that a split looks at. The mean of many trees that
+are split at random knows less of the training rooms by heart than trees that correct each other (boosted ones)."""
+
+NEVER = 1e-4
+"""Share of true places in a leaf that stands for none."""
 
 OPSET, TREES_OPSET, IR_VERSION = 20, 3, 10
-NODES = (("featureids", "feature_idx"), ("values", "num_threshold"), ("truenodeids", "left"), ("falsenodeids", "right"))
 
 
-def fit_trees(features: NDArray[np.float32], true: NDArray[np.float32], seed: int) -> Any:
-    """A classifier of places (N, F) by whether they are true (N,)."""
-    trees = HistGradientBoostingClassifier(
-        max_iter=ROUNDS, max_leaf_nodes=LEAVES, learning_rate=RATE, l2_regularization=SHRINKAGE, early_stopping=False,
-        min_samples_leaf=FEWEST, max_features=SEEN, random_state=seed,
-    )  # fmt: skip
+def fit_trees(features: NDArray[np.float32], true: NDArray[np.float32], seed: int) -> ExtraTreesClassifier:
+    """A classifier of places (N, F) by whether they are true (N,); extremely randomized trees (Geurts et al. 2006)."""
+    trees = ExtraTreesClassifier(TREES, min_samples_leaf=FEWEST, max_features=SEEN, random_state=seed)
     return trees.fit(features, true)
 
 
-def write_trees(trees: Any, width: int, metadata: str, path: Path) -> None:
-    """Write a classifier of :func:`fit_trees` of ``width`` features as an ONNX file that gives log odds, "score"."""
-    node = helper.make_node(
-        "TreeEnsembleRegressor", ["features"], ["score"], domain="ai.onnx.ml", n_targets=1,
-        base_values=[float(trees._baseline_prediction.item())], post_transform="NONE", **_attributes(trees),
+def log_odds(share: NDArray[np.floating]) -> NDArray[np.floating]:
+    """What the file gives for the share of true places (N,) that the trees expect."""
+    share = share.clip(NEVER, 1 - NEVER)
+    return np.log(share) - np.log1p(-share)
+
+
+def write_trees(trees: ExtraTreesClassifier, metadata: str, path: Path) -> None:
+    """Write a classifier of :func:`fit_trees` as an ONNX file that gives :func:`log_odds` as "score" (N, 1)."""
+    ensemble = helper.make_node(
+        "TreeEnsembleRegressor", ["features"], ["share"], domain="ai.onnx.ml", n_targets=1, post_transform="NONE",
+        aggregate_function="AVERAGE", **_attributes(trees),
     )  # fmt: skip
+    nodes = [
+        ensemble,
+        helper.make_node("Clip", ["share", "least", "most"], ["true"]),
+        helper.make_node("Sub", ["one", "true"], ["false"]),
+        helper.make_node("Div", ["true", "false"], ["odds"]),
+        helper.make_node("Log", ["odds"], ["score"]),
+    ]
+    constants = {"least": NEVER, "most": 1 - NEVER, "one": 1.0}
     graph = helper.make_graph(
-        [node], "trees",
-        [helper.make_tensor_value_info("features", TensorProto.FLOAT, ["places", width])],
+        nodes, "trees",
+        [helper.make_tensor_value_info("features", TensorProto.FLOAT, ["places", trees.n_features_in_])],
         [helper.make_tensor_value_info("score", TensorProto.FLOAT, ["places", 1])],
+        [helper.make_tensor(name, TensorProto.FLOAT, [], [value]) for name, value in constants.items()],
     )  # fmt: skip
     opsets = [helper.make_opsetid("", OPSET), helper.make_opsetid("ai.onnx.ml", TREES_OPSET)]
     model = helper.make_model(
@@ -52,23 +66,31 @@ def write_trees(trees: Any, width: int, metadata: str, path: Path) -> None:
     write_file(path, model.SerializeToString())
 
 
-def _attributes(trees: Any) -> dict[str, Any]:
+def _attributes(trees: ExtraTreesClassifier) -> dict[str, Any]:
     """The nodes of all trees, one after another, as the ONNX operator wants them."""
-    found: dict[str, list[Any]] = {f"nodes_{name}": [] for name, _ in NODES}
-    found |= {f"nodes_{name}": [] for name in ("treeids", "nodeids", "modes", "missing_value_tracks_true")}
-    found |= {f"target_{name}": [] for name in ("treeids", "nodeids", "ids", "weights")}
-    for number, (tree,) in enumerate(trees._predictors):
-        nodes, leaf = tree.nodes, tree.nodes["is_leaf"].astype(bool)
-        for name, column in NODES:
-            values = np.where(leaf, 0, nodes[column])
-            found[f"nodes_{name}"] += [float(v) for v in values] if name == "values" else [int(v) for v in values]
-        found["nodes_treeids"] += [number] * len(nodes)
-        found["nodes_nodeids"] += list(range(len(nodes)))
-        found["nodes_modes"] += ["LEAF" if last else "BRANCH_LEQ" for last in leaf]
-        found["nodes_missing_value_tracks_true"] += [0] * len(nodes)
+    found: dict[str, list[Any]] = {}
+
+    def add(**columns: Any) -> None:
+        for name, values in columns.items():
+            found.setdefault(name, []).extend(np.asarray(values).tolist())
+
+    for number, estimator in enumerate(trees.estimators_):
+        tree, rows = estimator.tree_, np.arange(estimator.tree_.node_count)
+        leaf = tree.children_left < 0
         ends = np.flatnonzero(leaf)
-        found["target_treeids"] += [number] * len(ends)
-        found["target_nodeids"] += ends.tolist()
-        found["target_ids"] += [0] * len(ends)
-        found["target_weights"] += [float(value) for value in nodes["value"][ends]]
+        add(
+            nodes_treeids=np.full(len(rows), number), nodes_nodeids=rows,
+            nodes_modes=np.where(leaf, "LEAF", "BRANCH_LEQ"),
+            nodes_featureids=np.where(leaf, 0, tree.feature), nodes_values=np.where(leaf, 0, _below(tree.threshold)),
+            nodes_truenodeids=np.where(leaf, 0, tree.children_left),
+            nodes_falsenodeids=np.where(leaf, 0, tree.children_right),
+            nodes_missing_value_tracks_true=np.zeros_like(rows), target_treeids=np.full(len(ends), number),
+            target_nodeids=ends, target_ids=np.zeros_like(ends), target_weights=tree.value[ends, 0, 1],
+        )  # fmt: skip
     return found
+
+
+def _below(thresholds: NDArray[np.float64]) -> NDArray[np.float32]:
+    """The greatest float32 that are no greater: features are float32, so that they fall to the same sides."""
+    near = thresholds.astype(np.float32)
+    return np.where(near > thresholds, np.nextafter(near, np.float32(-np.inf)), near)

@@ -22,7 +22,7 @@ from .examples import movable, without_above
 REMOVED, REPEATS = 5, 3
 """Things that are taken out of a held-out room at a time, and how often."""
 
-POWERS = (0.0, 0.5, 1.0, SHARPNESS)
+POWERS = (0.0, 0.5, 0.75, 1.0, SHARPNESS, 2.0, 2.5, 3.0)
 """Powers of the trees' odds that are tried; 0: all plain proposals alike."""
 
 FLOOR, HUNG, ON_THINGS = GROUPS = ("floor", "hung", "on things")

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from sklearn.ensemble import ExtraTreesClassifier
 
 from ...dataset.format.reader import Dataset
 from ...generate.observe.contract import Contract
@@ -39,15 +40,14 @@ FOLDS = 3
 
 @dataclass(frozen=True, eq=False)
 class Fitted:
-    """Trees, the contract that goes with them, and how many features they see."""
+    """Trees, and the contract that goes with them."""
 
-    trees: Any
+    trees: ExtraTreesClassifier
     contract: Contract
-    width: int
 
     def write(self, out: Path) -> None:
         """Write the model."""
-        write_trees(self.trees, self.width, self.contract.to_json(), out)
+        write_trees(self.trees, self.contract.to_json(), out)
 
 
 def fit_on(scenes: Sequence[ObservedScene], vocabulary: tuple[str, ...], priors: CategoryPriors, seed: int) -> Fitted:
@@ -58,7 +58,7 @@ def fit_on(scenes: Sequence[ObservedScene], vocabulary: tuple[str, ...], priors:
     rounds = int(np.clip(MOST_EXAMPLES // max(total, 1), 1, MOST_ROUNDS))
     trees = fit_trees(*examples(scenes, places, tables, kinds, rounds, rng), seed)
     contract = Contract("trees", vocabulary, priors, places=places.to_record(vocabulary))
-    return Fitted(trees, contract, kinds.width)
+    return Fitted(trees, contract)
 
 
 def train_trees(datasets: Sequence[Dataset], out: Path, settings: Settings) -> dict[str, Any]:
@@ -85,7 +85,7 @@ def train_trees(datasets: Sequence[Dataset], out: Path, settings: Settings) -> d
     bar.close()
     chosen = choices(found)
     record = facts(datasets[0], settings, (len(scenes), 0)) | {
-        "losses": {}, "parameters": fitted.trees.n_iter_, "folds": FOLDS,
+        "losses": {}, "parameters": len(fitted.trees.estimators_), "folds": FOLDS,
         "held_out": [choice.to_record() for choice in chosen.values()],
         "categories": category_records(found, vocabulary, observed, chosen),
     }  # fmt: skip
