@@ -79,6 +79,29 @@ def test_under_a_table_is_not_on_it() -> None:
     assert not {kind for one, kind, two in found if (one, two) == ("ball", "table")} & {"on_top_of", "inside"}
 
 
+@pytest.mark.parametrize("sunk", [0.0, 1e-6, 0.005])
+@pytest.mark.parametrize("size", [2.0, 12.5, 50.0])
+def test_the_ground_is_not_on_what_pierces_it(size: float, sunk: float) -> None:
+    """Legs that reach a little through a plane had it on top of them, where their lower sides look up."""
+    corners = size * np.array([[-1.0, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]])
+    plane = mesh_from_faces("Ground", corners, [[0, 1, 2, 3]])
+    cube = mesh_from_faces("Cube", CUBE.points, [*FACES[:4], [4, 6, 2, 0], FACES[5]])
+    one, two = (cube, placed(0, 0, -sunk)), (cube, placed(size / 2, 0, -sunk))
+    found = told(scene(ground=(plane, np.eye(4)), one=one, two=two))
+    assert {entry for entry in found if entry[1] == "on_top_of"} == {
+        (name, "on_top_of", "ground") for name in ("one", "two")
+    }
+
+
+def test_a_backdrop_is_on_nothing() -> None:
+    """A shell around all stands on the base of the room by its corners, but is no object on top of it."""
+    base = block((-4, -4, -0.5), (4, 4, 0))
+    for size, stands in ((15.0, False), (6.0, True)):
+        shell = block((-size, -size, 0), (size, size, 2 * size))
+        found = told(scene(base=(base, np.eye(4)), shell=(shell, np.eye(4)), table=(TABLE, np.eye(4))))
+        assert (("shell", "on_top_of", "base") in found) == stands
+
+
 def test_inside_a_bowl_on_a_table() -> None:
     found = told(scene(table=(TABLE, np.eye(4)), bowl=(BOWL, placed(0, 0, 0.75)), apple=(SMALL, placed(0.02, 0, 0.76))))
     assert ("apple", "inside", "bowl") in found

@@ -26,6 +26,9 @@ class RelationTolerances:
     hollow
         Least depth of something open at the top that objects can be inside of, as a
         share of its narrower inner width: objects lie in a bowl, but on a tray.
+    vast, backdrop
+        Times as long as another, and as all others together, by the longest side, something is at least that is no
+        object on top of things, but ground or sky.
     heading
         Direction in which the viewer looks, radians counter-clockwise from +Y: it
         decides what is left, right, in front and behind.
@@ -38,6 +41,8 @@ class RelationTolerances:
     shared: float = 0.25
     walls: int = 4
     hollow: float = 0.25
+    vast: float = 20.0
+    backdrop: float = 3.0
     heading: float = 0.0
 
 

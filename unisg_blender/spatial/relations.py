@@ -94,15 +94,17 @@ def _touching(objects: Objects, pairs: Ints, tolerances: RelationTolerances) -> 
     """What rests on, lies in, belongs to or is joined with what."""
     found: list[Found] = []
     joined: list[tuple[int, int]] = []
+    length, backdrop = (objects.high - objects.low).max(axis=1), _backdrop(objects, tolerances)
     for one, two in pairs.tolist():
         between: list[Found] = []
         for subject, target in ((one, two), (two, one)):
             if _lies_inside(objects, subject, target, tolerances):
                 between.append((subject, "inside", target))
+            elif subject == backdrop or length[subject] >= tolerances.vast * length[target]:
+                continue  # a ground plane is not on the legs that pierce it
             elif _rests(objects, subject, target, tolerances):
                 between.append((subject, "on_top_of", target))
-        if len(between) > 1:  # both ways: what reaches lower bears the other
-            between = [max(between, key=lambda entry: (entry[1] == "inside", objects.low[entry[0], 2]))]
+        between = [_surer(objects, between, tolerances)] if len(between) > 1 else between
         if not between and _meets(objects, one, two, tolerances):
             if objects.is_below(one, two):
                 between = [(one, "part_of", two)]
@@ -112,6 +114,28 @@ def _touching(objects: Objects, pairs: Ints, tolerances: RelationTolerances) -> 
                 joined.append((one, two))
         found += between
     return found + _sunk_or_connected(objects, joined, {entry[0] for entry in found if entry[1] != "part_of"})
+
+
+def _surer(objects: Objects, between: list[Found], tolerances: RelationTolerances) -> Found:
+    """Of two things each of which rests on the other: a sheet bears what it reaches beyond, else the lower."""
+    size = objects.high - objects.low
+
+    def order(entry: Found) -> tuple[bool, bool, float]:
+        subject, kind, target = entry
+        sheet = size[target, 2] <= tolerances.overlap and size[target].max() > size[subject].max()
+        return kind == "inside", bool(sheet), float(objects.low[subject, 2])
+
+    return max(between, key=order)
+
+
+def _backdrop(objects: Objects, tolerances: RelationTolerances) -> int:
+    """The object that is vastly longer than all others together, -1 where there is none."""
+    if len(objects) < 2:
+        return -1
+    largest = int((objects.high - objects.low).max(axis=1).argmax())
+    low, high = np.delete(objects.low, largest, axis=0), np.delete(objects.high, largest, axis=0)
+    around = float((high.max(axis=0) - low.min(axis=0)).max())
+    return largest if (objects.high - objects.low)[largest].max() >= tolerances.backdrop * around else -1
 
 
 def _sunk_or_connected(objects: Objects, joined: list[tuple[int, int]], borne: set[int]) -> list[Found]:
