@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import sys
 from collections.abc import Iterator
@@ -11,6 +12,12 @@ from types import ModuleType
 import pytest
 
 from tests.extension_package import load_extension
+
+with contextlib.suppress(ImportError):
+    import hypothesis
+
+    hypothesis.settings.register_profile("no times", deadline=None)  # a busy machine is no fault
+    hypothesis.settings.load_profile("no times")
 
 STATUS = pytest.StashKey[int]()
 SCENE_ENDINGS = (".blend", ".glb", ".gltf", ".fbx", ".obj", ".usd", ".usda", ".usdc", ".usdz")
