@@ -5,8 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-torch = pytest.importorskip("torch")
+pytest.importorskip("torch")
 pytest.importorskip("torch_geometric")
+
+import torch
 
 from unisg_blender.learn.atlasnet.training import random_rotation, yaw
 from unisg_blender.learn.behaviour.examples import collate
