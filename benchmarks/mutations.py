@@ -161,7 +161,7 @@ def covering_tests(coverage: Path, mutation: Mutation) -> list[str]:
         ).fetchall()
     where, bit = divmod(mutation.line, 8)
     running = sorted(
-        {name.split("|")[0] for name, bits in rows if name and where < len(bits) and bits[where] >> bit & 1}
+        {name.rpartition("|")[0] for name, bits in rows if name and where < len(bits) and bits[where] >> bit & 1}
     )
     seen: Counter[str] = Counter()
     ordered = []
