@@ -1,4 +1,4 @@
-"""What stands in a scene by itself is a component for other tools, its parts are none, and the scene is their assembly."""
+"""What stands in a scene by itself is a component for other tools, its parts are none; the scene is an assembly."""
 
 from __future__ import annotations
 
