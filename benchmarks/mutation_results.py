@@ -6,7 +6,7 @@ import csv
 from pathlib import Path
 
 COLUMNS = ("seed", "number", "room", "line", "old", "new", "noticed", "why")
-"""``noticed`` is "tests", "slow tests" (which alone did) or "no"; somebody who has read the line may say
+"""``noticed`` is "tests", "more tests" (which alone did) or "no"; somebody who has read the line may say
 "no difference" there, and ``why``."""
 
 Row = dict[str, str]

@@ -4,11 +4,11 @@
 
     pytest -m "not slow" -n 2 --dist loadfile --cov=unisg_blender --cov-context=test --cov-report=
     python benchmarks/mutations.py --count 200 --seed 1 --coverage .coverage --fast --results FILE.csv
-    python benchmarks/mutations.py --count 200 --seed 1 --results FILE.csv --slow
+    python benchmarks/mutations.py --count 200 --seed 1 --coverage .coverage --results FILE.csv --more
 
 With a coverage file that says which test runs which line, each change is tried by the tests that run it, at most
 ``--most`` of them, and where none is known by the tests of the room. The last line tries what those did not notice with
-more of them, and the slow tests of its room. Works in a temporary copy of the checkout. Prints
+more of them, and with all tests of its room. Works in a temporary copy of the checkout. Prints
 every change that no test noticed, with file and line, and how many were noticed. Such a change is a hole in the tests,
 or makes no difference (a bound of which both sides are allowed).
 """
@@ -47,7 +47,7 @@ OF_OTHERS = ("matplotlib", "scipy.spatial", "trimesh", "torch", "torch_geometric
 """What is loaded once, not for every change; not Blender, whose threads do not live in a forked process."""
 AT_ONCE = 10
 MOST_OTHERS = 200
-"""With slow tests, so many of the others that run the line are tried first."""
+"""Before all tests of a room, so many of those that run the line are tried."""
 
 NOTHING_RAN = "no test could be run"
 UNSEEN = "no"
@@ -130,7 +130,7 @@ def failing_tests(copy: Path, words: list[str], broken: set[str], args: argparse
     if process.exitcode is None:
         os.killpg(process.pid or 0, signal.SIGKILL)
         process.join()
-        return [] if args.slow else ["not done in time"]  # a slow room may take that long
+        return [] if args.more else ["not done in time"]  # all tests of a room may take that long
     told = (copy / TOLD).read_text(errors="replace")
     failed = re.findall(r"^(?:FAILED|ERROR) (\S+::.+?)(?: - .*)?$", told, re.MULTILINE)
     return [] if process.exitcode in (0, NOTHING_TO_RUN) else failed or [NOTHING_RAN]
@@ -161,7 +161,7 @@ def covering_tests(coverage: Path, mutation: Mutation) -> list[str]:
         ).fetchall()
     where, bit = divmod(mutation.line, 8)
     running = sorted(
-        {name.split("|")[0] for name, bits in rows if name and where < len(bits) and bits[where] >> bit & 1}
+        {name.rpartition("|")[0] for name, bits in rows if name and where < len(bits) and bits[where] >> bit & 1}
     )
     seen: Counter[str] = Counter()
     ordered = []
@@ -186,9 +186,10 @@ def claim(copy: Path, mutation: Mutation, broken: set[str], args: argparse.Names
     covering = covering_tests(args.coverage, mutation) if args.coverage else []
     room, marks = tests_of(args, mutation.path.parts[1]), ["-m", "not slow"] if args.fast else []
     tries = [["-x", *marks, *(covering[: args.most] or room)]]
-    if args.slow:
+    if args.more:
         others = covering[args.most : MOST_OTHERS]
-        tries = [["-x", *marks, *others]] * bool(others) + [["-x", "-m", "slow", *room]]
+        tries = [["-x", *marks, *others]] * bool(others)
+        tries.append(["-x", *room])  # what is cached was run by one test only, though others need it
     before = (copy / mutation.path).read_bytes()
     for words in tries:
         (copy / mutation.path).write_bytes(mutation.apply(before))
@@ -216,7 +217,7 @@ def check(args: argparse.Namespace) -> None:
             importlib.import_module(name)
     drawn, possible = drawn_mutations(args.room, args.count, args.seed)
     seen, broken = kept(args.results, args.seed), set[str]()
-    left = [number for number in range(len(drawn)) if to_try(seen.get(number), args.slow)]
+    left = [number for number in range(len(drawn)) if to_try(seen.get(number), args.more)]
     end = time.monotonic() + 60 * args.minutes
     with tempfile.TemporaryDirectory() as name:
         copy = Path(name) / "copy"
@@ -237,9 +238,9 @@ def check(args: argparse.Namespace) -> None:
     print(*(f"fails without a change: {test}" for test in sorted(broken)), sep="\n")
 
 
-def to_try(row: Row | None, slow: bool) -> bool:
-    """Whether a change is tried: those not tried yet, or with slow tests those that the others did not notice."""
-    return row is not None and row["noticed"] == UNSEEN if slow else row is None
+def to_try(row: Row | None, more: bool) -> bool:
+    """Whether a change is tried: those not tried yet, or with more tests those that the first did not notice."""
+    return row is not None and row["noticed"] == UNSEEN if more else row is None
 
 
 def row_of(mutation: Mutation, number: int, claimed: str, args: argparse.Namespace) -> Row:
@@ -247,7 +248,7 @@ def row_of(mutation: Mutation, number: int, claimed: str, args: argparse.Namespa
     if not claimed:
         print(f"unseen  {mutation}", flush=True)
     place = f"{mutation.path.as_posix()}:{mutation.line}"
-    noticed = ("slow tests" if args.slow else "tests") if claimed else UNSEEN
+    noticed = ("more tests" if args.more else "tests") if claimed else UNSEEN
     facts = {"room": mutation.path.parts[1], "line": place, "old": mutation.old, "new": mutation.new}
     return {"seed": str(args.seed), "number": str(number), **facts, "noticed": noticed}
 
@@ -273,5 +274,5 @@ if __name__ == "__main__":
     parser.add_argument("--most", type=int, default=150, help="with --coverage, tests for one change (default: 150)")
     parser.add_argument("--minutes", type=float, default=float("inf"), help="begin no more changes after so many")
     parser.add_argument("--results", type=Path, help="a .csv file that keeps what was found; a further call goes on")
-    parser.add_argument("--slow", action="store_true", help="try what is unseen in the results with slow tests")
+    parser.add_argument("--more", action="store_true", help="try what is unseen in the results with all tests")
     check(parser.parse_args())

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import sys
 from collections.abc import Iterator
@@ -11,6 +12,12 @@ from types import ModuleType
 import pytest
 
 from tests.extension_package import load_extension
+
+with contextlib.suppress(ImportError):
+    import hypothesis
+
+    hypothesis.settings.register_profile("all", deadline=None)  # a busy machine is no fault
+    hypothesis.settings.register_profile("fast", deadline=None, max_examples=25)
 
 STATUS = pytest.StashKey[int]()
 SCENE_ENDINGS = (".blend", ".glb", ".gltf", ".fbx", ".obj", ".usd", ".usda", ".usdc", ".usdz")
@@ -37,6 +44,12 @@ def fresh_file() -> None:
     import bpy
 
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Properties are tried on fewer examples where slow tests are left out, unless they say on how many."""
+    with contextlib.suppress(NameError):  # an environment without hypothesis
+        hypothesis.settings.load_profile("fast" if config.getoption("markexpr") == "not slow" else "all")
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:

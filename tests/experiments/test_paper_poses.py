@@ -96,6 +96,7 @@ def test_landmarks_are_points_of_the_body() -> None:
     np.testing.assert_allclose(poses.landmarks(pose[None])[0, :6], [1, 2.3, 3, 0.8, 2, 3])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", poses.SCENES)
 def test_objects_of_rooms(tmp_path: Path, kind: str) -> None:
     rooms = [operating_room(seed) for seed in range(7)]

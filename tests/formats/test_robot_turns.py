@@ -7,10 +7,11 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from tests.formats.reading import bounds, found_in, write
+from unisg_blender.formats.simulators.mjcf_models import _shortest, _two_axes
 from unisg_blender.formats.simulators.robot_shapes import _primitive, _towards
 
 COORDINATE = st.floats(-3, 3)
@@ -23,6 +24,32 @@ def test_a_plane_looks_along_its_normal(normal: tuple[float, float, float]) -> N
     np.testing.assert_allclose(found[:3, :3].T @ found[:3, :3], np.eye(3), atol=1e-9)
     assert np.linalg.det(found) == pytest.approx(1)
     assert not found[:3, 3].any()
+
+
+@given(st.tuples(COORDINATE, COORDINATE, COORDINATE).filter(lambda n: np.linalg.norm(n) > 1e-3))
+def test_the_shortest_turn_takes_z_to_a_direction(direction: tuple[float, float, float]) -> None:
+    found, unit = _shortest(np.array(direction)), np.array(direction) / np.linalg.norm(direction)
+    np.testing.assert_allclose(found[:, 2], unit, atol=1e-7)
+    np.testing.assert_allclose(found.T @ found, np.eye(3), atol=1e-7)
+    assert np.linalg.det(found) == pytest.approx(1)
+    assert np.trace(found) == pytest.approx(1 + 2 * unit[2], abs=1e-6)  # by no more than the angle between them
+
+
+@given(st.tuples(*[COORDINATE] * 6))
+def test_two_axes_make_a_turn_that_keeps_the_first(values: tuple[float, ...]) -> None:
+    x, y = np.array(values[:3]), np.array(values[3:])
+    assume(np.linalg.norm(np.cross(x, y)) > 0.05)
+    found = _two_axes(np.array(values))
+    np.testing.assert_allclose(found[:, 0], x / np.linalg.norm(x), atol=1e-9)
+    np.testing.assert_allclose(found.T @ found, np.eye(3), atol=1e-9)
+    assert np.linalg.det(found) == pytest.approx(1)
+    assert found[:, 1] @ y > 0
+    assert abs(found[:, 2] @ y) < 1e-9
+
+
+def test_axes_that_say_nothing_are_no_error() -> None:
+    assert np.isfinite(_two_axes(np.zeros(6))).all()
+    np.testing.assert_allclose(_shortest(np.array([0, 0, -1.0]))[:, 2], [0, 0, -1], atol=1e-9)
 
 
 @pytest.mark.parametrize(
@@ -52,6 +79,8 @@ def test_shapes_have_the_sizes_that_are_told(text: str, kind: str, numbers: list
         ('type="box" size="1 2 3" axisangle="0 0 1 90"', (-2, -1, -3), (2, 1, 3)),
         ('type="box" size="1 2 3" xyaxes="0 1 0 -1 0 0"', (-2, -1, -3), (2, 1, 3)),
         ('type="box" size="1 2 3" zaxis="1 0 0"', (-3, -2, -1), (3, 2, 1)),
+        ('type="box" size="1 2 3" zaxis="5 0 0"', (-3, -2, -1), (3, 2, 1)),
+        ('type="box" size="1 2 3" xyaxes="0 3 0 -2 1 0"', (-2, -1, -3), (2, 1, 3)),
         ('size="0.5"', (-0.5,) * 3, (0.5,) * 3),
         ('type="cylinder" size="1 2"', (-1, -1, -2), (1, 1, 2)),
         ('type="capsule" size="1 2"', (-1, -1, -3), (1, 1, 3)),

@@ -45,6 +45,7 @@ def test_only_what_reaches_into_the_box_is_within() -> None:
     assert len(within(triangles, np.array([2.0, -1, -1]), np.array([4.0, 1, 1]))) == 0
 
 
+@pytest.mark.slow
 def test_contacts_of_dense_surfaces_need_memory_for_what_meets_only() -> None:
     """Every line through 2 x 45,000 triangles meets one or two of each: pairs of all of them would be 10^11 numbers."""
     steps = np.linspace(-1, 1, 151)

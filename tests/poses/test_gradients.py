@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import pytest
@@ -35,6 +36,9 @@ PLACES = {
     "huge": 1e120 * TILTED @ np.diag([1.0, 2.0, 3.0]),
 }
 ONE_WAY = {"angle", "ax", "ay", "az"}  # the angle is a norm: without a derivative at the identity
+
+QUICK = {"general", "rotation", "identity", "half turn", "uniform scale"}
+"""Places that are tried when the slow tests are left out, too."""
 
 Map = Callable[..., np.ndarray]
 
@@ -81,7 +85,14 @@ def assert_derivative(
         np.testing.assert_allclose(found[kept or ...], expected[kept or ...], rtol=0, atol=bound)
 
 
-@pytest.mark.parametrize("place", PLACES)
+def places(*others: str) -> list[Any]:
+    """All but some."""
+    return [
+        pytest.param(place, marks=() if place in QUICK else pytest.mark.slow) for place in PLACES if place not in others
+    ]
+
+
+@pytest.mark.parametrize("place", places())
 @pytest.mark.parametrize("name", NAMES)
 def test_encode(name, place):
     form = FORMS[name]
@@ -94,7 +105,7 @@ def test_encode(name, place):
         )  # fmt: skip
 
 
-@pytest.mark.parametrize("place", [place for place in PLACES if place not in ("tiny", "huge")])
+@pytest.mark.parametrize("place", places("tiny", "huge"))
 @pytest.mark.parametrize("name", NAMES)
 def test_decode_and_project(name, place):
     """Also beside the valid features, where a network's output is."""
