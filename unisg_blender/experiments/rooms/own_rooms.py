@@ -96,7 +96,7 @@ def _measured(run: OwnRoomsRun, work: Path, progress: Progress) -> tuple[dict[st
     model, start = work / "model.onnx", time.perf_counter()
     if not model.is_file():
         progress(f"{run.kind}, seed {run.seed}: training on {len(run.training)} rooms")
-        write_dataset((Sample(graph, graph.title, run.kind) for graph in run.training), work / "rooms")
+        write_dataset((Sample(graph, graph.title, run.kind) for graph in run.training), work / "rooms", overwrite=True)
         job_list.train("cgvae", [open_dataset(work / "rooms")], model, Settings(seed=run.seed, quiet=True))
     spent = round(time.perf_counter() - start, 1)
     generator = Generator.load(model)
