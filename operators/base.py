@@ -58,11 +58,13 @@ class Operator(bpy.types.Operator):
 
 
 class FileOperator(Operator):
-    """An operator that asks for a file first."""
+    """An operator that asks for a file first; whether it did so is ``browsed``."""
 
     filepath: bpy.props.StringProperty(name="File", subtype="FILE_PATH")
+    browsed = False
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        self.browsed = True
         context.window_manager.fileselect_add(self)
         return {"RUNNING_MODAL"}
 

@@ -168,6 +168,7 @@ def _select(context: bpy.types.Context, items: list[bpy.types.Object]) -> None:
 
 @persistent
 def _loaded(*_: object) -> None:
+    _background.end()
     _say("", "")
 
 

@@ -182,6 +182,7 @@ def _undone(*_: object) -> None:
 
 @persistent
 def _loaded(*_: object) -> None:
+    _background.end()
     _known.scenes.clear()
     _known.problems.clear()
     _undone()
