@@ -10,6 +10,7 @@ import bpy
 from ..unisg_blender.errors import UniSGError
 from ..unisg_blender.runtime.file_endings import JSON, USD, is_of
 from .base import FileOperator
+from .window_wording import in_window
 
 if TYPE_CHECKING:
     from ..unisg_blender.runtime.read_report import ReadReport
@@ -30,7 +31,7 @@ def show_scene(operator: FileOperator, context: bpy.types.Context, graph: SceneG
     _look_at(scene, context.window, operator.bl_label, operator.browsed)
     report.extend(lost)
     if len(report):
-        operator.report({"WARNING"}, f"Not represented: {report.summary(most=3)}")
+        operator.report({"WARNING"}, in_window(f"Not represented: {report.summary(most=3)}"))
     operator.report({"INFO"}, f"{len(graph)} entities in the scene {scene.name!r}")
 
 
@@ -92,7 +93,7 @@ class UNISG_OT_convert(FileOperator):
         finally:
             manager.progress_end()
         if len(report):
-            self.report({"WARNING"}, f"Not represented: {report.summary(most=3)}")
+            self.report({"WARNING"}, in_window(f"Not represented: {report.summary(most=3)}"))
         self.report({"INFO"}, f"Saved {path.name}")
 
 

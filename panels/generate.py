@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import bpy
 
-from ..operators.generation_settings import OWN_FILE, UNISG_GenerationSettings, list_categories_soon
-from ..operators.understand import UNDERSTOOD
+from ..operators.making.generation_settings import OWN_FILE, UNISG_GenerationSettings, list_categories_soon
+from ..operators.making.understand import UNDERSTOOD
 from .main import SubPanel, draw_text
 
 SHOWN = 8

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import bpy
 
-from ..operators.lesson_properties import active_node, lesson_object
+from ..operators.lesson_properties import active_node, lesson_object, shown_top
 from ..operators.play import session
 from ..operators.scene_lookup import looked_up
 from .main import SubPanel, draw_text
@@ -97,7 +97,8 @@ class UNISG_PT_lesson(SubPanel):
         row = layout.split(factor=0.88)
         tree = row.column(align=True)
         tree.scale_y = 0.9
-        _tree(tree, root, 0, active.uid)
+        top = shown_top(root)
+        _tree(tree, top, 0, active.uid)
         buttons = row.column(align=True)
         buttons.operator_menu_enum("unisg.lesson_add", "kind", text="", icon="ADD")
         buttons.operator("unisg.lesson_remove", text="", icon="REMOVE")

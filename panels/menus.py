@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import bpy
 
-from ..operators.room.add_room import ROOMS
+from ..operators.making.add_room import ROOMS
 
 
 class UNISG_MT_add(bpy.types.Menu):

@@ -11,6 +11,7 @@ import bpy
 
 from ...unisg_blender.errors import UniSGError
 from ..base import redraw_views
+from ..window_wording import in_window
 
 POLL, PATIENCE = 0.1, 10.0
 """Seconds between two looks whether work is done, and that the end of Blender waits for it."""
@@ -51,7 +52,7 @@ class Background(Generic[Result]):
             redraw_views(bpy.context)
             for found in results:
                 if isinstance(found, UniSGError | MemoryError):
-                    failed(str(found) or "there is not enough memory")
+                    failed(in_window(str(found)) or "there is not enough memory")
                 elif isinstance(found, Exception):
                     failed("it failed: the system console says why")
                     raise found

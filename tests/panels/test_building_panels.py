@@ -51,12 +51,19 @@ def test_rooms_and_what_the_active_object_is_are_told(extension: ModuleType, rec
     bpy.data.objects["High"].select_set(True)
     bpy.ops.unisg.mark_part(part="WALL")
     assert "High: Wall, as you say" in told()
+    bpy.ops.unisg.mark_part(part="THING")
+    assert "High: not building, as you say" in told()
 
 
 def test_the_check_is_told(extension: ModuleType, recognised: ModuleType) -> None:
     assert labels(extension, "check", "UNISG_PT_check") == ""
     bpy.ops.unisg.check()
-    assert labels(extension, "check", "UNISG_PT_check") == "4 things: 3 fine, 1 floating"
+    assert labels(extension, "check", "UNISG_PT_check") == "4 things: 3 fine, 1 floating High floats by 20 cm"
+    bpy.data.objects["High"].location.x += 0.1
+    bpy.context.view_layer.update()
+    assert "Changed since: check again" in labels(extension, "check", "UNISG_PT_check")
+    bpy.ops.unisg.check()
+    assert "Changed since" not in labels(extension, "check", "UNISG_PT_check")
 
 
 def test_switching_the_overlay_in_background_is_harmless(extension: ModuleType, recognised: ModuleType) -> None:
