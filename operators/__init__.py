@@ -28,7 +28,7 @@ from . import (
     scene_lookup,
 )
 from .interchange import import_layout
-from .making import add_room, generate, generation_settings, settle, understand
+from .making import add_room, generate, generation_settings, lock, reroll, settle, suggest, understand
 from .registration import register_modules, unregister_modules
 from .room import checking, corrections, recognised
 
@@ -40,6 +40,9 @@ MODULES = (
     add_room,
     generation_settings,
     generate,
+    suggest,
+    reroll,
+    lock,
     understand,
     settle,
     categories,

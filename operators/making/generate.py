@@ -14,6 +14,7 @@ from ..room.checking import check_again
 from ..scene_lookup import looked_up
 from .collections_of_new import put_beside
 from .generation_settings import GenerationChoices, load_generator, read_words, scene_in_words, shipped_models
+from .suggest import suggest_again
 
 
 class UNISG_OT_generate(GenerationChoices, SteppedOperator):
@@ -107,6 +108,7 @@ class UNISG_OT_generate(GenerationChoices, SteppedOperator):
         for line in grouped((each.name or each.category, each.note) for each in result.objects if each.note):
             self.report({"WARNING"}, line)
         check_again()
+        suggest_again()
         spent = time.perf_counter() - self._began
         added = f"{_number(result.added, 'object')} added{self._actions(result.actions) if result.added else ''}"
         refused = ""

@@ -13,6 +13,8 @@ from ...geometry.boxes import covers, part_tops
 from ...geometry.planar import rotate
 from ...scene import SceneGraph
 from ...scene.categories import FLOOR, STRUCTURE
+from ...scene.structure_marks import locked_rows
+from ...spatial.object_rows import object_rows
 from ...spatial.objects import SceneObjects
 from ...spatial.structure.room_objects import RoomObjects, room_objects
 from ...spatial.supports import levels_of
@@ -33,6 +35,8 @@ of its size."""
 
 SUNK = 0.5
 """An object may be sunk by this share of its height into what it is to stand on."""
+
+LOCKED = "it is locked"
 
 STANDS, DEEP = 0.02, 0.1
 """Metres between an object and what it stands on already, and how deep it is in another thing all the same if it was
@@ -70,7 +74,9 @@ def resting_places(
     walls = [number for number, name in enumerate(names) if name == "Wall" or _is_made_wall(room, number)]
     wanted, filled = set(rows), np.unique(objects.owner)
     mine = [int(t) for t in filled if int(objects.row[t]) in wanted and not _is_building(room, names, int(t))]
-    fixed = np.isin(objects.owner, [t for own in mine for t in (own, *_held_by(objects, own))], invert=True)
+    kept = kept_by_locks(graph, objects, mine)
+    mine = [t for t in mine if t not in kept]
+    fixed = np.isin(objects.owner, [t for own in mine for t in (own, *held_by(objects, own))], invert=True)
     unknown = np.full(len(objects), -1, np.int64)
     space = FreeSpace(
         objects.parts.take(np.flatnonzero(fixed)), objects.owner[fixed], unknown,
@@ -78,7 +84,8 @@ def resting_places(
         PriorTables.of(CategoryPriors({}, {}, {}, []), ())
     )  # fmt: skip
     space.take_up(room.obstacles, NOBODY)
-    found, level = [], levels_of(objects.support)
+    found = [Settled(int(objects.row[t]), graph.world[objects.row[t]], note) for t, note in kept.items()]
+    level = levels_of(objects.support)
     for obj in sorted(mine, key=lambda t: (level[t], t)):
         row = int(objects.row[obj])
         placeable = Placeable(object_graph(graph, row))
@@ -88,7 +95,7 @@ def resting_places(
         place, support = next((pair for pair in places if pair[0] is not None), (None, supports[0]))
         name = names[support.obj] if support.obj >= 0 else ""
         note = "" if place is not None else why_not(placeable, now, -1, support, name, space)
-        held = _held_by(objects, obj)
+        held = held_by(objects, obj)
         if place is not None:
             objects = _moved(objects, [obj, *held], now, place)
         space.take_up(objects.parts_of(obj), obj)
@@ -97,6 +104,20 @@ def resting_places(
                 space.take_up(objects.parts_of(other), other)
         here, hangs = now if place is None else place, support.contact in (HANGS, AT_SIDE)
         found.append(Settled(row, placeable.world(here), note, int(objects.row[support.obj]) if hangs else -1))
+    return found
+
+
+def kept_by_locks(graph: SceneGraph, objects: SceneObjects, wanted: Iterable[int]) -> dict[int, str]:
+    """Of some objects, by number, those that stay where they are, and why: they are locked, or something on them is."""
+    owner, of_row = object_rows(graph), {int(row): number for number, row in enumerate(objects.row)}
+    locked = {of_row.get(int(owner[row]), -1) for row in locked_rows(graph)}
+    found = {}
+    for obj in wanted if locked else ():
+        on_it = [other for other in held_by(objects, obj) if other in locked]
+        if obj in locked:
+            found[obj] = LOCKED
+        elif on_it:
+            found[obj] = f"{graph.name[int(objects.row[on_it[0]])]} on it is locked"
     return found
 
 
@@ -112,7 +133,7 @@ def _is_building(room: RoomObjects, names: Sequence[str], obj: int) -> bool:
     )
 
 
-def _held_by(objects: SceneObjects, obj: int) -> list[int]:
+def held_by(objects: SceneObjects, obj: int) -> list[int]:
     """All that stands on an object, and on that, which moves along."""
     found = {obj}
     for other in np.argsort(levels_of(objects.support), kind="stable"):
