@@ -16,8 +16,6 @@ from . import (
     copy_repair,
     export,
     forms,
-    generate,
-    generation_settings,
     label,
     lesson,
     lesson_properties,
@@ -28,12 +26,11 @@ from . import (
     recording,
     relations,
     scene_lookup,
-    settle,
-    understand,
 )
 from .interchange import import_layout
+from .making import add_room, generate, generation_settings, lock, reroll, settle, suggest, understand
 from .registration import register_modules, unregister_modules
-from .room import add_room, checking, corrections, recognised
+from .room import checking, corrections, recognised
 
 MODULES = (
     scene_lookup,
@@ -43,6 +40,9 @@ MODULES = (
     add_room,
     generation_settings,
     generate,
+    suggest,
+    reroll,
+    lock,
     understand,
     settle,
     categories,

@@ -125,7 +125,7 @@ class UNISG_OT_action_select(Operator):
     bl_label = "Select Action"
     bl_options = {"INTERNAL"}
 
-    place: bpy.props.IntProperty()
+    place: bpy.props.IntProperty(options={"HIDDEN"})
 
     def run(self, context: bpy.types.Context) -> None:
         context.window_manager.unisg_action = self.place
@@ -176,7 +176,7 @@ class UNISG_OT_action_unlink(ActionOperator):
     bl_label = "Take Out"
 
     slot: bpy.props.StringProperty()
-    uid: bpy.props.StringProperty()
+    uid: bpy.props.StringProperty(options={"HIDDEN"})
 
     def act(self, context: bpy.types.Context, item: bpy.types.Object, place: int) -> None:
         from ..unisg_blender.blender.authoring.authoring import set_frame, unlink_object

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Generator
+from collections.abc import Callable, Generator, Sequence
 from typing import TypeAlias
 
 import bpy
 
 from ..unisg_blender.errors import UniSGError, system_reason
+from .window_wording import in_window
 
 Steps: TypeAlias = Generator[tuple[float, str], None, None]
 """Work that yields how much is done, 0 to 1, and in words."""
@@ -22,6 +23,16 @@ def redraw_views(context: bpy.types.Context) -> None:
         for area in window.screen.areas:
             if area.type == "VIEW_3D":
                 area.tag_redraw()
+
+
+def select_only(context: bpy.types.Context, items: Sequence[bpy.types.Object]) -> None:
+    """Select objects and nothing else; the first one is active."""
+    for item in context.selected_objects:
+        item.select_set(False)
+    for item in items:
+        item.select_set(True)
+    if items:
+        context.view_layer.objects.active = items[0]
 
 
 class Operator(bpy.types.Operator):
@@ -51,18 +62,20 @@ class Operator(bpy.types.Operator):
         try:
             return work(*about) or {"FINISHED"}
         except UniSGError as error:
-            self.report({"ERROR"}, str(error))
+            self.report({"ERROR"}, in_window(str(error)))
         except OSError as error:
             self.report({"ERROR"}, system_reason(error))
         return {"CANCELLED"}
 
 
 class FileOperator(Operator):
-    """An operator that asks for a file first."""
+    """An operator that asks for a file first; whether it did so is ``browsed``."""
 
     filepath: bpy.props.StringProperty(name="File", subtype="FILE_PATH")
+    browsed = False
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        self.browsed = True
         context.window_manager.fileselect_add(self)
         return {"RUNNING_MODAL"}
 

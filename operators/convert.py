@@ -10,12 +10,16 @@ import bpy
 from ..unisg_blender.errors import UniSGError
 from ..unisg_blender.runtime.file_endings import JSON, USD, is_of
 from .base import FileOperator
+from .window_wording import in_window
 
 if TYPE_CHECKING:
     from ..unisg_blender.runtime.read_report import ReadReport
     from ..unisg_blender.scene import SceneGraph
 
 ENDINGS = (*USD, *JSON)
+
+_waiting: list[tuple[str, int, str]] = []
+"""Scenes by name, the windows that are to show them, and what the undo step is called."""
 
 
 def show_scene(operator: FileOperator, context: bpy.types.Context, graph: SceneGraph, lost: ReadReport) -> None:
@@ -24,12 +28,32 @@ def show_scene(operator: FileOperator, context: bpy.types.Context, graph: SceneG
 
     report = ReadReport()
     scene = write_scene(graph, report=report)
-    if context.window is not None:
-        context.window.scene = scene
+    _look_at(scene, context.window, operator.bl_label, operator.browsed)
     report.extend(lost)
     if len(report):
-        operator.report({"WARNING"}, f"Not represented: {report.summary(most=3)}")
+        operator.report({"WARNING"}, in_window(f"Not represented: {report.summary(most=3)}"))
     operator.report({"INFO"}, f"{len(graph)} entities in the scene {scene.name!r}")
+
+
+def _look_at(scene: bpy.types.Scene, window: bpy.types.Window | None, step: str, later: bool) -> None:
+    """Show a scene in a window and make an undo step of it, which keeps what each window shows.
+
+    ``later`` if a file browser is closing: Blender would lose the top bar.
+    """
+    _waiting[:] = [(scene.name, window.as_pointer(), step)] if window is not None else []
+    if not later:
+        _look_now()
+    elif not bpy.app.timers.is_registered(_look_now):
+        bpy.app.timers.register(_look_now, first_interval=0.01)
+
+
+def _look_now() -> None:
+    for name, pointer, step in _waiting:
+        for window in bpy.context.window_manager.windows:
+            if window.as_pointer() == pointer and name in bpy.data.scenes:
+                window.scene = bpy.data.scenes[name]
+                bpy.ops.ed.undo_push(message=step)
+    _waiting.clear()
 
 
 class UNISG_OT_convert(FileOperator):
@@ -69,7 +93,7 @@ class UNISG_OT_convert(FileOperator):
         finally:
             manager.progress_end()
         if len(report):
-            self.report({"WARNING"}, f"Not represented: {report.summary(most=3)}")
+            self.report({"WARNING"}, in_window(f"Not represented: {report.summary(most=3)}"))
         self.report({"INFO"}, f"Saved {path.name}")
 
 
@@ -78,7 +102,7 @@ class UNISG_OT_open_master_file(FileOperator):
 
     bl_idname = "unisg.open_master_file"
     bl_label = "Open Master File"
-    bl_options = {"REGISTER", "UNDO"}
+    bl_options = {"REGISTER"}  # the undo step is made when the scene is shown
 
     filter_glob: bpy.props.StringProperty(default=";".join(f"*{ending}" for ending in ENDINGS), options={"HIDDEN"})
 
@@ -92,3 +116,9 @@ class UNISG_OT_open_master_file(FileOperator):
 
 
 CLASSES = (UNISG_OT_convert, UNISG_OT_open_master_file)
+
+
+def unregister() -> None:
+    """Forget what was to be shown."""
+    if bpy.app.timers.is_registered(_look_now):
+        bpy.app.timers.unregister(_look_now)

@@ -53,7 +53,7 @@ class UNISG_OT_accept_category(Operator):
     bl_label = "Accept"
     bl_options = {"REGISTER", "UNDO"}
 
-    uid: bpy.props.StringProperty(name="Identity", description="UniSG identity of the object")
+    uid: bpy.props.StringProperty(options={"HIDDEN"})
     category: bpy.props.StringProperty(name="Category")
 
     def run(self, context: bpy.types.Context) -> None:

@@ -9,7 +9,7 @@ import bpy
 
 from ..unisg_blender.errors import UniSGError
 from .action_properties import active_action, readable_actions
-from .base import Operator, SearchOperator, redraw_views
+from .base import Operator, SearchOperator, redraw_views, select_only
 from .lesson_properties import active_node, lesson_object
 
 if TYPE_CHECKING:
@@ -64,8 +64,13 @@ class UNISG_OT_lesson_new(Operator):
 
     def run(self, context: bpy.types.Context) -> None:
         from ..unisg_blender.blender.authoring.authoring import new_lesson
+        from ..unisg_blender.blender.authoring.stored_behaviour import lesson_of
 
-        context.window_manager.unisg_lesson = new_lesson(context.scene, self.name).name
+        made = new_lesson(context.scene, self.name)
+        context.window_manager.unisg_lesson = made.name
+        root = lesson_of(made)
+        if root is not None:  # its stage takes the next actions
+            context.window_manager.unisg_lesson_node = next(node.uid for node in root.walk() if node.kind == "stage")
 
 
 class UNISG_OT_lesson_add(LessonOperator):
@@ -156,13 +161,13 @@ class UNISG_OT_lesson_move(LessonOperator):
 
 
 class UNISG_OT_lesson_select(Operator):
-    """Make this the active node, and select what its action belongs to"""
+    """Make this the active node, and select what its action belongs to, and nothing else"""
 
     bl_idname = "unisg.lesson_select"
     bl_label = "Select"
-    bl_options = {"INTERNAL"}
+    bl_options = {"UNDO", "INTERNAL"}
 
-    uid: bpy.props.StringProperty()
+    uid: bpy.props.StringProperty(options={"HIDDEN"})
 
     def run(self, context: bpy.types.Context) -> None:
         from ..unisg_blender.blender.authoring.authoring import scene_actions
@@ -173,7 +178,7 @@ class UNISG_OT_lesson_select(Operator):
             return
         for item, action in scene_actions(context.scene):
             if action.uid == node.action and item.name in context.view_layer.objects:
-                context.view_layer.objects.active = item
+                select_only(context, [item])
                 places = [each.uid for each in readable_actions(item)]
                 context.window_manager.unisg_action = places.index(action.uid)
                 return
@@ -215,7 +220,7 @@ class UNISG_OT_lesson_unrequire(LessonOperator):
     bl_idname = "unisg.lesson_unrequire"
     bl_label = "Remove Prerequisite"
 
-    uid: bpy.props.StringProperty()
+    uid: bpy.props.StringProperty(options={"HIDDEN"})
 
     def edit(self, context: bpy.types.Context, root: LessonNode, node: LessonNode) -> LessonNode:
         from ..unisg_blender.behaviour.lesson.edit import change

@@ -23,14 +23,19 @@ def lesson_object(context: bpy.types.Context) -> bpy.types.Object | None:
     return context.scene.objects.get(next(iter([*preferred, *found]), ""))
 
 
+def shown_top(root: LessonNode) -> LessonNode:
+    """What the tree begins with: an operation with one lesson only is that lesson, to a user."""
+    return root.children[0] if root.kind == "operation" and len(root.children) == 1 else root
+
+
 def active_node(context: bpy.types.Context) -> LessonNode | None:
-    """The active node of the shown lesson, the operation itself by default; None without a lesson."""
+    """The active node of the shown lesson, the top of what is shown by default; None without a lesson."""
     from ..unisg_blender.behaviour.lesson.edit import find
     from ..unisg_blender.blender.authoring.stored_behaviour import lesson_of
 
     item = lesson_object(context)
     root = lesson_of(item) if item is not None else None
-    return root and (find(root, context.window_manager.unisg_lesson_node) or root)
+    return root and (find(root, context.window_manager.unisg_lesson_node) or shown_top(root))
 
 
 def _field(name: str, default: Any) -> dict[str, Callable[..., Any]]:

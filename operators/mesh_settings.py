@@ -30,7 +30,7 @@ class UNISG_PG_guess(bpy.types.PropertyGroup):
 class UNISG_PG_proposal(bpy.types.PropertyGroup):
     """An object without a category, and what it may be, best first."""
 
-    uid: bpy.props.StringProperty()
+    uid: bpy.props.StringProperty(options={"HIDDEN"})
     known: bpy.props.BoolProperty(description="Whether the model knows what it is")
     guesses: bpy.props.CollectionProperty(type=UNISG_PG_guess)
 

@@ -56,12 +56,14 @@ class UNISG_OT_play(Operator):
 
         _sessions[:] = [open_session(context.scene, self.operation)]
         _sessions[0].started = time.monotonic()
+        self._finished = False
         self._timer = context.window_manager.event_timer_add(STEP, window=context.window)
         context.window_manager.modal_handler_add(self)
         return {"RUNNING_MODAL"}
 
     def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         current = session()
+        self._finished = current.state.finished if current is not None else self._finished
         if current is None or event.type == "ESC" or current.scene not in bpy.data.scenes:
             return self._end(context)
         if event.type == "TIMER":
@@ -75,10 +77,8 @@ class UNISG_OT_play(Operator):
 
     def _end(self, context: bpy.types.Context) -> set[str]:
         context.window_manager.event_timer_remove(self._timer)
-        current = session()
-        finished = current is not None and current.state.finished
         _sessions.clear()
-        self.report({"INFO"}, "Played to the end" if finished else "Stopped before the end")
+        self.report({"INFO"}, "The lesson has ended" if self._finished else "Stopped before the end")
         redraw_views(context)
         return {"FINISHED"}
 

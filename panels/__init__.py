@@ -23,24 +23,26 @@ from . import (
     recognised_building,
     recording,
     relations,
+    suggest,
 )
 
 MODULES = (
     menus,
     main,
     generate,
+    suggest,
+    check,
     recognised_building,
     building_overlay,
-    check,
-    forms,
-    motion,
     meshes,
-    export,
     lesson,
     object_actions,
     overlay,
-    relations,
+    export,
     recording,
+    relations,
+    forms,
+    motion,
 )
 
 

@@ -9,6 +9,9 @@ from .main import ClosedPanel, draw_text
 
 ICONS = {"collides": "MOD_BOOLEAN", "floats": "SORT_DESC", "blocks": "CANCEL", "outside": "HOME"}
 
+NAME = 0.4
+"""Share of a row that the name of the object takes."""
+
 
 class UNISG_UL_faults(bpy.types.UIList):
     """Objects with what is wrong with them; a click selects one and brings it into view."""
@@ -17,11 +20,12 @@ class UNISG_UL_faults(bpy.types.UIList):
         self, context: bpy.types.Context, layout: bpy.types.UILayout, data: object, item: bpy.types.PropertyGroup,
         icon: int, active_data: object, active_property: str, index: int = 0, flt_flag: int = 0,
     ) -> None:  # fmt: skip
-        row = layout.row()
-        row.alignment = "LEFT"
-        text = f"{item.name} {item.text}"
-        button = row.operator("unisg.show_object", text=text, icon=ICONS.get(item.state, "ERROR"), emboss=False)
-        button.uid, button.text = item.uid, text
+        row = layout.split(factor=NAME)
+        for label, symbol in ((item.name, ICONS.get(item.state, "ERROR")), (item.text, "NONE")):
+            part = row.row()
+            part.alignment = "LEFT"  # what is too long is cut at its end
+            button = part.operator("unisg.show_object", text=label, icon=symbol, emboss=False)
+            button.uid, button.text = item.uid, f"{item.name} {item.text}"
 
 
 class UNISG_PT_check(ClosedPanel):
@@ -36,8 +40,12 @@ class UNISG_PT_check(ClosedPanel):
         if found.scene != context.scene.name or checking():
             return
         draw_text(layout, found.summary, context.region.width)
+        if found.old:
+            layout.label(text="Changed since: check again", icon="FILE_REFRESH")
         if len(found.faults):
             layout.template_list("UNISG_UL_faults", "", found, "faults", found, "active", rows=4)
+            chosen = found.faults[min(found.active, len(found.faults) - 1)]
+            draw_text(layout, f"{chosen.name} {chosen.text}", context.region.width)
             row = layout.row(align=True)
             row.operator("unisg.select_faults", icon="RESTRICT_SELECT_OFF")
             row.operator("unisg.settle", icon="TRIA_DOWN_BAR")

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import bpy
 
-from .main import ClosedPanel
+from .main import DataPanel
 
 
-class UNISG_PT_dataset(ClosedPanel):
+class UNISG_PT_dataset(DataPanel):
     """Write the open scene, or a folder of files, for training"""
 
     bl_label = "Dataset"

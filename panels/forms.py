@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import bpy
 
-from .main import ClosedPanel
+from .main import DataPanel
 
 
-class UNISG_PT_forms(ClosedPanel):
+class UNISG_PT_forms(DataPanel):
     """The active object's local transform in every representation form"""
 
     bl_label = "Transform Forms"

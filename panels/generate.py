@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import bpy
 
-from ..operators.generation_settings import OWN_FILE, UNISG_GenerationSettings, list_categories_soon
-from ..operators.understand import UNDERSTOOD
-from .main import SubPanel, draw_text
+from ..operators.making.generation_settings import OWN_FILE, UNISG_GenerationSettings, list_categories_soon
+from ..operators.making.understand import UNDERSTOOD
+from .main import ClosedPanel, SubPanel, draw_text
 
 SHOWN = 8
 
@@ -46,9 +46,19 @@ class UNISG_PT_generate(SubPanel):
         row.prop(settings, "bulk", toggle=True)
         _where(layout, settings, context.active_object)
         layout.prop(settings, "behaviour")
-        _known(layout, settings, context)
         _button(layout, settings, context.active_object)
-        layout.operator("unisg.settle", icon="TRIA_DOWN_BAR")
+        row = layout.row(align=True)
+        row.operator("unisg.settle", text="Settle", icon="TRIA_DOWN_BAR")
+        row.operator("unisg.reroll", text="Re-roll", icon="FILE_REFRESH")
+
+
+class UNISG_PT_known(ClosedPanel):
+    """What the model knows of the scene, and the file that says what words mean"""
+
+    bl_label = "What the Model Knows"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        _known(self.layout, context.window_manager.unisg, context)
 
 
 def _where(layout: bpy.types.UILayout, settings: UNISG_GenerationSettings, active: bpy.types.Object | None) -> None:
@@ -103,4 +113,4 @@ def _button(layout: bpy.types.UILayout, settings: UNISG_GenerationSettings, acti
     button.add = ",".join(f"{name}={count}" for name, count in wanted.items())
 
 
-CLASSES = (UNISG_UL_categories, UNISG_PT_generate)
+CLASSES = (UNISG_UL_categories, UNISG_PT_generate, UNISG_PT_known)

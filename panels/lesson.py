@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING
 
 import bpy
 
-from ..operators.lesson_properties import active_node, lesson_object
+from ..operators.lesson_properties import active_node, lesson_object, shown_top
 from ..operators.play import session
 from ..operators.scene_lookup import looked_up
-from .main import SubPanel, draw_text
+from .main import LessonPanel, draw_text
 
 if TYPE_CHECKING:
     from ..unisg_blender.blender.viewport.lesson_session import Session
@@ -21,7 +21,7 @@ GREEN, ORANGE = "COLORSET_03_VEC", "COLORSET_02_VEC"
 STATUS_ICONS = {"waiting": "RADIOBUT_OFF", "open": "PLAY", "done": "CHECKMARK", "skipped": "REMOVE"}
 
 
-class UNISG_PT_play(SubPanel):
+class UNISG_PT_play(LessonPanel):
     """Play the lesson and hear what happens."""
 
     bl_label = "Play"
@@ -67,10 +67,10 @@ def _open_action(layout: bpy.types.UILayout, current: Session, action: ActionDat
             box.operator("unisg.play_trigger", text=f"Trigger of {name}", depress=pressed).uid = uid
 
 
-class UNISG_PT_lesson(SubPanel):
+class UNISG_PT_lesson(LessonPanel):
     """The tree of the lesson."""
 
-    bl_label = "Lesson"
+    bl_label = "Parts and Order"
 
     def draw(self, context: bpy.types.Context) -> None:
         from ..unisg_blender.blender.authoring.stored_behaviour import lesson_of, why_fixed
@@ -97,7 +97,8 @@ class UNISG_PT_lesson(SubPanel):
         row = layout.split(factor=0.88)
         tree = row.column(align=True)
         tree.scale_y = 0.9
-        _tree(tree, root, 0, active.uid)
+        top = shown_top(root)
+        _tree(tree, top, 0, active.uid)
         buttons = row.column(align=True)
         buttons.operator_menu_enum("unisg.lesson_add", "kind", text="", icon="ADD")
         buttons.operator("unisg.lesson_remove", text="", icon="REMOVE")

@@ -1,4 +1,4 @@
-"""The sidebar tab "UniSG" in the 3D viewport: what the scene and the active object are."""
+"""The sidebar tab "UniSG" in the 3D viewport: its three groups, and what the active object is."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ class SidebarPanel(bpy.types.Panel):
 
 
 class SubPanel(SidebarPanel):
-    """A panel below the tab itself."""
+    """A panel of the group Make."""
 
     bl_parent_id = "UNISG_PT_main"
 
@@ -24,6 +24,19 @@ class SubPanel(SidebarPanel):
 class ClosedPanel(SubPanel):
     """One that is closed until a user opens it."""
 
+    bl_options = {"DEFAULT_CLOSED"}
+
+
+class LessonPanel(SidebarPanel):
+    """A panel of the group Lesson."""
+
+    bl_parent_id = "UNISG_PT_lessons"
+
+
+class DataPanel(SidebarPanel):
+    """A panel of the group Data, closed until a user opens it."""
+
+    bl_parent_id = "UNISG_PT_data"
     bl_options = {"DEFAULT_CLOSED"}
 
 
@@ -36,11 +49,13 @@ def draw_text(layout: bpy.types.UILayout, text: str, width: int) -> None:
 
 
 class UNISG_PT_main(SidebarPanel):
-    """The tab itself; everything else hangs under it."""
+    """Make rooms: what the active object is, new objects, what is missing, what is wrong."""
 
-    bl_label = "UniSG"
+    bl_label = "Make"
 
     def draw(self, context: bpy.types.Context) -> None:
+        from ..unisg_blender.blender.authoring.object_locks import is_locked
+
         column = self.layout.column()
         active = context.active_object
         if active is None:
@@ -49,9 +64,30 @@ class UNISG_PT_main(SidebarPanel):
             row = column.row()
             row.label(text=active.name, icon="OBJECT_DATA")
             row.label(text=str(active.get("unisg_category", "")) or "no category")
+            locked = is_locked(active)
+            row.operator("unisg.lock", text="", icon="LOCKED" if locked else "UNLOCKED", depress=locked)
         row = column.row(align=True)
         row.operator("unisg.assign_category", icon="BOOKMARKS")
         row.operator("unisg.repair_identities", text="", icon="FILE_REFRESH")
 
 
-CLASSES = (UNISG_PT_main,)
+class UNISG_PT_lessons(SidebarPanel):
+    """Author and play what is to be done in the scene."""
+
+    bl_label = "Lesson"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        """Its panels say it all."""
+
+
+class UNISG_PT_data(SidebarPanel):
+    """Datasets, recordings and what networks say of the scene."""
+
+    bl_label = "Data"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context: bpy.types.Context) -> None:
+        """Its panels say it all."""
+
+
+CLASSES = (UNISG_PT_main, UNISG_PT_lessons, UNISG_PT_data)

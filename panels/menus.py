@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import bpy
 
-from ..operators.room.add_room import ROOMS
+from ..operators.making.add_room import ROOMS
 
 
 class UNISG_MT_add(bpy.types.Menu):
@@ -34,6 +34,8 @@ class UNISG_MT_object(bpy.types.Menu):
         layout.operator_context = "INVOKE_DEFAULT"
         layout.operator("unisg.assign_category", icon="BOOKMARKS")
         layout.operator("unisg.settle", icon="TRIA_DOWN_BAR")
+        layout.operator("unisg.reroll", icon="FILE_REFRESH")
+        layout.operator("unisg.lock", icon="LOCKED")
         layout.operator("unisg.check", icon="VIEWZOOM")
         layout.separator()
         layout.operator_menu_enum("unisg.mark_part", "part", text="This Is", icon="HOME")

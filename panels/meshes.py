@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import bpy
 
-from .main import ClosedPanel
+from .main import ClosedPanel, DataPanel
 
 
 class UNISG_UL_proposals(bpy.types.UIList):
@@ -43,7 +43,7 @@ class UNISG_PT_label(ClosedPanel):
         column.operator("unisg.accept_categories", icon="CHECKMARK").threshold = settings.threshold
 
 
-class UNISG_PT_meshes(ClosedPanel):
+class UNISG_PT_meshes(DataPanel):
     """The active object's shape."""
 
     bl_label = "Meshes"

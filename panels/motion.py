@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import bpy
 
-from .main import ClosedPanel
+from .main import DataPanel
 
 
-class UNISG_PT_motion(ClosedPanel):
+class UNISG_PT_motion(DataPanel):
     """Interpolate, reduce and look at keyed motion"""
 
     bl_label = "Motion"

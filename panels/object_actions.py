@@ -9,7 +9,7 @@ import bpy
 from ..operators.action_properties import ANSWERS, TYPES, active_place, readable_actions, type_items
 from ..operators.scene_lookup import looked_up
 from ..unisg_blender.errors import UniSGError
-from .main import SubPanel, draw_text
+from .main import LessonPanel, draw_text
 
 if TYPE_CHECKING:
     from ..unisg_blender.scene.action_data import ActionData
@@ -30,7 +30,7 @@ OWN_LIMITS = LIMITS["Tool"]
 """A type of the user's own may ask for anything."""
 
 
-class UNISG_PT_actions(SubPanel):
+class UNISG_PT_actions(LessonPanel):
     """What has to happen to the active object."""
 
     bl_label = "Actions"

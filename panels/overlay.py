@@ -11,7 +11,7 @@ from bpy.app.handlers import persistent
 from ..operators.action_properties import active_action
 from ..operators.base import redraw_views
 from ..operators.play import session
-from .main import ClosedPanel
+from .main import LessonPanel
 
 _handles: list[Any] = []
 
@@ -28,8 +28,10 @@ class Drawn:
 _drawn = Drawn()
 
 
-class UNISG_PT_overlay(ClosedPanel):
+class UNISG_PT_overlay(LessonPanel):
     """Whether the viewport shows it."""
+
+    bl_options = {"DEFAULT_CLOSED"}
 
     bl_label = "Show in Viewport"
 

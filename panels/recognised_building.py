@@ -59,9 +59,10 @@ def _taken_for(context: bpy.types.Context) -> str:
     item, found = context.active_object, recognised(context.scene)
     if item is None:
         return "Selected objects are:"
-    said = str(item.get("unisg_structure", "")) or str(item.get("unisg_category", ""))
-    if said:
-        return f"{item.name}: {said}, as you say"
+    mark, category = str(item.get("unisg_structure", "")), str(item.get("unisg_category", ""))
+    if mark or category:
+        said = next((label.lower() for key, label, _ in PARTS if key and key == mark.upper()), "")
+        return f"{item.name}: {said or category}, as you say"
     row = found.row_of_name.get(item.name, -1) if found is not None else -1
     kinds = found.structure.parts.get(row, ()) if found is not None else ()
     return f"{item.name}: {', '.join(kinds)}, as recognised" if kinds else f"{item.name} is:"

@@ -5,10 +5,10 @@ from __future__ import annotations
 import bpy
 
 from ..operators.recording import take
-from .main import ClosedPanel
+from .main import DataPanel
 
 
-class UNISG_PT_recording(ClosedPanel):
+class UNISG_PT_recording(DataPanel):
     """Save the scene as a master file, record motion and what lessons make of it, replay it"""
 
     bl_label = "Files and Recordings"

@@ -9,13 +9,13 @@ import bpy
 from ..operators.classify import KINDS_OF
 from ..operators.relations import SHIPPED
 from ..operators.scene_lookup import looked_up
-from .main import ClosedPanel
+from .main import DataPanel
 
 SHOWN = 12
 DIRECTIONS = ("above", "below", "beside", "left_of", "right_of", "in_front_of", "behind")
 
 
-class UNISG_PT_relations(ClosedPanel):
+class UNISG_PT_relations(DataPanel):
     """What the active object stands on, in or beside"""
 
     bl_label = "Relations"

@@ -23,7 +23,7 @@ class UNISG_OT_import_layout(FileOperator):
 
     bl_idname = "unisg.import_layout"
     bl_label = "Import Rooms of Other Programs"
-    bl_options = {"REGISTER", "UNDO"}
+    bl_options = {"REGISTER"}  # the undo step is made when the scene is shown
 
     filter_glob: bpy.props.StringProperty(default=";".join(f"*{ending}" for ending in ENDINGS), options={"HIDDEN"})
     assets: bpy.props.StringProperty(

@@ -5,15 +5,23 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import bpy
+import mathutils
 from bpy.app.handlers import persistent
 
 from ...unisg_blender.errors import UniSGError
-from ..base import Operator, redraw_views
+from ..base import Operator, redraw_views, select_only
+from ..window_wording import in_window
 from .background import Background
 
 if TYPE_CHECKING:
     from ...unisg_blender.generate.check.scene_check import SceneCheck
     from ...unisg_blender.scene import SceneGraph
+
+SOON = 0.1
+"""Seconds until what was listed is looked at anew."""
+
+SEEN, AROUND = 2.0, 2.0
+"""From how far an object is looked at: so many times its diagonal, and so many metres more."""
 
 _background: Background[tuple[SceneGraph, SceneCheck]] = (
     Background()
@@ -29,9 +37,10 @@ class UNISG_Fault(bpy.types.PropertyGroup):
 
 
 class UNISG_CheckedScene(bpy.types.PropertyGroup):
-    """What the last check of a scene found."""
+    """What the last check of a scene found; ``old`` where something was moved since."""
 
     scene: bpy.props.StringProperty()
+    old: bpy.props.BoolProperty()
     summary: bpy.props.StringProperty()
     faults: bpy.props.CollectionProperty(type=UNISG_Fault)
     active: bpy.props.IntProperty()
@@ -56,20 +65,43 @@ class UNISG_OT_check(Operator):
         return "" if any(item.type == "MESH" for item in context.scene.objects) else "The scene has no meshes"
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        return self.reporting(self._start, context)
-
-    def _start(self, context: bpy.types.Context) -> set[str]:
-        graph, scene = _read(context.scene), context.scene.name
-        _background.start(
-            lambda: _checked(graph), lambda found: _list(scene, *found), lambda text: _say(scene, text)
-        )  # fmt: skip
-        _say(scene, "Checking ...")
-        return {"FINISHED"}
+        return self.reporting(_start, context.scene)
 
     def run(self, context: bpy.types.Context) -> None:
         graph, found = _checked(_read(context.scene))
         _list(context.scene.name, graph, found)
         self.report({"WARNING" if found.faults else "INFO"}, found.summary)
+
+
+def check_again() -> None:
+    """Look at what is listed anew, when Blender has finished what it does; without a window the list is emptied."""
+    listed = bpy.context.window_manager.unisg_check
+    if not listed.summary or listed.scene != bpy.context.scene.name:
+        return
+    if bpy.app.background:
+        _say("", "")
+    elif not bpy.app.timers.is_registered(_again):
+        bpy.app.timers.register(_again, first_interval=SOON)
+
+
+def _again() -> float | None:
+    if checking():
+        return SOON
+    try:
+        _start(bpy.context.scene)
+    except UniSGError as error:
+        _say(bpy.context.scene.name, in_window(str(error)))
+    return None
+
+
+def _start(checked: bpy.types.Scene) -> set[str]:
+    """Begin to check a scene in the background."""
+    graph, scene = _read(checked), checked.name
+    _background.start(
+        lambda: _checked(graph), lambda found: _list(scene, *found), lambda text: _say(scene, text)
+    )  # fmt: skip
+    _say(scene, "Checking ...")
+    return {"FINISHED"}
 
 
 def _read(scene: bpy.types.Scene) -> SceneGraph:
@@ -87,7 +119,7 @@ def _checked(graph: SceneGraph) -> tuple[SceneGraph, SceneCheck]:
 def _say(scene: str, text: str) -> None:
     settings = bpy.context.window_manager.unisg_check
     settings.faults.clear()
-    settings.scene, settings.summary = scene, text
+    settings.scene, settings.summary, settings.active, settings.old = scene, text, 0, False
 
 
 def _list(scene: str, graph: SceneGraph, found: SceneCheck) -> None:
@@ -108,9 +140,9 @@ class UNISG_OT_show_object(Operator):
 
     bl_idname = "unisg.show_object"
     bl_label = "Show Object"
-    bl_options = {"REGISTER", "UNDO"}
+    bl_options = {"UNDO", "INTERNAL"}
 
-    uid: bpy.props.StringProperty(name="Identity", description="UniSG identity of the object")
+    uid: bpy.props.StringProperty()
     text: bpy.props.StringProperty(name="Text", description="What is wrong with it", options={"SKIP_SAVE", "HIDDEN"})
 
     @classmethod
@@ -123,11 +155,27 @@ class UNISG_OT_show_object(Operator):
         if not items:
             raise UniSGError("the object is no longer there, or is hidden: check again")
         _select(context, items)
-        area = context.area
-        region = None if area is None else next((part for part in area.regions if part.type == "WINDOW"), None)
-        if area is not None and area.type == "VIEW_3D" and region is not None:
-            with context.temp_override(area=area, region=region):
-                bpy.ops.view3d.view_selected()
+        listed = context.window_manager.unisg_check
+        listed.active = max(next((place for place, each in enumerate(listed.faults) if each.uid == self.uid), 0), 0)
+        if context.area is not None and context.area.type == "VIEW_3D":
+            _look_at(context.area.spaces.active.region_3d, context.selected_objects, _metre(context.scene))
+
+
+def _look_at(view: bpy.types.RegionView3D, items: list[bpy.types.Object], metre: float) -> None:
+    """Have a viewport look at objects from where it does, far enough away to see what is around them."""
+    corners = [item.matrix_world @ mathutils.Vector(corner) for item in items for corner in item.bound_box]
+    ends = [mathutils.Vector([pick(point[axis] for point in corners) for axis in range(3)]) for pick in (min, max)]
+    if view.view_perspective == "CAMERA":
+        view.view_perspective = "PERSP"
+    view.view_location = (ends[0] + ends[1]) / 2
+    view.view_distance = SEEN * (ends[1] - ends[0]).length + AROUND * metre
+
+
+def _metre(scene: bpy.types.Scene) -> float:
+    """The scene's units in a metre."""
+    from ...unisg_blender.blender.scene_units import metres_per_unit
+
+    return 1.0 / metres_per_unit(scene)
 
 
 class UNISG_OT_select_faults(Operator):
@@ -157,25 +205,42 @@ def _found(context: bpy.types.Context, uids: list[str]) -> list[bpy.types.Object
 
 def _select(context: bpy.types.Context, items: list[bpy.types.Object]) -> None:
     """Select objects with the meshes under them; the first one is active."""
-    for item in context.selected_objects:
-        item.select_set(False)
-    for item in items:
-        for part in (item, *item.children_recursive) if item.type == "EMPTY" else (item,):
-            part.select_set(True)
-    if items:
-        context.view_layer.objects.active = items[0]
+    select_only(
+        context,
+        [part for item in items for part in ((item, *item.children_recursive) if item.type == "EMPTY" else (item,))],
+    )
+
+
+@persistent
+def _changed(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph | None = None) -> None:
+    """Say that the list is old, once."""
+    listed = bpy.context.window_manager.unisg_check
+    if not listed.summary or listed.old or listed.scene != scene.name or depsgraph is None:
+        return
+    if any(update.is_updated_geometry or update.is_updated_transform for update in depsgraph.updates):
+        listed.old = True
+
+
+@persistent
+def _undone(*_: object) -> None:
+    check_again()
 
 
 @persistent
 def _loaded(*_: object) -> None:
+    _background.end()
     _say("", "")
 
 
 CLASSES = (UNISG_Fault, UNISG_CheckedScene, UNISG_OT_check, UNISG_OT_show_object, UNISG_OT_select_faults)
-HANDLERS = (("load_post", _loaded),)
+HANDLERS = (
+    ("depsgraph_update_post", _changed), ("undo_post", _undone), ("redo_post", _undone), ("load_post", _loaded),
+)  # fmt: skip
 PROPERTIES = ((bpy.types.WindowManager, "unisg_check", bpy.props.PointerProperty(type=UNISG_CheckedScene)),)
 
 
 def unregister() -> None:
     """Let a check go that is going on."""
+    if bpy.app.timers.is_registered(_again):
+        bpy.app.timers.unregister(_again)
     _background.end()

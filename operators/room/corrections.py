@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
 
 import bpy
 import numpy as np
@@ -10,6 +11,9 @@ import numpy as np
 from ...unisg_blender.errors import UniSGError
 from ..base import Operator
 from .recognised import Recognised, recognise_now, recognise_soon, recognised
+
+if TYPE_CHECKING:
+    from ...unisg_blender.spatial.structure.room_things import RoomName
 
 PARTS = (
     ("FLOOR", "Floor", "People walk on it. Where something is called a floor, nothing else is one: select all floors"),
@@ -144,9 +148,23 @@ def rooms_to_choose(settings: object, context: bpy.types.Context, text: str) -> 
     if found is None:
         recognise_soon()
         return []
-    kinds = [name.kind for name in found.names]
-    names = [kind if kind and kinds.count(kind) == 1 else str(number) for number, kind in enumerate(kinds)]
-    return [pair for pair in zip(names, found.room_lines(), strict=True) if text.casefold() in pair[1].casefold()]
+    pairs = zip(_told_apart(found.names), found.room_lines(), strict=True)
+    return [(said, line) for names, line in pairs for said in names if text.casefold() in f"{said} {line}".casefold()]
+
+
+def _told_apart(names: Sequence[RoomName]) -> list[list[str]]:
+    """For each room the words by which only it is found, or else its number: "living room and kitchen" is a kitchen.
+
+    It is what :func:`~.named_rooms.find_room` understands: what a room is first counts before what it is also.
+    """
+    first = [name.kind for name in names]
+    also = [kind for name in names for kind in name.also]
+    found = []
+    for number, name in enumerate(names):
+        alone = [kind for kind in name.also if kind not in first and also.count(kind) == 1]
+        alone = [name.kind, *alone] if name.kind and first.count(name.kind) == 1 else alone
+        found.append(alone or [str(number)])
+    return found
 
 
 CLASSES = (UNISG_OT_mark_part, UNISG_OT_mark_room, UNISG_OT_recognise)

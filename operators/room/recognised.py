@@ -11,6 +11,7 @@ from bpy.app.handlers import persistent
 
 from ...unisg_blender.errors import UniSGError
 from ..base import redraw_views
+from ..window_wording import in_window
 from .background import Background
 from .structure_shapes import StructureShapes, structure_shapes
 
@@ -149,7 +150,7 @@ def _begin() -> None:
     try:
         graph, units = _read(scene), _units(scene)
     except UniSGError as error:
-        _known.problems[name] = str(error)
+        _known.problems[name] = in_window(str(error))
         return
 
     def done(found: Recognised) -> None:
@@ -182,6 +183,7 @@ def _undone(*_: object) -> None:
 
 @persistent
 def _loaded(*_: object) -> None:
+    _background.end()
     _known.scenes.clear()
     _known.problems.clear()
     _undone()

@@ -41,6 +41,12 @@ def cube() -> bpy.types.Object:
     return add("Thing", box())
 
 
+def sky() -> bpy.types.World:
+    world = bpy.data.worlds.new("Sky")
+    world.color = (0.2, 0.4, 1)
+    return world
+
+
 def painted() -> bpy.types.Object:
     item = cube()
     item.data.materials.append(bpy.data.materials.new("Paint"))
@@ -251,7 +257,7 @@ def sequence() -> None:
 
 
 LOST_OF_SCENES: dict[str, tuple[Callable[[], object], str]] = {
-    "world": (lambda: put(bpy.context.scene, world=bpy.data.worlds.new("Sky")), "the world 'Sky'"),
+    "world": (lambda: put(bpy.context.scene, world=sky()), "the world 'Sky'"),
     "view layers": (lambda: bpy.context.scene.view_layers.new("Second"), "only the view layer"),
     "markers": (lambda: bpy.context.scene.timeline_markers.new("Cut", frame=3), "timeline markers"),
     "properties": (lambda: bpy.context.scene.__setitem__("client", "me"), "custom properties of the scene"),
@@ -314,3 +320,15 @@ def test_what_is_lost_is_looked_up_for_a_report_only(monkeypatch):
     assert not asked
     read_scene(report=ReadReport())
     assert sorted(asked) == ["report_losses", "report_losses", "report_scene_losses"]
+
+
+def test_nothing_is_told_of_what_the_startup_file_has() -> None:
+    """Nobody has set anything there: a warning would only frighten."""
+    bpy.ops.wm.read_factory_settings(use_empty=False)
+    assert losses() == []
+    nodes = bpy.context.scene.world.node_tree.nodes
+    nodes["Background"].inputs["Strength"].default_value = 3
+    bpy.data.objects["Camera"].color = (1, 0, 0, 1)
+    bpy.data.objects["Cube"].display_type = "WIRE"
+    told = losses()
+    assert [text.split(" that")[0] for text in told] == ["settings", "settings", "the world 'World' is not read"]

@@ -29,13 +29,13 @@ def note_of(room: float, crate: tuple[float, float, float], *others: tuple[str, 
 
 
 def test_a_tilted_board_holds_nothing() -> None:
-    note = note_of(6, (0.3, 0.3, 0.3), ("Board", TILTED, (1.5, 1.5, 0.02)))
+    note = note_of(1, (0.8, 0.8, 1.2), ("Board", TILTED, (1.5, 1.5, 0.02)))
     assert note == "no free place was found: Board is tilted, nothing of it is level"
 
 
 def test_what_is_larger_than_what_holds_it_is_told_so() -> None:
     post, wall = ("Post", at(0, 0, 0.1), (0.3, 0.3, 0.5)), (0.1, 3, 2)
-    note = note_of(6, (1, 1, 0.3), post, ("Left", at(-0.4, 0, 0.1), wall), ("Right", at(0.4, 0, 0.1), wall))
+    note = note_of(1, (1, 1, 0.3), post, ("Left", at(-0.4, 0, 0.1), wall), ("Right", at(0.4, 0, 0.1), wall))
     assert note == "no free place was found: it is larger than what is level of Post"
 
 

@@ -107,3 +107,50 @@ def test_things_settle_in_the_room_that_they_are_in() -> None:
     found = settle_rows(graph, [graph.row_of_uid[name] for name in ("crate", "pot")])
     assert [item.note for item in found] == ["", ""]
     np.testing.assert_allclose([item.world[2, 3] for item in found], -0.7, atol=1e-3)
+
+
+def furnished(sofa: np.ndarray, chair: np.ndarray) -> SceneGraph:
+    """A floor of 6 x 6 m with a sofa (back and seat) along a side, and a chair."""
+    builder = SceneBuilder("Room")
+    floor = builder.add("Floor", uid="floor", local=at(0, 0, -0.1), mesh=box("Floor", 6, 6, 0.1), category="Floor")
+    held = builder.add("Sofa", uid="sofa", parent=floor, local=sofa, category="Sofa")
+    builder.add("Seat", uid="seat", parent=held, mesh=box("Seat", 2, 0.9, 0.42))
+    builder.add("Back", uid="back", parent=held, local=at(0, 0.35, 0.42), mesh=box("Back", 2, 0.2, 0.4))
+    builder.add("Chair", uid="chair", parent=floor, local=chair, mesh=box("Chair", 0.5, 0.5, 0.9), category="Chair")
+    return builder.build()
+
+
+@pytest.mark.parametrize("x", [0.0, 0.4, 0.9])
+def test_a_chair_within_a_sofa_comes_to_stand_on_the_floor_beside_it(x: float) -> None:
+    found = settled(furnished(at(0, 2.4, 0.1), at(x, 2.2, 0.1)), "chair")["chair"]
+    assert found[2] == pytest.approx(0, abs=1e-6)
+    assert max(abs(found[0]) - 1 - 0.25, abs(found[1] - 2.4) - 0.45 - 0.25) >= -0.0011
+    assert np.linalg.norm(found[:2] - [x, 2.2]) < 0.6, "the nearest free place is right before the sofa"
+
+
+def test_what_has_no_room_on_what_is_below_it_comes_onto_the_next_thing_below() -> None:
+    """A crate over a table that is full goes to the floor beside."""
+    builder = SceneBuilder("Room")
+    floor = builder.add("Floor", uid="floor", local=at(0, 0, -0.1), mesh=box("Floor", 6, 6, 0.1), category="Floor")
+    table = builder.add(
+        "Table", uid="table", parent=floor, local=at(0, 0, 0.1), mesh=box("Table", 1, 1, 0.7), category="Table"
+    )
+    for x in (-0.35, 0.35):
+        builder.add(
+            "Box", uid=f"box {x}", parent=table, local=at(x, 0, 0.7), mesh=box("Box", 0.3, 1, 0.6), category="Box"
+        )
+    builder.add("Crate", uid="crate", local=at(0.1, 0, 0.75), mesh=box("Crate", 0.8, 0.8, 0.8), category="Crate")
+    graph = builder.build()
+    found = settled(graph, "crate")["crate"]
+    assert found[2] == pytest.approx(0, abs=1e-6)
+    assert 0.89 < np.abs(found[:2]).max() < 1.1
+
+
+def test_what_is_sunk_into_a_rug_stays_on_it() -> None:
+    builder = SceneBuilder("Room")
+    floor = builder.add("Floor", uid="floor", local=at(0, 0, -0.1), mesh=box("Floor", 6, 6, 0.1), category="Floor")
+    builder.add("Rug", uid="rug", parent=floor, local=at(0, 0, 0.1), mesh=box("Rug", 2, 2, 0.04), category="Rug")
+    builder.add(
+        "Crate", uid="crate", parent=floor, local=at(0.3, 0, 0.1), mesh=box("Crate", 0.8, 0.8, 0.8), category="Crate"
+    )
+    np.testing.assert_allclose(settled(builder.build(), "crate")["crate"], [0.3, 0, 0.04], atol=1e-6)

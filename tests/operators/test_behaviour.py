@@ -182,15 +182,15 @@ def shape(item):
 
 def test_a_lesson_is_built_moved_and_checked():
     item = build_lesson()
-    assert shape(item) == ("Surgery", ("Lesson", ("Stage", "Place", "Take away")))
+    assert shape(item) == ("Surgery", ("Surgery", ("Stage", "Place", "Take away")))
     bpy.ops.unisg.lesson_move(how="UP")
-    assert shape(item) == ("Surgery", ("Lesson", ("Stage", "Take away", "Place")))
+    assert shape(item) == ("Surgery", ("Surgery", ("Stage", "Take away", "Place")))
     bpy.ops.unisg.lesson_move(how="DOWN")
     bpy.ops.unisg.lesson_add(kind="stage")
     item.unisg_node_name = "End"
     item.unisg_node_ordered = False
     item.unisg_node_optional = True
-    assert shape(item) == ("Surgery", ("Lesson", ("Stage", "Place", "Take away"), "End"))
+    assert shape(item) == ("Surgery", ("Surgery", ("Stage", "Place", "Take away"), "End"))
     stages = lesson_of(item).children[0].children
     assert (stages[1].optional, stages[1].ordered) == (True, False)
     bpy.ops.unisg.lesson_require(node=stages[0].uid)
@@ -203,7 +203,7 @@ def test_a_lesson_is_built_moved_and_checked():
     bpy.ops.unisg.lesson_remove()
     bpy.ops.unisg.lesson_select(uid=stages[1].uid)
     bpy.ops.unisg.lesson_remove()
-    assert shape(item) == ("Surgery", ("Lesson", ("Stage", "Place", "Take away")))
+    assert shape(item) == ("Surgery", ("Surgery", ("Stage", "Place", "Take away")))
     assert check_scene(read_scene()) == []
     assert bpy.ops.unisg.lesson_check() == {"FINISHED"}
     bpy.ops.unisg.lesson_select(uid=stages[0].children[0].uid)
@@ -422,3 +422,24 @@ def test_a_stage_for_the_operation_goes_into_its_last_lesson():
     bpy.context.window_manager.unisg_lesson_node = lesson_of(item).uid
     assert bpy.ops.unisg.lesson_add(kind="stage") == {"FINISHED"}
     assert [node.kind for node in lesson_of(item).children[-1].children] == ["stage", "stage"]
+
+
+def test_a_click_in_the_tree_selects_that_object_only():
+    item = build_lesson()
+    bpy.data.objects["Knee"].select_set(True)
+    root = lesson_of(item)
+    action = root.children[0].children[0].children[0]
+    bpy.ops.unisg.lesson_select(uid=action.uid)
+    assert [each.name for each in bpy.context.selected_objects] == ["Scalpel"]
+    assert bpy.context.active_object.name == "Scalpel"
+
+
+def test_an_operation_with_one_lesson_is_shown_as_that_lesson(extension):
+    shown_top = extension.operators.lesson_properties.shown_top
+    root = lesson_of(build_lesson())
+    assert shown_top(root) == root.children[0]
+    bpy.context.window_manager.unisg_lesson_node = root.uid
+    bpy.ops.unisg.lesson_add(kind="lesson")
+    root = lesson_of(bpy.data.objects["Surgery"])
+    assert len(root.children) == 2
+    assert shown_top(root) == root

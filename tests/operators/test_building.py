@@ -161,3 +161,14 @@ def test_collections_tell_rooms_without_other_details(recognised: ModuleType) ->
         office.objects.link(bpy.data.objects[name])
     assert kinds(recognised) == ["bedroom", "office"]
     assert read_scene(bpy.context.scene, details=False).components["collections"]
+
+
+def test_rooms_are_offered_by_every_word_that_tells_them_apart(recognised: ModuleType) -> None:
+    module = sys.modules[recognised.__name__.replace("recognised", "corrections")]
+    name = sys.modules[
+        recognised.__name__.split(".operators")[0] + ".unisg_blender.spatial.structure.room_things"
+    ].RoomName
+    names = [name("living room"), name("living room", "", ("kitchen",)), name("bedroom", "", ("office",)), name()]
+    assert module._told_apart(names) == [["0"], ["kitchen"], ["bedroom", "office"], ["3"]]
+    names = [name("living room", "", ("kitchen",)), name("kitchen")]
+    assert module._told_apart(names) == [["living room"], ["kitchen"]]

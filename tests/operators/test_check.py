@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from types import ModuleType
+import sys
+from types import ModuleType, SimpleNamespace
 
 import pytest
 
@@ -37,10 +38,28 @@ def test_what_is_wrong_is_listed_selected_and_settled(listed) -> None:
     assert bpy.ops.unisg.select_faults() == {"FINISHED"}
     assert {item.name for item in bpy.context.selected_objects} == {"High", "Deep"}
     bpy.ops.unisg.settle()
+    assert not len(listed.faults), "without a window what is old is gone; in one it is looked at anew"
     bpy.ops.unisg.check()
     assert texts(listed) == {}
     assert listed.summary == "5 things: 5 fine"
     assert not bpy.ops.unisg.select_faults.poll()
+
+
+def test_the_chosen_row_is_the_active_one(listed) -> None:
+    bpy.ops.unisg.check()
+    for place in (1, 0):
+        bpy.ops.unisg.show_object(uid=listed.faults[place].uid)
+        assert listed.active == place
+
+
+def test_a_click_shows_what_is_around_a_thing(extension: ModuleType, listed) -> None:
+    view = SimpleNamespace(view_perspective="CAMERA", view_location=None, view_distance=0.0)
+    module = sys.modules[f"{extension.__name__}.operators.room.checking"]
+    bpy.context.view_layer.update()
+    module._look_at(view, [bpy.data.objects["High"]], 1.0)
+    assert view.view_perspective == "PERSP"
+    assert tuple(view.view_location) == pytest.approx((2.25, 1.25, 0.4), abs=1e-5)
+    assert view.view_distance > 3
 
 
 def test_what_is_gone_is_told(listed) -> None:

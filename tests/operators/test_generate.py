@@ -140,7 +140,7 @@ def test_bad_requests_are_told_and_change_nothing(
 
 def test_the_list_has_the_models_categories_and_keeps_counts(room: dict[str, np.ndarray]) -> None:
     settings = bpy.context.window_manager.unisg
-    listing = sys.modules["unisg_extension.operators.generation_settings"].list_categories
+    listing = sys.modules["unisg_extension.operators.making.generation_settings"].list_categories
     listing(settings)
     assert settings.problem == ""
     assert {"Scalpel", "Monitor", "IV Pole"} <= {item.name for item in settings.counts}
@@ -152,7 +152,7 @@ def test_the_list_has_the_models_categories_and_keeps_counts(room: dict[str, np.
 def test_a_file_that_is_no_model_is_told_in_the_panel() -> None:
     settings = bpy.context.window_manager.unisg
     settings.model, settings.path = "FILE", str(ROOT / "README.md")
-    sys.modules["unisg_extension.operators.generation_settings"].list_categories(settings)
+    sys.modules["unisg_extension.operators.making.generation_settings"].list_categories(settings)
     assert "no ONNX model" in settings.problem
     assert len(settings.counts) == 0
 
@@ -186,3 +186,23 @@ def test_settling_in_centimetres() -> None:
     stool.select_set(True)
     assert bpy.ops.unisg.settle() == {"FINISHED"}
     np.testing.assert_allclose(stool.matrix_world, before, atol=0.5)  # centimetres
+
+
+def reports(capfd: pytest.CaptureFixture[str]) -> str:
+    return capfd.readouterr().out
+
+
+def test_new_objects_are_in_the_collection_of_their_room(capfd: pytest.CaptureFixture[str]) -> None:
+    """And nothing is said of a lesson that nobody has."""
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    bpy.ops.unisg.add_room(kind="living-room", seed=1)
+    settings = bpy.context.window_manager.unisg
+    assert Path(settings.model).stem == "living_room"
+    for item in [item for item in bpy.data.objects if "unisg_lsa" in item]:
+        bpy.data.objects.remove(item)
+    capfd.readouterr()
+    bpy.ops.unisg.generate(model=settings.model, add="Chair=2", seed=3)
+    assert "lesson" not in reports(capfd)
+    (room,) = [each for each in bpy.data.collections if each.name.startswith("Living Room")]
+    assert all(room in item.users_collection for item in bpy.context.selected_objects)
+    assert not any(item.type == "MESH" for item in bpy.context.scene.collection.objects)

@@ -22,7 +22,7 @@ def scene(extension):
 
 def test_what_is_known_is_told_and_shown(scene, extension) -> None:
     assert bpy.ops.unisg.understand(model="living_room") == {"FINISHED"}
-    lines = extension.operators.understand.UNDERSTOOD[scene.name]
+    lines = extension.operators.making.understand.UNDERSTOOD[scene.name]
     assert lines[0] == "2 of 6 things in the scene are known to the model; it looks like a kitchen"
     assert "Stuhl_03 -> Chair" in lines
 
@@ -31,7 +31,7 @@ def test_a_mapping_file_changes_it(scene, extension, tmp_path: Path) -> None:
     path = tmp_path / "words.toml"
     path.write_text('[words]\nTable = "Coffee Table"\n\n[objects]\n"Cube.*" = "Plant"\n')
     assert bpy.ops.unisg.understand(model="living_room", words=str(path)) == {"FINISHED"}
-    lines = extension.operators.understand.UNDERSTOOD[scene.name]
+    lines = extension.operators.making.understand.UNDERSTOOD[scene.name]
     assert lines[0].startswith("3 of 6 things")
     assert "Table -> Coffee Table, as the mapping says" in lines
     before = len(scene.objects)

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import sys
+import threading
+import time
 from types import ModuleType, SimpleNamespace
 from unittest.mock import MagicMock
 
@@ -49,12 +51,19 @@ def test_rooms_and_what_the_active_object_is_are_told(extension: ModuleType, rec
     bpy.data.objects["High"].select_set(True)
     bpy.ops.unisg.mark_part(part="WALL")
     assert "High: Wall, as you say" in told()
+    bpy.ops.unisg.mark_part(part="THING")
+    assert "High: not building, as you say" in told()
 
 
 def test_the_check_is_told(extension: ModuleType, recognised: ModuleType) -> None:
     assert labels(extension, "check", "UNISG_PT_check") == ""
     bpy.ops.unisg.check()
-    assert labels(extension, "check", "UNISG_PT_check") == "4 things: 3 fine, 1 floating"
+    assert labels(extension, "check", "UNISG_PT_check") == "4 things: 3 fine, 1 floating High floats by 20 cm"
+    bpy.data.objects["High"].location.x += 0.1
+    bpy.context.view_layer.update()
+    assert "Changed since: check again" in labels(extension, "check", "UNISG_PT_check")
+    bpy.ops.unisg.check()
+    assert "Changed since" not in labels(extension, "check", "UNISG_PT_check")
 
 
 def test_switching_the_overlay_in_background_is_harmless(extension: ModuleType, recognised: ModuleType) -> None:
@@ -80,7 +89,8 @@ def test_background_work_is_taken_or_told(extension: ModuleType) -> None:
     for job in (lambda: 3, refuse, break_down):
         work.start(job, done.append, failed.append)
         assert work.busy
-        work._thread.join()
+        while any(thread.name == "UniSG" for thread in threading.enumerate()):
+            time.sleep(0.01)
         if job is break_down:
             with pytest.raises(ZeroDivisionError):
                 work._timer()
@@ -90,3 +100,29 @@ def test_background_work_is_taken_or_told(extension: ModuleType) -> None:
     assert done == [3]
     assert failed == ["no room", "it failed: the system console says why"]
     work.end()
+
+
+def test_the_end_of_the_extension_does_not_wait_for_work(extension: ModuleType) -> None:
+    """What comes of it later is dropped, and the next work is not taken for it."""
+    module = sys.modules[f"{extension.__name__}.operators.room.background"]
+    goes_on, done = threading.Event(), []
+    work = module.Background()
+    work.start(lambda: goes_on.wait(60), done.append, done.append)
+    (thread,) = [each for each in threading.enumerate() if each.name == "UniSG"]
+    timer = work._timer
+    work.end()
+    assert thread.is_alive()
+    assert not work.busy
+    assert not bpy.app.timers.is_registered(timer)
+    goes_on.set()
+    thread.join()
+    assert done == []
+
+
+@pytest.mark.parametrize("name", ["checking", "recognised"])
+def test_another_file_lets_work_go(extension: ModuleType, name: str) -> None:
+    """Blender forgets its timers then: nobody would take what comes of it, and the button would stay grey."""
+    work = sys.modules[f"{extension.__name__}.operators.room.{name}"]._background
+    work.start(lambda: 1, list, list)
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    assert not work.busy

@@ -23,6 +23,9 @@ UNUSED = {
 }
 """Inputs of the Principled BSDF that a preview surface has no place for, at the values at which they do nothing."""
 
+STARTUP_IOR = 1.45
+"""That of the material in Blender's startup file, which was made when this was the default."""
+
 
 def read_material(material: bpy.types.Material) -> Material:
     """The surface's Principled BSDF if it has one, else the viewport colour."""
@@ -51,7 +54,10 @@ def surface_inputs(material: bpy.types.Material) -> list[str]:
     plain = (
         (name, shader.inputs[name].default_value, value) for name, value in UNUSED.items() if name in shader.inputs
     )
-    return [name for name, value, unused in plain if abs(value - unused) > 1e-6]
+    changed = [name for name, value, unused in plain if abs(value - unused) > 1e-6]
+    if "IOR" in changed and abs(shader.inputs["IOR"].default_value - STARTUP_IOR) < 1e-6:
+        changed.remove("IOR")
+    return changed
 
 
 def write_material(material: Material) -> bpy.types.Material:

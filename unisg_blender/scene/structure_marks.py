@@ -3,7 +3,7 @@
 What is a floor, a wall, a ceiling, a door or a window is said by its category. Two marks say the rest. That of parts,
 ``unisg_structure``, is "thing" for what is no building though it may look like one, or "nothing" for what is not there
 for anybody: a sky, a collision hull. That of rooms, ``unisg_room``, says of the room that an entity is in which kind it
-is, or "none": it is no room.
+is, or "none": it is no room. What is locked by ``unisg_lock`` is moved by nobody but the user.
 """
 
 from __future__ import annotations
@@ -22,6 +22,9 @@ PART_MARK, ROOM_MARK = "unisg_structure", "unisg_room"
 THING, NOTHING = "thing", "nothing"
 """Marks of parts."""
 
+LOCK, OPEN = "unisg_lock", ("", "0", "no", "false", "none")
+"""The mark of what is locked, and its values that say nothing."""
+
 NO_ROOM = "none"
 """The mark of what is no room."""
 
@@ -35,6 +38,17 @@ def marks(graph: SceneGraph, key: str) -> dict[int, str]:
             if isinstance(value, str) and value.strip():
                 found[row] = value.strip().casefold()
     return found
+
+
+def is_lock(value: object) -> bool:
+    """Whether a value of :data:`LOCK` says that something is locked."""
+    return str(value).strip().casefold() not in OPEN
+
+
+def locked_rows(graph: SceneGraph) -> set[int]:
+    """The rows of the entities that are locked; a tick in Blender is as good as a word."""
+    marked = ((row, text) for row, text in graph.entries(PROPERTIES, "json") if f'"{LOCK}"' in text)
+    return {row for row, text in marked if is_lock(json.loads(text).get(LOCK, ""))}
 
 
 def with_marks(graph: SceneGraph, key: str, marked: Mapping[int, str]) -> SceneGraph:

@@ -188,7 +188,7 @@ def new_lesson(scene: bpy.types.Scene, name: str) -> bpy.types.Object:
     item.empty_display_size = 0.2
     scene.collection.objects.link(item)
     ensure_uid(item)
-    root, lesson, stage = new_node("operation", name), new_node("lesson", "Lesson"), new_node("stage", "Stage")
+    root, lesson, stage = new_node("operation", name), new_node("lesson", name), new_node("stage", "Stage")
     store_lesson(item, insert(insert(root, root.uid, lesson), lesson.uid, stage))
     return item
 

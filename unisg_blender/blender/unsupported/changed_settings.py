@@ -11,7 +11,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 NUMBERS = {"BOOLEAN": np.bool_, "INT": np.int32, "FLOAT": np.float32, "ENUM": np.int32}
-NO_SETTINGS = frozenset({"rna_type", "name", "tag", "use_fake_user", "use_extra_user", "is_runtime_data", "use_nodes"})
+NO_SETTINGS = frozenset(
+    {
+        "rna_type",
+        "name",
+        "tag",
+        "use_fake_user",
+        "use_extra_user",
+        "is_runtime_data",
+        "use_nodes",
+        "use_new_cpu_compositor",
+    }
+)
 SAME = 1e-5
 NEW: dict[str, dict[str, Any]] = {
     "Object": {
@@ -49,6 +60,12 @@ NEW: dict[str, dict[str, Any]] = {
 }  # fmt: skip
 """What a new file has where Blender (in all or some versions) names another default."""
 
+STARTUP: dict[str, dict[str, Any]] = {
+    "Object": {"color": (0.0, 0.0, 0.0, 0.0)},
+    "Material": {"alpha_threshold": 0.0, "line_color": (0.0, 0.0, 0.0, 1.0)},
+}
+"""What the things of Blender's own startup file have instead: nobody has set that, either."""
+
 
 def changed_settings(owner: bpy.types.bpy_struct, held: Collection[str] = (), *, inner: bool = True) -> list[str]:
     """Names, as Blender's interface shows them, of settings that are not at their defaults.
@@ -71,7 +88,7 @@ def changed_settings(owner: bpy.types.bpy_struct, held: Collection[str] = (), *,
             found += [label] if value is not None else []
         elif kind == "GROUP":
             found += changed_settings(value, held, inner=False) if inner and value is not None else []
-        elif not _same(value, default):
+        elif not _same(value, default) and not _is_of_startup(owner, name, value):
             found.append(label)
     return list(dict.fromkeys(found))
 
@@ -104,9 +121,11 @@ def _changed_rows(owners: bpy.types.bpy_prop_collection, name: str, form: str, d
     buffer: NDArray = np.empty(len(owners) * expected.size, NUMBERS[form])
     owners.foreach_get(name, buffer)
     values = buffer.reshape(len(owners), expected.size)
-    if form == "FLOAT":
-        return np.flatnonzero((np.abs(values - expected) > SAME).any(axis=1))
-    return np.flatnonzero((values != expected).any(axis=1))
+    unlike = np.abs(values - expected) > SAME if form == "FLOAT" else values != expected
+    return np.array(
+        [row for row in np.flatnonzero(unlike.any(axis=1)) if not _is_of_startup(owners[row], name, values[row])],
+        np.int64,
+    )
 
 
 def _kind(owner: Any) -> Any:
@@ -149,6 +168,11 @@ def _bases(struct: bpy.types.Struct | None) -> set[str]:
         names.add(struct.identifier)
         struct = struct.base
     return names
+
+
+def _is_of_startup(owner: Any, name: str, value: Any) -> bool:
+    values = STARTUP.get(_kind(owner).bl_rna.identifier, {})
+    return name in values and _same(value, values[name])
 
 
 def _same(value: Any, default: Any) -> bool:

@@ -112,6 +112,8 @@ def _losses(item: bpy.types.Object, depsgraph: bpy.types.Depsgraph, evaluated: b
 def _setting_losses(item: bpy.types.Object, changed: list[str]) -> Iterator[str]:
     """Settings of the object itself; lights have some defaults of their own."""
     changed = list(changed)
+    if item.type == "CAMERA" and item.display_type == "WIRE":  # as Blender's startup file has it: it shows no faces
+        changed.remove("Display As")
     if item.type != "LIGHT":
         changed += ["Camera Visibility"] * (not item.visible_camera) + ["Shadow Catcher"] * item.is_shadow_catcher
     changed += ["Line Art"] * (item.lineart.usage != "INHERIT")

@@ -8,13 +8,16 @@ import bpy
 
 from ...runtime.read_report import ReadReport
 from ..id_properties import property_names
-from .changed_settings import changed_settings, listed
+from .changed_settings import SAME, changed_settings, listed
 
 HELD = frozenset((
     "camera", "frame_current", "frame_float", "frame_subframe", "frame_start", "frame_end", "fps", "fps_base",
     "threads", "world", "cursor",
 ))  # fmt: skip
 GROUPS = {"render": "render", "view_settings": "colour management"}
+GREY, PLAIN_NODES = 0.05087609, {"BACKGROUND", "OUTPUT_WORLD"}
+"""Each channel of the world that every new file has, and the nodes of it."""
+
 UNREAD_VIEWS = ("white_balance_whitepoint", "curve_mapping")
 
 
@@ -26,7 +29,7 @@ def report_scene_losses(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer,
 
 
 def _scene_texts(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> Iterator[str]:
-    if scene.world is not None:
+    if scene.world is not None and not _is_plain(scene.world):
         yield f"the world {scene.world.name!r} is not read"
     if getattr(scene, "compositing_node_group", None) or getattr(scene, "node_tree", None):
         yield "compositing nodes are not read"
@@ -51,6 +54,19 @@ def _scene_texts(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> Ite
         yield "animation of the scene's settings is not read"
     if len(bpy.data.texts):
         yield "text blocks are not read"
+
+
+def _is_plain(world: bpy.types.World) -> bool:
+    """Whether a world is the grey one that Blender's startup file has: nobody has made it."""
+    shades = [world.color]
+    if world.use_nodes and world.node_tree is not None:
+        if not {node.type for node in world.node_tree.nodes} <= PLAIN_NODES:
+            return False
+        lights = [node.inputs for node in world.node_tree.nodes if node.type == "BACKGROUND"]
+        if any(inputs["Color"].is_linked or abs(inputs["Strength"].default_value - 1) > SAME for inputs in lights):
+            return False
+        shades += [inputs["Color"].default_value for inputs in lights]
+    return all(abs(value - GREY) < SAME for shade in shades for value in shade[:3])
 
 
 def _report_collections(top: bpy.types.LayerCollection, report: ReadReport) -> None:

@@ -48,6 +48,8 @@ class SceneReading:
         The kind of room that the model makes, "" where its categories do not say.
     rooms
         How many rooms the scene has, of which the things of one are told; 1 where that was not asked.
+    present
+        The model's category of each of the known things.
     """
 
     scene: SceneGraph
@@ -56,6 +58,7 @@ class SceneReading:
     known: int
     model_kind: str
     rooms: int = 1
+    present: tuple[str, ...] = ()
 
     @staticmethod
     def of(
@@ -76,9 +79,10 @@ class SceneReading:
         if len(built.rooms) > 1:
             rows = sorted(set(rows) & set(things_in_rooms(built, graph)[_room_used(built, near)]))
         thing_of = {item.row: item.match.thing for item in words.understood}
-        known = sum(graph.category_name(row) in contract.vocabulary for row in rows)
+        known = tuple(name for row in rows if (name := graph.category_name(row)) in contract.vocabulary)
         things = tuple(thing_of.get(row) or graph.category_name(row) for row in rows)
-        return SceneReading(scene, words, things, known, room_kind(_usual(contract)), max(len(built.rooms), 1))
+        kind, count = room_kind(_usual(contract)), max(len(built.rooms), 1)
+        return SceneReading(scene, words, things, len(known), kind, count, known)
 
     @property
     def graph(self) -> SceneGraph:
@@ -183,13 +187,7 @@ def missing_counts(counts: Mapping[str, int], reading: SceneReading) -> dict[str
     if not reading.has_room and not reading.things:
         return dict(counts)
     if reading.is_foreign:
-        kind = f"looks like {_a(reading.kind)}" if reading.kind else "is foreign to the model"
-        made = f"; the model makes {reading.model_kind}s" if reading.model_kind else ""
-        where = "room" if reading.rooms > 1 else "scene"
-        raise UniSGError(
-            f"the {where} {kind}, {reading.known} of its {len(reading.things)} things are known{made}: "
-            "say what to add (--add), or take another model"
-        )
+        raise UniSGError(why_foreign(reading))
     graph = reading.graph
     there = {name: int((graph.category == number).sum()) for number, name in enumerate(graph.vocabulary)}
     left_out = STRUCTURE if reading.has_room else ()
@@ -198,6 +196,15 @@ def missing_counts(counts: Mapping[str, int], reading: SceneReading) -> dict[str
     if not found:
         raise UniSGError("the scene has everything that a whole room has: say what to add (--add)")
     return found
+
+
+def why_foreign(reading: SceneReading) -> str:
+    """What is said of a scene that is foreign to the model."""
+    kind = f"looks like {_a(reading.kind)}" if reading.kind else "is foreign to the model"
+    made = f"; the model makes {reading.model_kind}s" if reading.model_kind else ""
+    where = "room" if reading.rooms > 1 else "scene"
+    known = f"{reading.known} of its {len(reading.things)} things are known"
+    return f"the {where} {kind}, {known}{made}: say what to add (--add), or take another model"
 
 
 def _may_have_rooms(graph: SceneGraph, nameless: bool) -> bool:

@@ -13,6 +13,8 @@ from ...geometry.boxes import covers, part_tops
 from ...geometry.planar import rotate
 from ...scene import SceneGraph
 from ...scene.categories import FLOOR, STRUCTURE
+from ...scene.structure_marks import locked_rows
+from ...spatial.object_rows import object_rows
 from ...spatial.objects import SceneObjects
 from ...spatial.structure.room_objects import RoomObjects, room_objects
 from ...spatial.supports import levels_of
@@ -23,8 +25,9 @@ from .free_space import NOBODY, FreeSpace
 from .refusal_reason import why_not
 from .settle_geometry import Support, fitting, rest, search
 
-NEAREST, FARTHEST, STEPS, DIRECTIONS = 0.02, 0.6, 16, 16
-"""Free places are looked for on so many rings, between these radii in metres, in so many directions."""
+RINGS, STEPS, DIRECTIONS = ((0.02, 0.6), (0.6, 3.0)), 16, 16
+"""Free places are looked for on so many rings between such radii in metres, the nearer ones first, in so many
+directions."""
 
 OFF_WALL, OFF_FLOOR, FLAT = 0.03, 0.3, 0.25
 """Metres before a wall, and above the lowest floor, at which something hangs on it that is no deeper than such a share
@@ -32,6 +35,12 @@ of its size."""
 
 SUNK = 0.5
 """An object may be sunk by this share of its height into what it is to stand on."""
+
+LOCKED = "it is locked"
+
+STANDS, DEEP = 0.02, 0.1
+"""Metres between an object and what it stands on already, and how deep it is in another thing all the same if it was
+pushed into that: a rug or a mattress is thinner than what one is pushed into."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,7 +74,9 @@ def resting_places(
     walls = [number for number, name in enumerate(names) if name == "Wall" or _is_made_wall(room, number)]
     wanted, filled = set(rows), np.unique(objects.owner)
     mine = [int(t) for t in filled if int(objects.row[t]) in wanted and not _is_building(room, names, int(t))]
-    fixed = np.isin(objects.owner, [t for own in mine for t in (own, *_held_by(objects, own))], invert=True)
+    kept = kept_by_locks(graph, objects, mine)
+    mine = [t for t in mine if t not in kept]
+    fixed = np.isin(objects.owner, [t for own in mine for t in (own, *held_by(objects, own))], invert=True)
     unknown = np.full(len(objects), -1, np.int64)
     space = FreeSpace(
         objects.parts.take(np.flatnonzero(fixed)), objects.owner[fixed], unknown,
@@ -73,16 +84,18 @@ def resting_places(
         PriorTables.of(CategoryPriors({}, {}, {}, []), ())
     )  # fmt: skip
     space.take_up(room.obstacles, NOBODY)
-    found, level = [], levels_of(objects.support)
+    found = [Settled(int(objects.row[t]), graph.world[objects.row[t]], note) for t, note in kept.items()]
+    level = levels_of(objects.support)
     for obj in sorted(mine, key=lambda t: (level[t], t)):
         row = int(objects.row[obj])
         placeable = Placeable(object_graph(graph, row))
         now = np.array([*objects.center[obj, :2], objects.bottom[obj], objects.yaw[obj]])
-        support = _support_of(objects, obj, names, walls, space)
-        place = _settled(placeable, now, support, space)
+        supports = _supports_of(objects, obj, names, walls, space)
+        places = ((_settled(placeable, now, each, space), each) for each in supports)
+        place, support = next((pair for pair in places if pair[0] is not None), (None, supports[0]))
         name = names[support.obj] if support.obj >= 0 else ""
         note = "" if place is not None else why_not(placeable, now, -1, support, name, space)
-        held = _held_by(objects, obj)
+        held = held_by(objects, obj)
         if place is not None:
             objects = _moved(objects, [obj, *held], now, place)
         space.take_up(objects.parts_of(obj), obj)
@@ -91,6 +104,20 @@ def resting_places(
                 space.take_up(objects.parts_of(other), other)
         here, hangs = now if place is None else place, support.contact in (HANGS, AT_SIDE)
         found.append(Settled(row, placeable.world(here), note, int(objects.row[support.obj]) if hangs else -1))
+    return found
+
+
+def kept_by_locks(graph: SceneGraph, objects: SceneObjects, wanted: Iterable[int]) -> dict[int, str]:
+    """Of some objects, by number, those that stay where they are, and why: they are locked, or something on them is."""
+    owner, of_row = object_rows(graph), {int(row): number for number, row in enumerate(objects.row)}
+    locked = {of_row.get(int(owner[row]), -1) for row in locked_rows(graph)}
+    found = {}
+    for obj in wanted if locked else ():
+        on_it = [other for other in held_by(objects, obj) if other in locked]
+        if obj in locked:
+            found[obj] = LOCKED
+        elif on_it:
+            found[obj] = f"{graph.name[int(objects.row[on_it[0]])]} on it is locked"
     return found
 
 
@@ -106,7 +133,7 @@ def _is_building(room: RoomObjects, names: Sequence[str], obj: int) -> bool:
     )
 
 
-def _held_by(objects: SceneObjects, obj: int) -> list[int]:
+def held_by(objects: SceneObjects, obj: int) -> list[int]:
     """All that stands on an object, and on that, which moves along."""
     found = {obj}
     for other in np.argsort(levels_of(objects.support), kind="stable"):
@@ -133,23 +160,36 @@ def _moved(objects: SceneObjects, moving: Iterable[int], before: Floats, after: 
     return replace(objects, center=carried(objects.center, chosen), yaw=objects.yaw + spin * chosen, parts=parts)
 
 
-def _support_of(objects: SceneObjects, obj: int, names: list[str], walls: Sequence[int], space: FreeSpace) -> Support:
-    """What is to hold an object: what it hangs from or is fixed to, else what is below its middle."""
+def _supports_of(
+    objects: SceneObjects, obj: int, names: list[str], walls: Sequence[int], space: FreeSpace
+) -> list[Support]:
+    """What may hold an object, the best first: what it hangs from or is fixed to, else what is below its middle.
+
+    Where that has no room for it, it is what is below that. What stands on something already, deep in another thing,
+    stays on it: a chair that was pushed into a sofa is to stand before it, not on its seat.
+    """
     parent = int(objects.support[obj])
     if parent >= 0:
         kind, gap = contact(objects, obj, parent)
         if kind in (HANGS, AT_SIDE) and names[parent] != FLOOR:
-            return Support(parent, SupportPrior(names[parent], 1, kind, gap), space.parts_of(parent), False)
+            return [Support(parent, SupportPrior(names[parent], 1, kind, gap), space.parts_of(parent), False)]
     wall, gap = _wall_behind(objects, obj, walls)
     if wall >= 0:
-        return Support(wall, SupportPrior("Wall", 1, AT_SIDE, gap), space.parts_of(wall), False)
+        return [Support(wall, SupportPrior("Wall", 1, AT_SIDE, gap), space.parts_of(wall), False)]
     tops = np.where(space.owner == NOBODY, np.inf, part_tops(space.boxes))
-    limit = objects.bottom[obj] + SUNK * 2 * objects.half[obj, 2]
-    under = covers(space.boxes, objects.center[obj, :2]) & (tops <= limit + 1e-6)
+    bottom = objects.bottom[obj]
+    under = covers(space.boxes, objects.center[obj, :2]) & (tops <= bottom + SUNK * 2 * objects.half[obj, 2] + 1e-6)
     if not under.any():
-        return Support(-1, SupportPrior("", 1, RESTS), space.boxes.take(np.zeros(0, np.int64)), False)
-    below = int(space.owner[under.nonzero()[0][tops[under].argmax()]])
-    return Support(below, SupportPrior(names[below], 1, RESTS), space.parts_of(below), names[below] == FLOOR)
+        return [Support(-1, SupportPrior("", 1, RESTS), space.boxes.take(np.zeros(0, np.int64)), False)]
+    downwards = under.nonzero()[0][np.argsort(-tops[under], kind="stable")]
+    below = list(dict.fromkeys(space.owner[downwards].tolist()))  # the highest top of each counts
+    height = {owner: float(tops[under & (space.owner == owner)].max()) for owner in below}
+    if height[below[0]] > bottom + DEEP:
+        below.sort(key=lambda owner: abs(height[owner] - bottom) > STANDS)
+    return [
+        Support(owner, SupportPrior(names[owner], 1, RESTS), space.parts_of(owner), names[owner] == FLOOR)
+        for owner in below
+    ]
 
 
 def _wall_behind(objects: SceneObjects, obj: int, walls: Sequence[int]) -> tuple[int, float]:
@@ -171,14 +211,12 @@ def _settled(placeable: Placeable, now: Floats, support: Support, space: FreeSpa
     place = rest(placeable, now[None], support, space)
     if fitting(placeable, place, -1, support, space)[0]:
         return place[0]
-    steps = np.linspace(NEAREST, FARTHEST, STEPS)
     turns = np.linspace(0, 2 * np.pi, DIRECTIONS, endpoint=False)
-    ring = np.concatenate([rotate(np.array([step, 0.0]), turns) for step in steps])
-    places = np.tile(now, (len(ring), 1))
-    places[:, :2] += ring
-    places = rest(placeable, places, support, space)
-    good = fitting(placeable, places, -1, support, space)
-    if good.any():
-        free = np.flatnonzero(good)
-        return places[free[((places[free, :3] - now[:3]) ** 2).sum(axis=1).argmin()]]
+    for radii in RINGS:
+        places = np.repeat(now[None], STEPS * DIRECTIONS, axis=0)
+        places[:, :2] += np.concatenate([rotate(np.array([step, 0.0]), turns) for step in np.linspace(*radii, STEPS)])
+        places = rest(placeable, places, support, space)
+        free = np.flatnonzero(fitting(placeable, places, -1, support, space))
+        if len(free):
+            return places[free[((places[free, :3] - now[:3]) ** 2).sum(axis=1).argmin()]]
     return search(placeable, now, -1, support, space)

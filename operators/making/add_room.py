@@ -10,6 +10,7 @@ import mathutils
 import numpy as np
 
 from ..base import Operator
+from .generation_settings import choose_model
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -72,6 +73,7 @@ class UNISG_OT_add_room(Operator):
             _add_view(scene, collection, room_outline(graph), float(motion[2, 3]), units)
         for item in context.selected_objects:
             item.select_set(False)
+        choose_model(context, self.kind.replace("-", "_"))
         self.report({"INFO"}, f"{label}: {len(items)} objects (seed {self.seed})")
 
 

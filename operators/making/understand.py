@@ -5,7 +5,7 @@ from __future__ import annotations
 import bpy
 from bpy.app.handlers import persistent
 
-from .base import Operator
+from ..base import Operator
 from .generation_settings import load_generator, read_words, scene_in_words
 
 UNDERSTOOD: dict[str, list[str]] = {}

@@ -11,13 +11,14 @@ from typing import TYPE_CHECKING
 
 import bpy
 
-from ..unisg_blender.errors import UniSGError
-from .base import redraw_views
-from .room.corrections import rooms_to_choose
+from ...unisg_blender.errors import UniSGError
+from ..base import redraw_views
+from ..room.corrections import rooms_to_choose
+from ..window_wording import in_window
 
 if TYPE_CHECKING:
-    from ..unisg_blender.generate import Generator
-    from ..unisg_blender.scene import SceneGraph
+    from ...unisg_blender.generate import Generator
+    from ...unisg_blender.scene import SceneGraph
 
 OWN_FILE = "FILE"
 _generators: dict[tuple[str, float], Generator] = {}
@@ -26,15 +27,15 @@ _model_items: list[tuple[str, str, str]] = []
 
 def shipped_models() -> list[Path]:
     """The generative models that came with the extension: those with assets beside them."""
-    from ..unisg_blender.pretrained import shipped_generators
+    from ...unisg_blender.pretrained import shipped_generators
 
     return shipped_generators()
 
 
 def load_generator(path: str) -> Generator:
     """The generator of a model file, loaded once; raises UniSGError if the file is no such model."""
-    from ..unisg_blender.generate import Generator
-    from ..unisg_blender.pretrained import find_generator
+    from ...unisg_blender.generate import Generator
+    from ...unisg_blender.pretrained import find_generator
 
     file = find_generator(bpy.path.abspath(path))
     key = (str(file), file.stat().st_mtime if file.is_file() else 0.0)
@@ -45,17 +46,25 @@ def load_generator(path: str) -> Generator:
     return _generators[key]
 
 
+def choose_model(context: bpy.types.Context, name: str) -> None:
+    """Choose the shipped model of some name in the panel, if there is one."""
+    settings = context.window_manager.unisg
+    path = next((str(path) for path in shipped_models() if path.stem == name), "")
+    if path and settings.model not in (path, OWN_FILE):
+        settings.model = path
+
+
 def read_words(path: str) -> dict[str, dict[str, str]]:
     """What a mapping file says of names and words, by section; nothing without a path."""
-    from ..unisg_blender.words import read_mapping
+    from ...unisg_blender.words import read_mapping
 
     return read_mapping(bpy.path.abspath(path)) if path else {}
 
 
 def scene_in_words(scene: bpy.types.Scene, mapping: dict[str, dict[str, str]]) -> SceneGraph:
     """The scene as it is read, with the categories that a mapping gives to its names."""
-    from ..unisg_blender.blender import read_scene
-    from ..unisg_blender.words import apply_mapping
+    from ...unisg_blender.blender import read_scene
+    from ...unisg_blender.words import apply_mapping
 
     graph = read_scene(scene, details=False)
     return apply_mapping(graph, mapping) if mapping else graph
@@ -148,7 +157,7 @@ def list_categories(settings: UNISG_GenerationSettings) -> None:
     try:
         categories = load_generator(settings.model_file()).categories
     except UniSGError as error:
-        settings.problem = str(error)
+        settings.problem = in_window(str(error))
         return
     for category in categories:
         item = settings.counts.add()

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import bpy
 
-from .base import Operator
+from ..base import Operator
+from ..room.checking import check_again
 
 
 class UNISG_OT_settle(Operator):
@@ -24,10 +25,10 @@ class UNISG_OT_settle(Operator):
     def run(self, context: bpy.types.Context) -> set[str]:
         import mathutils
 
-        from ..unisg_blender.blender import objects_by_uid, read_scene
-        from ..unisg_blender.blender.scene_units import metres_per_unit, scale_translations
-        from ..unisg_blender.generate.check.settled_scene import settle_rows
-        from ..unisg_blender.runtime.wording import grouped
+        from ...unisg_blender.blender import objects_by_uid, read_scene
+        from ...unisg_blender.blender.scene_units import metres_per_unit, scale_translations
+        from ...unisg_blender.generate.check.settled_scene import settle_rows
+        from ...unisg_blender.runtime.wording import grouped
 
         graph = read_scene(context.scene, details=False)
         items = objects_by_uid(context.scene)
@@ -45,6 +46,8 @@ class UNISG_OT_settle(Operator):
         notes = [(graph.name[settled.row], settled.note) for settled in found if settled.note]
         for line in grouped(notes):  # last: the status bar shows the last report only
             self.report({"WARNING"}, line)
+        if moved:
+            check_again()
         return {"FINISHED"} if moved else {"CANCELLED"}
 
 

@@ -8,9 +8,13 @@ from collections.abc import Sequence
 
 import bpy
 
-from ..unisg_blender.errors import UniSGError
-from .base import SteppedOperator, Steps
+from ...unisg_blender.errors import UniSGError
+from ..base import SteppedOperator, Steps
+from ..room.checking import check_again
+from ..scene_lookup import looked_up
+from .collections_of_new import put_beside
 from .generation_settings import GenerationChoices, load_generator, read_words, scene_in_words, shipped_models
+from .suggest import suggest_again
 
 
 class UNISG_OT_generate(GenerationChoices, SteppedOperator):
@@ -60,7 +64,7 @@ class UNISG_OT_generate(GenerationChoices, SteppedOperator):
 
     def steps(self, context: bpy.types.Context) -> Steps:
         """Read the scene and place one object after another; Blender's data is not touched before the end."""
-        from ..unisg_blender.generate.counts import parse_counts
+        from ...unisg_blender.generate.counts import parse_counts
 
         shipped = shipped_models()
         if not self.model and not shipped:
@@ -90,18 +94,21 @@ class UNISG_OT_generate(GenerationChoices, SteppedOperator):
 
     def finish(self, context: bpy.types.Context) -> set[str]:
         """Make the objects, select them, and say what happened."""
-        from ..unisg_blender.blender import write_rows
-        from ..unisg_blender.blender.authoring.extended_lessons import extend_lessons
-        from ..unisg_blender.runtime.wording import grouped
+        from ...unisg_blender.blender import write_rows
+        from ...unisg_blender.blender.authoring.extended_lessons import extend_lessons
+        from ...unisg_blender.runtime.wording import grouped
 
         result = self._result
         for line in result.reading.lines() if result.reading else ():
             self.report({"INFO"}, line)
         extend_lessons(result.scene, result.rows.tolist(), context.scene)
         objects = write_rows(result.scene, result.rows, context.scene)
+        put_beside(context.scene, objects)
         self._select(context, objects)
         for line in grouped((each.name or each.category, each.note) for each in result.objects if each.note):
             self.report({"WARNING"}, line)
+        check_again()
+        suggest_again()
         spent = time.perf_counter() - self._began
         added = f"{_number(result.added, 'object')} added{self._actions(result.actions) if result.added else ''}"
         refused = ""
@@ -112,11 +119,24 @@ class UNISG_OT_generate(GenerationChoices, SteppedOperator):
         self.report({level}, f"{added} in {spent:.2f} s{refused} (seed {self.seed})")
         return {"FINISHED"} if result.added else {"CANCELLED"}
 
+    def draw(self, context: bpy.types.Context) -> None:
+        """What can be changed afterwards."""
+        layout = self.layout
+        layout.use_property_split = True
+        wanted = [part.split("=") for part in self.add.split(",")]
+        layout.label(text=", ".join(f"{count} {name}" for name, *count in wanted for count in [*count, "1"][:1]))
+        for word, name in (("on", self.on), ("beside", self.beside), ("in room", self.within)):
+            if name:
+                layout.label(text=f"{word} {name}")
+        layout.prop(self, "seed")
+        layout.prop(self, "bulk")
+        layout.prop(self, "behaviour")
+
     def _select(self, context: bpy.types.Context, objects: Sequence[bpy.types.Object]) -> None:
         """Select the new objects; what they were wanted on or beside stays active, for the next ones."""
         for item in context.selected_objects:
             item.select_set(False)
-        in_view = [item for item in objects if item.name in context.view_layer.objects]
+        in_view = [item for item in objects if item.name in context.view_layer.objects and "unisg_lsa" not in item]
         for item in in_view:
             item.select_set(True)
         active = context.active_object
@@ -125,8 +145,8 @@ class UNISG_OT_generate(GenerationChoices, SteppedOperator):
 
     def _actions(self, count: int) -> str:
         """What is said of the actions that were asked for."""
-        if not self.behaviour:
-            return ""
+        if not self.behaviour or not (count or looked_up(bpy.context.scene).lessons):
+            return ""  # nobody asked for a lesson
         if load_generator(self.model).behaviour is None:
             return " (this model knows no actions)"
         return f" with {_number(count, 'action')}" if count else " (the lesson needs no actions with them)"

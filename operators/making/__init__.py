@@ -1,0 +1,1 @@
+"""Make rooms and put things into them with a model: chosen, placed, settled, placed anew, suggested."""
