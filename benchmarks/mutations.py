@@ -150,8 +150,10 @@ def run_tests(copy: Path, words: list[str]) -> None:
     os._exit(status)
 
 
-def covering_tests(coverage: Path, mutation: Mutation) -> list[str]:
-    """Tests that run the line: the room's own first, and one case of each test before its other cases."""
+def covering_tests(coverage: Path, mutation: Mutation) -> tuple[list[str], bool]:
+    """Tests that run the line: the room's own first, and one case of each test before its other cases; and whether it
+    is run while modules are loaded, for whichever test that is.
+    """
     room = mutation.path.parts[1]
     with sqlite3.connect(coverage) as data:
         rows = data.execute(
@@ -160,16 +162,14 @@ def covering_tests(coverage: Path, mutation: Mutation) -> list[str]:
             (f"%/{mutation.path.as_posix()}",),
         ).fetchall()
     where, bit = divmod(mutation.line, 8)
-    running = sorted(
-        {name.rpartition("|")[0] for name, bits in rows if name and where < len(bits) and bits[where] >> bit & 1}
-    )
+    running = sorted({name.rpartition("|")[0] for name, bits in rows if where < len(bits) and bits[where] >> bit & 1})
     seen: Counter[str] = Counter()
     ordered = []
-    for name in running:
+    for name in filter(None, running):
         function = name.split("[")[0]
         ordered.append((seen[function], not name.startswith(f"tests/{room}/"), name))
         seen[function] += 1
-    return [name for _, _, name in sorted(ordered)]
+    return [name for _, _, name in sorted(ordered)], "" in running
 
 
 def drawn_mutations(room: str, count: int, seed: int) -> tuple[list[Mutation], int]:
@@ -183,9 +183,9 @@ def drawn_mutations(room: str, count: int, seed: int) -> tuple[list[Mutation], i
 
 def claim(copy: Path, mutation: Mutation, broken: set[str], args: argparse.Namespace) -> str:
     """The first test that fails with the change, "" for none."""
-    covering = covering_tests(args.coverage, mutation) if args.coverage else []
+    covering, early = covering_tests(args.coverage, mutation) if args.coverage else ([], True)
     room, marks = tests_of(args, mutation.path.parts[1]), ["-m", "not slow"] if args.fast else []
-    tries = [["-x", *marks, *(covering[: args.most] or room)]]
+    tries = [["-x", *marks, *covering[: args.most], *room * (early or not covering)]]
     if args.more:
         others = covering[args.most : MOST_OTHERS]
         tries = [["-x", *marks, *others]] * bool(others)
