@@ -121,7 +121,7 @@ def _swapped(node: ast.BinOp | ast.Compare | ast.BoolOp | ast.UnaryOp) -> Iterat
 
 
 def failing_tests(copy: Path, words: list[str], broken: set[str], args: argparse.Namespace) -> list[str]:
-    """The tests that fail in the copy, or in words that they could not be run, or not in that time."""
+    """The tests that fail in the copy, or in words that none could be run; none if there was too little time."""
     words = ["-q", "-rfE", "-p", "no:cacheprovider", "--timeout", str(args.seconds), *words]
     words += ["-n", str(args.workers), "--dist", "loadfile"] if args.workers > 1 else []
     process = get_context("fork").Process(target=run_tests, args=(copy, words + [f"--deselect={t}" for t in broken]))
@@ -130,7 +130,7 @@ def failing_tests(copy: Path, words: list[str], broken: set[str], args: argparse
     if process.exitcode is None:
         os.killpg(process.pid or 0, signal.SIGKILL)
         process.join()
-        return [] if args.more else ["not done in time"]  # all tests of a room may take that long
+        return []  # what hangs is told of its test before that, or it is the machine that is busy
     told = (copy / TOLD).read_text(errors="replace")
     failed = re.findall(r"^(?:FAILED|ERROR) (\S+::.+?)(?: - .*)?$", told, re.MULTILINE)
     return [] if process.exitcode in (0, NOTHING_TO_RUN) else failed or [NOTHING_RAN]
@@ -150,8 +150,10 @@ def run_tests(copy: Path, words: list[str]) -> None:
     os._exit(status)
 
 
-def covering_tests(coverage: Path, mutation: Mutation) -> list[str]:
-    """Tests that run the line: the room's own first, and one case of each test before its other cases."""
+def covering_tests(coverage: Path, mutation: Mutation) -> tuple[list[str], bool]:
+    """Tests that run the line: the room's own first, and one case of each test before its other cases; and whether it
+    is run while modules are loaded, for whichever test that is.
+    """
     room = mutation.path.parts[1]
     with sqlite3.connect(coverage) as data:
         rows = data.execute(
@@ -160,16 +162,14 @@ def covering_tests(coverage: Path, mutation: Mutation) -> list[str]:
             (f"%/{mutation.path.as_posix()}",),
         ).fetchall()
     where, bit = divmod(mutation.line, 8)
-    running = sorted(
-        {name.rpartition("|")[0] for name, bits in rows if name and where < len(bits) and bits[where] >> bit & 1}
-    )
+    running = sorted({name.rpartition("|")[0] for name, bits in rows if where < len(bits) and bits[where] >> bit & 1})
     seen: Counter[str] = Counter()
     ordered = []
-    for name in running:
+    for name in filter(None, running):
         function = name.split("[")[0]
         ordered.append((seen[function], not name.startswith(f"tests/{room}/"), name))
         seen[function] += 1
-    return [name for _, _, name in sorted(ordered)]
+    return [name for _, _, name in sorted(ordered)], "" in running
 
 
 def drawn_mutations(room: str, count: int, seed: int) -> tuple[list[Mutation], int]:
@@ -183,9 +183,10 @@ def drawn_mutations(room: str, count: int, seed: int) -> tuple[list[Mutation], i
 
 def claim(copy: Path, mutation: Mutation, broken: set[str], args: argparse.Namespace) -> str:
     """The first test that fails with the change, "" for none."""
-    covering = covering_tests(args.coverage, mutation) if args.coverage else []
+    covering, early = covering_tests(args.coverage, mutation) if args.coverage else ([], True)
     room, marks = tests_of(args, mutation.path.parts[1]), ["-m", "not slow"] if args.fast else []
-    tries = [["-x", *marks, *(covering[: args.most] or room)]]
+    few = not covering or (early and len(covering) < args.most)
+    tries = [["-x", *marks, *covering[: args.most], *room * few]]
     if args.more:
         others = covering[args.most : MOST_OTHERS]
         tries = [["-x", *marks, *others]] * bool(others)

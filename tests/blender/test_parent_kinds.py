@@ -111,3 +111,21 @@ def test_what_stands_beyond_all_numbers_is_told_and_stays_at_its_parent() -> Non
     assert graph["far"].world[0, 0] == pytest.approx(1e29)
     told = [line for line in report if line.endswith("its transform is no finite matrix; left out")]
     assert [line.split(":")[0] for line in told] == ["below", "none"]
+
+
+@pytest.mark.parametrize("kind", ["VERTEX", "VERTEX_3"])
+def test_what_hangs_on_corners_and_is_held_by_a_constraint_stands_where_blender_has_it(kind: str) -> None:
+    """Where a constraint decides, the frame that the corners make cannot be told from what is seen."""
+    leg, goal = add("leg", box("leg")), add("goal")
+    leg.location, goal.location = (1, 2, 3), (5, 5, 5)
+    plain, held = add("plain", box("plain"), leg), add("held", box("held"), leg)
+    for item in (plain, held):
+        item.parent_type, item.parent_vertices, item.location = kind, (0, 3, 5), (0.5, 0, 0)
+    held.constraints.new("COPY_LOCATION").target = goal
+    bpy.context.view_layer.update()
+    graph = read_scene()
+    assert_stands_like_blender(graph)
+    parenting = graph.components["parenting"]
+    frames = dict(zip(parenting.rows.tolist(), parenting.columns["frame"], strict=True))
+    np.testing.assert_allclose(frames[graph.row("held")], np.eye(4))
+    assert not np.allclose(frames[graph.row("plain")], np.eye(4))

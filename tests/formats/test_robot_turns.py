@@ -110,3 +110,36 @@ def test_what_is_not_seen_is_left_out_and_radians_are_heeded(tmp_path: Path) -> 
     np.testing.assert_allclose(bounds(found.graph, "seen"), [[-2, -1, -3], [2, 1, 3]], atol=1e-6)
     assert "glass" not in found.graph.name
     assert "tinted" in found.graph.name
+
+
+def test_of_a_body_what_collides_with_nothing_is_shown(tmp_path: Path) -> None:
+    text = """<mujoco><worldbody>
+      <body name="both"><geom name="hull" type="box" size="1 1 1"/>
+        <geom name="half" type="box" size="1 1 1" contype="0"/>
+        <geom name="skin" type="box" size="2 2 2" contype="0" conaffinity="0"/></body>
+      <body name="hulls"><geom name="one" type="box" size="1 1 1" contype="0"/>
+        <geom name="two" type="box" size="1 1 1" conaffinity="0"/></body></worldbody></mujoco>"""
+    (found,) = found_in(write(tmp_path / "room.xml", text))
+    assert {"skin", "one", "two"} <= set(found.graph.name)
+    assert not {"hull", "half"} & set(found.graph.name)
+
+
+@pytest.mark.parametrize("kind", ["light", "actor"])
+def test_what_a_world_of_gazebo_has_that_is_not_read_is_told(tmp_path: Path, kind: str) -> None:
+    box = "<visual name='v'><geometry><box><size>1 1 1</size></box></geometry></visual>"
+    model = f"<model name='m'><link name='l'>{box}</link></model>"
+    for name, extra in (("with", f"<{kind} name='it'/>"), ("without", "")):
+        text = f"<sdf version='1.9'><world name='w'>{model}{extra}</world></sdf>"
+        (found,) = found_in(write(tmp_path / f"{name}.world", text))
+        assert any(f"{kind}s are not read" in line for line in found.report) == (name == "with")
+
+
+def test_defaults_within_defaults_end(tmp_path: Path) -> None:
+    deep = "".join(f'<default class="c{k}">' for k in range(150)) + '<geom size="3"/>' + "</default>" * 150
+    text = f'<mujoco><default><geom size="1"/><default class="a"><geom size="2"/>{deep}</default></default><worldbody>'
+    text += (
+        '<body name="b"><geom name="shallow" class="a"/><geom name="deep" class="c149"/></body></worldbody></mujoco>'
+    )
+    (found,) = found_in(write(tmp_path / "room.xml", text))
+    np.testing.assert_allclose(bounds(found.graph, "shallow")[1], [2, 2, 2], atol=0.05)
+    np.testing.assert_allclose(bounds(found.graph, "deep")[1], [1, 1, 1], atol=0.05)  # too deep: not heeded

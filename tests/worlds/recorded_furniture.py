@@ -34,7 +34,7 @@ def pieces() -> dict[str, Furniture]:
 
 
 def summary(piece: Furniture) -> Numbers:
-    """By material: corners, and their coordinates summed with weights, so that none moves unseen, metres."""
+    """By material: corners, and their coordinates, and the sizes of these, summed with weights: none moves unseen."""
     mesh = piece.mesh
     face = np.repeat(np.arange(len(mesh.offsets) - 1), np.diff(mesh.offsets))
     assert mesh.material_index is not None
@@ -43,7 +43,8 @@ def summary(piece: Furniture) -> Numbers:
     found = {}
     for number, name in enumerate(mesh.materials):
         mine = material == number
-        sums = (points[mine] * weight[mine, None]).sum(axis=0)
+        both = np.concatenate([points[mine], np.abs(points[mine])], axis=1)
+        sums = (both * weight[mine, None]).sum(axis=0)
         found[name] = [int(mine.sum()), *np.round(sums, 4).tolist()]
     return dict(sorted(found.items()))
 

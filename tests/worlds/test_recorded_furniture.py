@@ -23,4 +23,4 @@ def test_a_piece_is_as_it_was_recorded(name: str) -> None:
     now, before = summary(PIECES[name]), BEFORE[name]
     assert sorted(now) == sorted(before), AGAIN
     for material, values in before.items():
-        np.testing.assert_allclose(now[material], values, atol=2e-3, err_msg=f"{material}; {AGAIN}")
+        np.testing.assert_allclose(now[material], values, atol=3e-4, err_msg=f"{material}; {AGAIN}")
