@@ -43,7 +43,7 @@ ARROWS: dict[str, set[str]] = {
         "cli": "",
         "commands": "batches experiments learn metrics generate predict dataset formats blender worlds meshes spatial"
         " behaviour words scene poses",
-        "batches": "generate dataset formats blender worlds words scene geometry",
+        "batches": "generate dataset formats blender worlds spatial words scene geometry",
         "experiments": "learn metrics generate predict dataset formats blender worlds meshes spatial behaviour scene"
         " geometry poses",
         "learn": "metrics generate predict dataset worlds meshes spatial words scene geometry poses",
@@ -52,7 +52,7 @@ ARROWS: dict[str, set[str]] = {
         "predict": "dataset meshes spatial words scene geometry poses",
         "dataset": "formats spatial behaviour words scene geometry poses",
         "formats": "blender usd meshes scene geometry poses",
-        "blender": "behaviour scene poses",
+        "blender": "behaviour scene geometry poses",
         "usd": "scene",
         "worlds": "spatial scene geometry",
         "meshes": "scene geometry",

@@ -28,6 +28,7 @@ VERBS = {
     "train": "train a model on a dataset",
     "evaluate": "measure what a model makes, beside baselines and real scenes",
     "generate": "add objects to an empty or an existing scene with a trained model",
+    "render": "pictures of scenes with labels: masks, depth, boxes, COCO files, scenegraphs of what is seen",
     "relations": "tell which thing stands on, in or beside which",
     "classify": "tell what kind of scene a file holds",
     "label": "propose categories for objects that have none",

@@ -18,6 +18,11 @@ CHUNK, CHUNKS = 8, 32
 """Rooms that a process is asked for at a time at most, and jobs that a batch has at least where it has rooms enough."""
 
 FORMATS = ("blend", "usda", "json", "dataset")
+PICTURES = "pictures"
+"""The format of a batch of pictures, see :mod:`.pictures.picture_worker`."""
+
+WORK = {PICTURES: "unisg_blender.batches.pictures.picture_worker:make_pictures"}
+ROOM_WORK = "unisg_blender.batches.room_worker:make_rooms"
 
 Task = dict[str, Any]
 """A room to make, JSON-ready: ``room`` (its name), ``path`` (of its scene, "" for none) with ``sha256``, ``seed``."""
@@ -43,6 +48,8 @@ class BatchOptions:
         Bytes of memory from which on a process is replaced by a new one.
     here
         Make the rooms in this process: few that are made sooner than another process starts.
+    threads
+        Threads with which a process renders.
     """
 
     maker: str
@@ -54,6 +61,7 @@ class BatchOptions:
     timeout: float = 300.0
     memory: int = 4 * 2**30
     here: bool = False
+    threads: int = 1
 
 
 def plan_rooms(scenes: Sequence[Path], count: int, seed: int, stem: str) -> list[Task]:
@@ -102,7 +110,8 @@ def chunk_jobs(tasks: Sequence[Task], options: BatchOptions, folder: Path, parts
     }  # fmt: skip
     shared = decides | {
         "folder": str(folder.absolute()), "parts": str(parts.absolute()), "timeout": options.timeout, "memory": 0,
-        "most_memory": options.memory, "here": options.here,
+        "most_memory": options.memory, "here": options.here, "threads": options.threads,
+        "work": WORK.get(options.format, ROOM_WORK),
     }  # fmt: skip
     size = max(1, min(CHUNK, len(tasks) // CHUNKS))
     for start in range(0, len(tasks), size):

@@ -10,6 +10,7 @@ from typing import Any
 from ..dataset.format.writer import MANIFEST
 from ..runtime.atomic_files import replacing
 from ..runtime.json_records import parse_json
+from .pictures.picture_worker import FOLDERS
 
 REPORT = "report.jsonl"
 """A line for each room: what it is, or why it failed."""
@@ -49,10 +50,15 @@ class MadeBefore:
     def answer(self, job: Mapping[str, Any]) -> dict[str, Any] | None:
         """The answer for a job whose rooms are all there, None if one is not."""
         records = self._records.get(job["key"], ())
-        names = [record["file"] for record in records if "file" in record]
-        there = self.whole if job["format"] == "dataset" else all((self.folder / name).is_file() for name in names)
+        there = self.whole if job["format"] == "dataset" else all(map(self._is_there, records))
         made = len(records) == len(job["tasks"]) and all(record["status"] == "ok" for record in records)
         return {"number": job["number"], "records": records, "part": ""} if made and there else None
+
+    def _is_there(self, record: Mapping[str, Any]) -> bool:
+        """Whether all files of a room are there."""
+        names = [record["file"]] if "file" in record else []
+        names += [f"{kind}/{name}{end}" for name in record.get("pictures", ()) for kind, end in FOLDERS.items()]
+        return all((self.folder / name).is_file() for name in names)
 
     def all_answers(self, jobs: Iterator[dict[str, Any]]) -> list[dict[str, Any]] | None:
         """The answers for jobs that have all been done, None if one has not."""

@@ -3,26 +3,24 @@
 from __future__ import annotations
 
 import os
-import shutil
-from collections.abc import Generator, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures import Executor
-from contextlib import contextmanager
 from functools import partial
 from itertools import chain
 from pathlib import Path
 
 from ..dataset.export.supervisor import read_part
 from ..dataset.format.columns import mesh_checksums
-from ..dataset.format.writer import PARTS, DatasetWriter, dataset_folder
+from ..dataset.format.writer import DatasetWriter, dataset_folder
 from ..errors import UniSGError
-from ..runtime.atomic_files import UNFINISHED, DiskFullError, made_folder
-from ..runtime.folder_lock import folder_lock
+from ..runtime.atomic_files import DiskFullError
 from ..runtime.job_pool import Record, borrowed, own_executor, run_jobs
-from ..runtime.made_files import check_made, mark_made
 from ..runtime.steps import at_once
-from .batch_plan import BatchOptions, Task, chunk_jobs
-from .batch_report import REPORT, MadeBefore, write_report
+from .batch_folder import GRAPHS, batch_folder, parts_folder
+from .batch_plan import PICTURES, BatchOptions, Task, chunk_jobs
+from .batch_report import MadeBefore, write_report
 from .chunk_work import make_chunk
+from .pictures.coco_files import write_coco
 from .room_worker import failed
 
 
@@ -63,31 +61,40 @@ def batch_steps(
     UniSGError
         If the folder cannot be used, no room could be made, or the disk is full.
     """
-    with _folder(Path(out), tasks, options, resume, overwrite) as folder, _parts(folder, overwrite) as parts:
-        before = MadeBefore(folder, resume)
+    with (
+        batch_folder(Path(out), tasks, options.format, resume, overwrite) as folder,
+        parts_folder(folder, overwrite) as parts,
+    ):
         all_jobs = partial(chunk_jobs, tasks, options, folder, parts)
         yield [], len(tasks)
+        before = MadeBefore(folder, resume)
         answers = before.all_answers(all_jobs())
         if answers is not None:
             return _records(answers)
+        whole = options.format in ("dataset", PICTURES)  # what is of all rooms needs the parts of all
+        known = MadeBefore(folder, resumed=False) if whole else before
         answers = []
-        known = MadeBefore(folder, resumed=False) if options.format == "dataset" else before
-        work = (job for job in all_jobs() if known.answer(job) is None)
-        new = map(make_chunk, work) if options.here else _elsewhere(work, executor, jobs, wait)
-        for answer in chain(filter(None, map(known.answer, all_jobs())), new):
+        for answer in _answers(all_jobs, known, options, executor, jobs, wait):
             answers += [] if answer is None else [_checked(answer)]
             yield ([] if answer is None else answer["records"]), len(tasks)
         answers.sort(key=lambda answer: answer["number"])
-        records = _records(answers)
-        _check_some_made(records)
-        if options.format == "dataset":
-            _write_dataset(folder, parts, options, answers, records)
-        write_report(folder, records)
-        return records
+        _check_some_made(_records(answers))
+        _finish(folder, parts, options, answers)
+        return _records(answers)
 
 
 make_batch = at_once(batch_steps)
 """Make the rooms of a batch, with the parameters of :func:`batch_steps`; returns their records."""
+
+
+def _answers(
+    all_jobs: Callable[[], Iterator[Record]], known: MadeBefore, options: BatchOptions, executor: Executor | None,
+    jobs: int | None, wait: float | None,
+) -> Iterator[Record | None]:  # fmt: skip
+    """What became of all jobs: of those that are done already first, then of others as they are done."""
+    work = (job for job in all_jobs() if known.answer(job) is None)
+    new = map(make_chunk, work) if options.here else _elsewhere(work, executor, jobs, wait)
+    return chain(filter(None, map(known.answer, all_jobs())), new)
 
 
 def _records(answers: Sequence[Record]) -> list[Record]:
@@ -122,51 +129,24 @@ def _checked(answer: Record) -> Record:
     return answer
 
 
-@contextmanager
-def _folder(out: Path, tasks: Sequence[Task], options: BatchOptions, resume: bool, overwrite: bool) -> Iterator[Path]:
-    """The folder of a batch, locked, in which nothing of somebody else is replaced."""
-    if options.format == "dataset":
-        with dataset_folder(out, overwrite, resume) as folder:
-            yield folder
-        return
-    names = [REPORT, *(f"{task['room']}.{options.format}" for task in tasks)]
-    with made_folder(out), folder_lock(out):
-        if not (resume or overwrite):
-            taken = next((name for name in (PARTS, *names) if (out / name).exists()), None)
-            if taken is not None:
-                what = f"{out} holds an unfinished batch" if taken == PARTS else f"{out / taken} exists already"
-                raise UniSGError(f"{what}: choose another folder, or use --resume or --overwrite")
-        check_made(out, names)
-        mark_made(out, names)
-        yield out
-
-
-@contextmanager
-def _parts(folder: Path, overwrite: bool) -> Iterator[Path]:
-    """The folder of what is made but not finished; stays for ``resume`` unless it is empty or all is done."""
-    parts = folder / PARTS
-    if overwrite:
-        shutil.rmtree(parts, ignore_errors=True)
-    parts.mkdir(exist_ok=True)
-    try:
-        yield parts
-    except BaseException:
-        for path in (*parts.glob(UNFINISHED), *folder.glob(UNFINISHED)):
-            path.unlink(missing_ok=True)
-        if not any(parts.iterdir()):
-            parts.rmdir()
-        raise
-    shutil.rmtree(parts, ignore_errors=True)
-
-
 def _check_some_made(records: Sequence[Record]) -> None:
     if all(record["status"] == "failed" for record in records):
         raise UniSGError(f"none of {len(records)} rooms could be made; {records[0]['source']}: {records[0]['reason']}")
 
 
-def _write_dataset(
-    folder: Path, parts: Path, options: BatchOptions, answers: Sequence[Record], records: Sequence[Record]
-) -> None:
+def _finish(folder: Path, parts: Path, options: BatchOptions, answers: Sequence[Record]) -> None:
+    """Write what is of all rooms together: the report, and a dataset, or the labels and scenegraphs of all pictures."""
+    if options.format == "dataset":
+        _write_dataset(folder, parts, options, answers)
+    if options.format == PICTURES:
+        with dataset_folder(folder / GRAPHS, overwrite=True) as graphs:
+            _write_dataset(graphs, parts, options, answers)
+        names = [name for record in _records(answers) for name in record.get("pictures", ())]
+        write_coco(folder, names, (options.vocabulary or {}).get("categories", ()))
+    write_report(folder, _records(answers))
+
+
+def _write_dataset(folder: Path, parts: Path, options: BatchOptions, answers: Sequence[Record]) -> None:
     """Write the shards and the manifest from the parts, in the order of the jobs."""
     writer = DatasetWriter(folder, options.form, options.vocabulary)
     try:
@@ -175,8 +155,9 @@ def _write_dataset(
                 part = read_part(parts / answer["part"])
                 writer.add(part.columns, part.vocabulary)
                 sums = mesh_checksums(part.columns)
-                for place, record in enumerate(record for record in answer["records"] if record["status"] == "ok"):
+                sources = [] if options.format == PICTURES else answer["records"]  # pictures keep no geometry
+                for place, record in enumerate(record for record in sources if record["status"] == "ok"):
                     writer.assets.merge(part.assets, record["source"], sums if place == 0 else ())
-        writer.finish(records)
+        writer.finish(_records(answers))
     except DiskFullError as error:
         raise DiskFullError(f"{error}; make room, then resume the batch") from None

@@ -12,7 +12,6 @@ from ..dataset.export.supervisor import read_part
 from ..runtime.asked_process import ask
 from ..runtime.atomic_files import DamagedError, checksum_of
 from ..runtime.serving_process import handle
-from .room_worker import WORK
 
 TRIES = 2
 """Times that a process may end over a room before the room is left out: the first may be somebody's kill."""
@@ -40,7 +39,7 @@ def _new_answer(job: dict[str, Any]) -> dict[str, Any]:
     left_out: dict[str, str] = {}
     ended: dict[int, int] = {}
     while True:
-        answer = (handle if job["here"] else ask)(job | {"work": WORK, "left_out": left_out})
+        answer = (handle if job["here"] else ask)(job | {"left_out": left_out})
         if answer["status"] != "failed":
             return answer
         number = answer["how_far"][0] if answer["how_far"] else 0
@@ -60,8 +59,10 @@ def earlier_answer(job: Mapping[str, Any]) -> dict[str, Any] | None:
     with contextlib.suppress(OSError, ValueError, KeyError, TypeError, DamagedError):
         if job["format"] != "dataset":
             made = json.loads((parts / f"{job['key']}.json").read_text(encoding="utf-8"))
+            if part := made.get("part", ""):
+                read_part(parts / part)  # DamagedError if it is not whole
             if all(checksum_of(Path(job["folder"], name)) == total for name, total in made["files"].items()):
-                return {"status": "ok", "records": made["records"], "part": f"{job['key']}.json"}
+                return {"status": "ok", "records": made["records"], "part": part}
         for path in parts.glob(f"{job['key']}-*.safetensors"):
             return {"status": "ok", "records": read_part(path).answer["records"], "part": path.name}
     return None

@@ -20,8 +20,6 @@ from ..runtime.serving_process import Alive, load_function
 from .made_room import MadeRoom
 from .room_files import write_room
 
-WORK = "unisg_blender.batches.room_worker:make_rooms"
-
 
 def make_rooms(request: Mapping[str, Any], alive: Alive) -> dict[str, Any]:
     """Make the rooms of a job (see :mod:`.batch_plan`) but those that are ``left_out``, each with the reason.
@@ -39,7 +37,7 @@ def make_rooms(request: Mapping[str, Any], alive: Alive) -> dict[str, Any]:
         reason = request["left_out"].get(str(number), "")
         records.append(failed(task, reason) if reason else _made(request, task, target))
         alive(number + 1)
-    answer = {"status": "ok", "records": records, "tired": _memory() > request["most_memory"]}
+    answer = {"status": "ok", "records": records, "tired": used_memory() > request["most_memory"]}
     return answer | {"part": target.finish(records)}
 
 
@@ -47,7 +45,7 @@ def _made(request: Mapping[str, Any], task: Mapping[str, Any], target: _Files | 
     """Make a room; what fails costs itself only, but for a full disk."""
     try:
         room = load_function(request["maker"])(request["settings"], task)
-        record = _named(task) | {"status": "ok", "scenes": 1, "entities": len(room.scene)} | room.record
+        record = named(task) | {"status": "ok", "scenes": 1, "entities": len(room.scene)} | room.record
         return record | target.add(room, task["room"], record["source"])
     except (DiskFullError, MemoryError):
         raise
@@ -57,13 +55,14 @@ def _made(request: Mapping[str, Any], task: Mapping[str, Any], target: _Files | 
         return failed(task, f"{type(error).__name__}: {error}".splitlines()[0])
 
 
-def _named(task: Mapping[str, Any]) -> dict[str, Any]:
+def named(task: Mapping[str, Any]) -> dict[str, Any]:
+    """What every record says of its task."""
     return {"source": task["room"], "seed": task["seed"], "scene": Path(task["path"]).name}
 
 
 def failed(task: Mapping[str, Any], reason: str) -> dict[str, Any]:
     """What is said of a room that could not be made."""
-    return {**_named(task), "status": "failed", "reason": reason}
+    return {**named(task), "status": "failed", "reason": reason}
 
 
 class _Files:
@@ -82,9 +81,9 @@ class _Files:
         return {"file": path.name}
 
     def finish(self, records: list[dict[str, Any]]) -> str:
-        """Write down what was made; returns the name of the file that says so."""
+        """Write down what was made; there is no part beside the files."""
         write_file(self.part, json.dumps({"records": records, "files": self.files}))
-        return self.part.name
+        return ""
 
 
 class _Part:
@@ -109,12 +108,11 @@ class _Part:
         arrays, index = self.assets.pack()
         whole = join(self.columns) | {ASSETS + name: values for name, values in arrays.items()}
         notes = {"vocabulary": self.vocabulary.names, "assets": index, "answer": {"records": records}}
-        return write_named(Path(self.request["parts"]), self.request["key"], ".safetensors", pack_shard(whole, notes))[
-            0
-        ]
+        data = pack_shard(whole, notes)
+        return write_named(Path(self.request["parts"]), self.request["key"], ".safetensors", data)[0]
 
 
-def _memory() -> int:
+def used_memory() -> int:
     """The most bytes of memory that this process has used; 0 where the system does not say."""
     if sys.platform == "win32":
         return 0

@@ -13,12 +13,18 @@ from .rebuild import to_scenegraph
 
 if TYPE_CHECKING:
     from .graphs.heterodata import UniSGDataset, to_heterodata
+    from .graphs.picture_dataset import PictureDataset
 
 __all__ = [
-    "Dataset", "Sample", "Scene", "UniSGDataset", "common_vocabulary", "open_dataset", "to_heterodata",
-    "to_scenegraph", "write_dataset",
+    "Dataset", "PictureDataset", "Sample", "Scene", "UniSGDataset", "common_vocabulary", "open_dataset",
+    "to_heterodata", "to_scenegraph", "write_dataset",
 ]  # fmt: skip
 
 __getattr__, __dir__ = lazy_names(
-    __name__, {"UniSGDataset": ".graphs.heterodata", "to_heterodata": ".graphs.heterodata"}
+    __name__,
+    {
+        "PictureDataset": ".graphs.picture_dataset",
+        "UniSGDataset": ".graphs.heterodata",
+        "to_heterodata": ".graphs.heterodata",
+    },
 )

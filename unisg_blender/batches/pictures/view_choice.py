@@ -1,0 +1,268 @@
+"""Cameras for a scene: its own, eyes of a person, corners of the room, looks from outside, or at things."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from fnmatch import fnmatchcase
+
+import numpy as np
+
+from ...errors import UniSGError
+from ...generate.counts import parse_counts
+from ...geometry.arrays import Bools, Floats
+from ...geometry.camera_view import CameraView, looking
+from ...geometry.polygon import inside, to_edges
+from ...scene import SceneGraph
+from ...scene.categories import STRUCTURE, has_category
+from ...spatial.object_rows import Objects, find_objects
+from ...spatial.structure import recognise_structure
+
+SCENE, EYE, CORNERS, DOLLHOUSE, TURNTABLE = KINDS = ("scene", "eye", "corners", "dollhouse", "turntable")
+"""Kinds of views; any other word is a category of things to look at."""
+
+EYE_HEIGHT, HIGH, BELOW_CEILING = 1.6, 2.3, 0.25
+"""Metres over the floor of eyes and of cameras in corners, and below the ceiling at least."""
+
+WIDE, NARROW = 1.2, 0.7
+"""Angles of view in radians: within a room, and from outside."""
+
+FROM_WALL, FROM_THING, FROM_CORNER = 0.35, 0.25, 0.4
+"""Metres that a person keeps from walls and things, and a camera from both walls of a corner."""
+
+TRIED, WAYS = 60, 12
+"""Places that are looked at for eyes, and ways to look from each."""
+
+ABOVE = {DOLLHOUSE: 0.95, TURNTABLE: 0.5}
+"""By how many radians views from outside look down."""
+
+
+@dataclass(frozen=True, eq=False)
+class ChosenView:
+    """A camera, and the rows (N,) of the scene that its picture leaves out."""
+
+    view: CameraView
+    hidden: Bools
+
+
+@dataclass(frozen=True, eq=False)
+class Surround:
+    """The place that is looked at: its ``outline`` (K, 2), heights of floor and ceiling in metres, and its things."""
+
+    graph: SceneGraph
+    outline: Floats
+    floor: float
+    ceiling: float
+    objects: Objects
+    things: Bools
+
+    @staticmethod
+    def of(graph: SceneGraph) -> Surround:
+        """The largest room of a scene, or the box around all that it shows; UniSGError if that is nothing."""
+        objects = find_objects(graph, empty=False)
+        if not len(objects):
+            raise UniSGError("the scene shows nothing: there is no object with a mesh")
+        rooms = recognise_structure(graph).rooms
+        things = ~has_category(graph, STRUCTURE)[objects.rows]
+        if rooms:
+            room = max(rooms, key=lambda room: (room.indoors, room.area))
+            return Surround(graph, room.outline, room.floor, room.ceiling, objects, things)
+        low, high = objects.low.min(axis=0), objects.high.max(axis=0)
+        corners = np.array([[low[0], low[1]], [high[0], low[1]], [high[0], high[1]], [low[0], high[1]]])
+        return Surround(graph, corners, float(low[2]), np.inf, objects, things)
+
+    @property
+    def middles(self) -> Floats:
+        """Middles (T, 3) of the things; of all that is shown where there are none."""
+        chosen = self.things if self.things.any() else np.ones(len(self.objects), bool)
+        return np.asarray((self.objects.low[chosen] + self.objects.high[chosen]) / 2)
+
+    def height(self, wanted: float) -> float:
+        """A height so far over the floor, or under the ceiling."""
+        return max(min(self.floor + wanted, self.ceiling - BELOW_CEILING), self.floor + 0.3)
+
+    def standing_places(self, rng: np.random.Generator) -> Floats:
+        """Places (P, 2) where a person could stand."""
+        low, high = self.outline.min(axis=0), self.outline.max(axis=0)
+        places = rng.uniform(low, high, (TRIED, 2))
+        places = places[inside(self.outline, places)]
+        places = places[np.linalg.norm(to_edges(self.outline, places), axis=2).min(axis=1, initial=np.inf) > FROM_WALL]
+        least, most = self.objects.low[self.things], self.objects.high[self.things]
+        tall = (most[:, 2] > self.floor + 0.15) & (least[:, 2] < self.floor + 1.8)
+        least, most = least[tall, :2] - FROM_THING, most[tall, :2] + FROM_THING
+        taken = ((places[:, None] > least) & (places[:, None] < most)).all(axis=2).any(axis=1)
+        return np.asarray(places[~taken])
+
+
+def parse_views(text: str) -> dict[str, int]:
+    """Kinds of views and numbers out of "eye=4,corners=2,Chair=3"; UniSGError if the text is not of that form."""
+    return parse_counts(text)
+
+
+def choose_views(
+    graph: SceneGraph, wanted: Mapping[str, int] | None, size: tuple[int, int], rng: np.random.Generator
+) -> list[ChosenView]:
+    """Cameras for a scene.
+
+    Parameters
+    ----------
+    graph
+        The scene, what is building with its category.
+    wanted
+        How many of which of :data:`KINDS`, or of looks at which category; where None, the scene's own cameras, or two
+        eyes where it has none.
+    size
+        Width and height in pixels.
+
+    Raises
+    ------
+    UniSGError
+        If there is nothing to look at, nowhere to stand, or no such thing or camera.
+    """
+    own = scene_cameras(graph, size)
+    if wanted is None:
+        wanted = {SCENE: len(own)} if own else {EYE: 2}
+    around, found = Surround.of(graph), list[ChosenView]()
+    for kind, count in wanted.items():
+        if kind == SCENE:
+            if not own:
+                raise UniSGError('the scene has no camera that can be used: ask for "eye=2", or add one')
+            found += [ChosenView(view, np.zeros(len(graph), bool)) for view in own[: max(count, 1)]]
+        else:
+            make = _MAKERS.get(kind, _looks_at)
+            found += make(around, kind, count, size, rng)
+    return found
+
+
+def scene_cameras(graph: SceneGraph, size: tuple[int, int]) -> list[CameraView]:
+    """The cameras of a scene, the active one first; panoramic ones are left out."""
+    found = []
+    for row, kind, fit, lens, width, height, scale, near, far, x, y, active in graph.entries(
+        "camera", "kind", "fit", "lens", "sensor_width", "sensor_height", "ortho_scale", "clip_start", "clip_end",
+        "shift_x", "shift_y", "active",
+    ):  # fmt: skip
+        if kind == "PANO":
+            continue
+        across = fit == "HORIZONTAL" or (fit == "AUTO" and size[0] >= size[1])
+        side, sensor = size[0 if across else 1], height if fit == "VERTICAL" else width
+        focal = side / scale if kind == "ORTHO" else lens / sensor * side
+        center = (size[0] / 2 - x * side, size[1] / 2 + y * side)
+        world = np.eye(4)
+        axes = graph.world[row][:3, :3]
+        world[:3, :3] = axes / np.linalg.norm(axes, axis=0)
+        world[:3, 3] = graph.world[row][:3, 3]
+        view = CameraView(
+            f"camera {graph.name[row]}", world, size, float(focal), center, (float(near), float(far)), kind == "ORTHO"
+        )
+        found.append((not active, row, view))
+    return [view for _, _, view in sorted(found, key=lambda entry: entry[:2])]
+
+
+def _eyes(around: Surround, kind: str, count: int, size: tuple[int, int], rng: np.random.Generator) -> list[ChosenView]:
+    """From where a person could stand, the way in which most is to be seen nearby."""
+    places = around.standing_places(rng)
+    if not len(places):
+        raise UniSGError('there is nowhere to stand in the room: ask for "corners=1" or "dollhouse=1"')
+    middles, height = around.middles, around.height(EYE_HEIGHT)
+    turns = np.arange(WAYS) * 2 * np.pi / WAYS
+    ways = np.column_stack([np.cos(turns), np.sin(turns)])
+    offset = middles[None, :, :2] - places[:, None]
+    far = np.maximum(np.linalg.norm(offset, axis=2), 1e-9)
+    ahead = np.einsum("ptk,wk->pwt", offset / far[..., None], ways) > np.cos(0.45 * WIDE)
+    value = (ahead / np.maximum(far, 0.5)[:, None, :]).sum(axis=2)
+    chosen = np.argsort(-value.max(axis=1), kind="stable")[: max(count, len(places) // 3)]
+    chosen = rng.permutation(chosen)
+    found = []
+    for number in range(count):
+        place = chosen[number % len(chosen)]
+        way = np.argsort(-value[place], kind="stable")[number // len(chosen) % WAYS]
+        seen = middles[ahead[place, way]]
+        eye = np.array([*places[place], height])
+        down = np.median(seen[:, 2]) if len(seen) else around.floor + 1.0
+        target = np.array([*(places[place] + 2.0 * ways[way]), min(max(down, height - 1.2), height)])
+        found.append(_within(f"{kind} {number}", eye, target, size, around))
+    return found
+
+
+def _corners(
+    around: Surround, kind: str, count: int, size: tuple[int, int], rng: np.random.Generator
+) -> list[ChosenView]:
+    """From the corners of the room that are farthest from its middle."""
+    middle = around.middles.mean(axis=0)
+    order = np.argsort(-np.linalg.norm(around.outline - middle[:2], axis=1), kind="stable")
+    found = []
+    for number in range(count):
+        corner = around.outline[order[number % len(order)]]
+        way = middle[:2] - corner
+        place = corner + way / max(float(np.linalg.norm(way)), 1e-9) * FROM_CORNER * np.sqrt(2)
+        eye = np.array([*place, around.height(HIGH)])
+        found.append(_within(f"{kind} {number}", eye, np.array([*middle[:2], around.floor + 0.7]), size, around))
+    return found
+
+
+def _within(name: str, eye: Floats, target: Floats, size: tuple[int, int], around: Surround) -> ChosenView:
+    return ChosenView(looking(name, eye, target, size, WIDE), np.zeros(len(around.graph), bool))
+
+
+def _from_outside(
+    around: Surround, kind: str, count: int, size: tuple[int, int], rng: np.random.Generator
+) -> list[ChosenView]:
+    """From outside and above, without ceilings and the walls in front; a turntable goes around, without any wall."""
+    low, high = around.objects.low.min(axis=0), around.objects.high.max(axis=0)
+    if np.isfinite(around.ceiling) or len(around.outline) > 4:
+        low[:2], high[:2] = around.outline.min(axis=0), around.outline.max(axis=0)
+        low[2], high[2] = around.floor, min(around.ceiling, high[2])
+    middle, radius = (low + high) / 2, float(np.linalg.norm(high - low)) / 2
+    small = NARROW * min(size) / max(size)
+    back, built = radius / np.sin(small / 2), has_category(around.graph, STRUCTURE)
+    floor = has_category(around.graph, ("Floor",))
+    found = []
+    for number in range(count):
+        turn = (number / count if kind == TURNTABLE else 0.125 + number / max(count, 4)) * 2 * np.pi
+        way = np.array([np.cos(turn) * np.cos(ABOVE[kind]), np.sin(turn) * np.cos(ABOVE[kind]), np.sin(ABOVE[kind])])
+        hidden = built & ~floor
+        if kind == DOLLHOUSE:
+            hidden &= has_category(around.graph, ("Ceiling",)) | _in_front(around, middle, way)
+        found.append(ChosenView(looking(f"{kind} {number}", middle + way * back, middle, size, NARROW), hidden))
+    return found
+
+
+def _in_front(around: Surround, middle: Floats, way: Floats) -> Bools:
+    """Which rows (N,) are on the side of the middle from which one looks."""
+    found = np.zeros(len(around.graph), bool)
+    center = (around.objects.low + around.objects.high) / 2
+    toward = (center[:, :2] - middle[:2]) @ way[:2]
+    found[around.objects.rows] = toward > 0.1
+    owner = around.objects.of_row
+    return np.where(owner >= 0, found[around.objects.rows][owner], False)
+
+
+def _looks_at(
+    around: Surround, kind: str, count: int, size: tuple[int, int], rng: np.random.Generator
+) -> list[ChosenView]:
+    """At things of a category, from where a person could stand, else from close above."""
+    graph, objects = around.graph, around.objects
+    mine = [
+        number for number, row in enumerate(objects.rows.tolist())
+        if fnmatchcase(graph.category_name(row).casefold(), kind.casefold())
+    ]  # fmt: skip
+    if not mine:
+        raise UniSGError(f"there is no {kind!r} in the scene to look at (views are {', '.join(KINDS)}, or a category)")
+    places, order, found = around.standing_places(rng), rng.permutation(mine), []
+    for number in range(count):
+        thing = order[number % len(order)]
+        middle = (objects.low[thing] + objects.high[thing]) / 2
+        long = float(np.linalg.norm(objects.high[thing] - objects.low[thing]))
+        far = np.linalg.norm(places - middle[:2], axis=1)
+        near = np.argsort(np.abs(far - max(1.0, 1.5 * long)), kind="stable")[:5]
+        if len(near):
+            eye = np.array([*places[rng.choice(near)], around.height(EYE_HEIGHT)])
+        else:
+            eye = middle + np.array([0.3, -0.8, 0.8]) * max(long, 0.5)
+        angle = float(np.clip(2.5 * long / max(float(np.linalg.norm(eye - middle)), 0.1), 0.35, WIDE))
+        found.append(ChosenView(looking(f"{kind} {number}", eye, middle, size, angle), np.zeros(len(graph), bool)))
+    return found
+
+
+Maker = Callable[[Surround, str, int, tuple[int, int], np.random.Generator], list[ChosenView]]
+_MAKERS: dict[str, Maker] = {EYE: _eyes, CORNERS: _corners, DOLLHOUSE: _from_outside, TURNTABLE: _from_outside}
