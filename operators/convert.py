@@ -18,6 +18,9 @@ if TYPE_CHECKING:
 
 ENDINGS = (*USD, *JSON)
 
+DRAWN = 0.1
+"""Seconds after which a window that shows another scene has been drawn."""
+
 _waiting: list[tuple[str, int, str]] = []
 """Scenes by name, the windows that are to show them, and what the undo step is called."""
 
@@ -38,13 +41,14 @@ def show_scene(operator: FileOperator, context: bpy.types.Context, graph: SceneG
 def _look_at(scene: bpy.types.Scene, window: bpy.types.Window | None, step: str, later: bool) -> None:
     """Show a scene in a window and make an undo step of it, which keeps what each window shows.
 
-    ``later`` if a file browser is closing: Blender would lose the top bar.
+    ``later`` if a file browser is closing; Blender lays the top bar out for that browser's width then, and loses it if
+    the name of the scene is longer: when it has been drawn, the bars are laid out anew.
     """
     _waiting[:] = [(scene.name, window.as_pointer(), step)] if window is not None else []
     if not later:
         _look_now()
-    elif not bpy.app.timers.is_registered(_look_now):
-        bpy.app.timers.register(_look_now, first_interval=0.01)
+    elif not bpy.app.timers.is_registered(_look_then):
+        bpy.app.timers.register(_look_then, first_interval=0.01)
 
 
 def _look_now() -> None:
@@ -54,6 +58,18 @@ def _look_now() -> None:
                 window.scene = bpy.data.scenes[name]
                 bpy.ops.ed.undo_push(message=step)
     _waiting.clear()
+
+
+def _look_then() -> float | None:
+    """Show what waits; when that has been drawn, lay the bars of all windows out anew."""
+    if _waiting:
+        _look_now()
+        return DRAWN
+    for window in bpy.context.window_manager.windows:
+        shown = window.screen.show_statusbar
+        window.screen.show_statusbar = not shown
+        window.screen.show_statusbar = shown
+    return None
 
 
 class UNISG_OT_convert(FileOperator):
@@ -120,5 +136,5 @@ CLASSES = (UNISG_OT_convert, UNISG_OT_open_master_file)
 
 def unregister() -> None:
     """Forget what was to be shown."""
-    if bpy.app.timers.is_registered(_look_now):
-        bpy.app.timers.unregister(_look_now)
+    if bpy.app.timers.is_registered(_look_then):
+        bpy.app.timers.unregister(_look_then)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from types import ModuleType, SimpleNamespace
 
 import bpy
 import pytest
@@ -71,3 +72,17 @@ def test_a_damaged_file_changes_nothing(tmp_path: Path) -> None:
     with pytest.raises(RuntimeError, match="not a readable USD file"):
         bpy.ops.unisg.open_master_file(filepath=str(tmp_path / "bad.usda"))
     assert len(bpy.data.scenes) == 1
+
+
+def test_a_scene_is_shown_after_the_file_browser_has_closed(extension: ModuleType) -> None:
+    """And the bars of windows are laid out anew when that has been drawn; nothing stays registered."""
+    module = extension.operators.convert
+    scene = bpy.data.scenes.new("Imported")
+    module._look_at(scene, SimpleNamespace(as_pointer=lambda: 1), "Import", later=True)
+    assert bpy.app.timers.is_registered(module._look_then)
+    bpy.app.timers.unregister(module._look_then)
+    assert module._look_then() == module.DRAWN
+    assert module._look_then() is None
+    module._look_at(scene, SimpleNamespace(as_pointer=lambda: 1), "Import", later=True)
+    module.unregister()
+    assert not bpy.app.timers.is_registered(module._look_then)
