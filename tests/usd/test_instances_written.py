@@ -1,4 +1,4 @@
-"""Many copies that are not turned are a point instancer, which keeps quaternions in half precision only; others are not."""
+"""Many copies that are not turned are a point instancer; others, whose turns it would keep coarsely, are not."""
 
 from __future__ import annotations
 
