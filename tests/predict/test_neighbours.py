@@ -5,7 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+pytest.importorskip("torch")
+
 from tests.meshes.shapes import box
+from unisg_blender.learn.object_categories.training import standing_together
 from unisg_blender.predict.category_proposals import BESIDE, MOST_NEIGHBOURS, beside
 from unisg_blender.scene import SceneBuilder, SceneGraph
 
@@ -43,3 +46,24 @@ def test_of_many_the_nearest_count() -> None:
     assert np.bincount(found).max() <= MOST_NEIGHBOURS
     mine = sorted(two for one, two in pairs(graph) if one == 20)
     assert mine == [*range(20 - MOST_NEIGHBOURS // 2, 20), *range(21, 21 + MOST_NEIGHBOURS // 2)]
+
+
+def test_what_stands_together_oftener_than_by_chance_and_seldomer() -> None:
+    def scene(*kinds: str) -> SceneGraph:
+        """Cubes in a row, each beside the next one or two."""
+        graph = row_of_boxes(*((0.6 * k, 0.2) for k in range(len(kinds))))
+        names = tuple(dict.fromkeys(kinds))
+        return graph.replace(vocabulary=names, category=np.array([names.index(kind) for kind in kinds], np.int32))
+
+    pairs_seen = [scene("Cup", "Plate")] * 30 + [scene("Lamp", "Book")] * 30 + [scene("Cup", "Lamp")]
+    found = standing_together(pairs_seen, ["Cup", "Plate", "Lamp", "Book", "Chair"])
+    np.testing.assert_allclose(found, found.T)
+    counts = np.zeros((4, 4))
+    for one, two, times in ((0, 1, 30), (2, 3, 30), (0, 2, 1)):
+        counts[one, two] = counts[two, one] = times
+    expected = counts.sum(axis=1)[:, None] * counts.sum(axis=0) / counts.sum()
+    np.testing.assert_allclose(found[:4, :4], np.clip(np.log((counts + 1) / (expected + 1)), -2, 2))
+    assert found[0, 1] > 0.5
+    assert found[1, 3] == -2
+    assert not found[4].any()
+    assert not standing_together([scene("Cup")], ["Cup"]).any()

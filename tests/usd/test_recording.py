@@ -95,6 +95,15 @@ def test_growing_things_keep_all_keys() -> None:
     assert needed_keys(np.arange(5.0), matrices, 1.0, 1.0).tolist() == [0, 1, 2, 3, 4]
 
 
+@pytest.mark.parametrize(("millimetres", "degrees"), [(0.0, 1.0), (1.0, 0.0), (-1.0, 1.0), (1.0, -1.0)])
+def test_without_a_tolerance_all_keys_stay(millimetres: float, degrees: float) -> None:
+    matrices = np.tile(np.eye(4), (5, 1, 1))
+    matrices[:, 0, 3] = np.arange(5)
+    assert needed_keys(np.arange(5.0), matrices, 1.0, 1.0).tolist() == [0, 4]
+    assert needed_keys(np.arange(5.0), matrices, millimetres, degrees).tolist() == [0, 1, 2, 3, 4]
+    assert needed_keys(np.arange(2.0), matrices[:2], 1.0, 1.0).tolist() == [0, 1]
+
+
 def test_nothing_to_replay(cubes: list) -> None:
     with pytest.raises(UniSGError, match="no recording"):
         replay(read_scene())
