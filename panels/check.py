@@ -21,11 +21,8 @@ class UNISG_UL_faults(bpy.types.UIList):
         icon: int, active_data: object, active_property: str, index: int = 0, flt_flag: int = 0,
     ) -> None:  # fmt: skip
         row = layout.split(factor=NAME)
-        for label, symbol in ((item.name, ICONS.get(item.state, "ERROR")), (item.text, "NONE")):
-            part = row.row()
-            part.alignment = "LEFT"  # what is too long is cut at its end
-            button = part.operator("unisg.show_object", text=label, icon=symbol, emboss=False)
-            button.uid, button.text = item.uid, f"{item.name} {item.text}"
+        row.label(text=item.name, icon=ICONS.get(item.state, "ERROR"))
+        row.label(text=item.text.replace("collides with", "in"))
 
 
 class UNISG_PT_check(ClosedPanel):
@@ -44,8 +41,9 @@ class UNISG_PT_check(ClosedPanel):
             layout.label(text="Changed since: check again", icon="FILE_REFRESH")
         if len(found.faults):
             layout.template_list("UNISG_UL_faults", "", found, "faults", found, "active", rows=4)
-            chosen = found.faults[min(found.active, len(found.faults) - 1)]
-            draw_text(layout, f"{chosen.name} {chosen.text}", context.region.width)
+            if 0 <= found.active < len(found.faults):
+                chosen = found.faults[found.active]
+                draw_text(layout, f"{chosen.name} {chosen.text}", context.region.width)
             row = layout.row(align=True)
             row.operator("unisg.select_faults", icon="RESTRICT_SELECT_OFF")
             row.operator("unisg.settle", icon="TRIA_DOWN_BAR")

@@ -36,6 +36,19 @@ class UNISG_Fault(bpy.types.PropertyGroup):
     text: bpy.props.StringProperty()
 
 
+def _chosen(listed: UNISG_CheckedScene, context: bpy.types.Context) -> None:
+    """Select the object of the row that was clicked, and look at it; if it is gone, the list is old."""
+    if not 0 <= listed.active < len(listed.faults) or context.mode != "OBJECT":
+        return
+    items = _found(context, [listed.faults[listed.active].uid])
+    if not items:
+        listed.old = True
+        return
+    _select(context, items)
+    if context.area is not None and context.area.type == "VIEW_3D":
+        _look_at(context.area.spaces.active.region_3d, context.selected_objects, _metre(context.scene))
+
+
 class UNISG_CheckedScene(bpy.types.PropertyGroup):
     """What the last check of a scene found; ``old`` where something was moved since."""
 
@@ -43,7 +56,10 @@ class UNISG_CheckedScene(bpy.types.PropertyGroup):
     old: bpy.props.BoolProperty()
     summary: bpy.props.StringProperty()
     faults: bpy.props.CollectionProperty(type=UNISG_Fault)
-    active: bpy.props.IntProperty()
+    active: bpy.props.IntProperty(
+        name="Chosen", description="A click selects an object and shows it with what is around it", default=-1, min=-1,
+        update=_chosen,
+    )  # fmt: skip
 
 
 def checking() -> bool:
@@ -119,7 +135,7 @@ def _checked(graph: SceneGraph) -> tuple[SceneGraph, SceneCheck]:
 def _say(scene: str, text: str) -> None:
     settings = bpy.context.window_manager.unisg_check
     settings.faults.clear()
-    settings.scene, settings.summary, settings.active, settings.old = scene, text, 0, False
+    settings.scene, settings.summary, settings.active, settings.old = scene, text, -1, False
 
 
 def _list(scene: str, graph: SceneGraph, found: SceneCheck) -> None:
@@ -133,32 +149,6 @@ def _list(scene: str, graph: SceneGraph, found: SceneCheck) -> None:
             fault.text,
         )
     redraw_views(bpy.context)
-
-
-class UNISG_OT_show_object(Operator):
-    """Select this object and bring it into view"""
-
-    bl_idname = "unisg.show_object"
-    bl_label = "Show Object"
-    bl_options = {"UNDO", "INTERNAL"}
-
-    uid: bpy.props.StringProperty()
-    text: bpy.props.StringProperty(name="Text", description="What is wrong with it", options={"SKIP_SAVE", "HIDDEN"})
-
-    @classmethod
-    def description(cls, context: bpy.types.Context, properties: bpy.types.OperatorProperties) -> str:
-        """The tooltip: the whole text, which the list may cut off."""
-        return f"{properties.text}. Select it and bring it into view" if properties.text else str(cls.__doc__)
-
-    def run(self, context: bpy.types.Context) -> None:
-        items = _found(context, [self.uid])
-        if not items:
-            raise UniSGError("the object is no longer there, or is hidden: check again")
-        _select(context, items)
-        listed = context.window_manager.unisg_check
-        listed.active = max(next((place for place, each in enumerate(listed.faults) if each.uid == self.uid), 0), 0)
-        if context.area is not None and context.area.type == "VIEW_3D":
-            _look_at(context.area.spaces.active.region_3d, context.selected_objects, _metre(context.scene))
 
 
 def _look_at(view: bpy.types.RegionView3D, items: list[bpy.types.Object], metre: float) -> None:
@@ -232,7 +222,7 @@ def _loaded(*_: object) -> None:
     _say("", "")
 
 
-CLASSES = (UNISG_Fault, UNISG_CheckedScene, UNISG_OT_check, UNISG_OT_show_object, UNISG_OT_select_faults)
+CLASSES = (UNISG_Fault, UNISG_CheckedScene, UNISG_OT_check, UNISG_OT_select_faults)
 HANDLERS = (
     ("depsgraph_update_post", _changed), ("undo_post", _undone), ("redo_post", _undone), ("load_post", _loaded),
 )  # fmt: skip

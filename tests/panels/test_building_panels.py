@@ -58,7 +58,9 @@ def test_rooms_and_what_the_active_object_is_are_told(extension: ModuleType, rec
 def test_the_check_is_told(extension: ModuleType, recognised: ModuleType) -> None:
     assert labels(extension, "check", "UNISG_PT_check") == ""
     bpy.ops.unisg.check()
-    assert labels(extension, "check", "UNISG_PT_check") == "4 things: 3 fine, 1 floating High floats by 20 cm"
+    assert labels(extension, "check", "UNISG_PT_check") == "4 things: 3 fine, 1 floating"
+    bpy.context.window_manager.unisg_check.active = 0
+    assert labels(extension, "check", "UNISG_PT_check").endswith("High floats by 20 cm")
     bpy.data.objects["High"].location.x += 0.1
     bpy.context.view_layer.update()
     assert "Changed since: check again" in labels(extension, "check", "UNISG_PT_check")
