@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import sys
+
 import bpy
 
 from ..unisg_blender.errors import UniSGError, did_you_mean
@@ -63,7 +65,7 @@ PROPERTIES = ((bpy.types.WindowManager, "unisg_microscope", bpy.props.PointerPro
 
 
 def unregister() -> None:
-    """Stop drawing."""
-    from ..unisg_blender.blender.viewport import motion_paths as microscope
-
-    microscope.stop()
+    """Stop drawing, if anything was drawn: nothing is loaded for that."""
+    microscope = sys.modules.get(f"{__package__.rpartition('.')[0]}.unisg_blender.blender.viewport.motion_paths")
+    if microscope is not None:
+        microscope.stop()

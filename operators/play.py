@@ -63,11 +63,11 @@ class UNISG_OT_play(Operator):
 
     def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         current = session()
-        self._finished = current.state.finished if current is not None else self._finished
         if current is None or event.type == "ESC" or current.scene not in bpy.data.scenes:
             return self._end(context)
         if event.type == "TIMER":
             before, events = current.face(), current.step(time.monotonic() - current.started)
+            self._finished = current.state.finished
             for happened in events:
                 if happened.kind in ("out_of_order", "wrong_answer"):
                     self.report({"WARNING"}, happened.why)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -443,3 +444,22 @@ def test_an_operation_with_one_lesson_is_shown_as_that_lesson(extension):
     root = lesson_of(bpy.data.objects["Surgery"])
     assert len(root.children) == 2
     assert shown_top(root) == root
+
+
+@pytest.mark.parametrize(("finished", "told"), [(True, "The lesson has ended"), (False, "Stopped before the end")])
+def test_stop_says_whether_the_lesson_has_ended(extension, finished, told):
+    """Stop lets the session go; the running operator hears of it at its next event."""
+    play, said = extension.operators.play, []
+    state = SimpleNamespace(finished=finished)
+    current = SimpleNamespace(state=state, scene="Scene", face=lambda: 0, step=lambda _: [], started=0.0)
+    operator = SimpleNamespace(
+        _finished=False, _timer=None, report=lambda _, text: said.append(text),
+        _end=lambda context: play.UNISG_OT_play._end(operator, context),
+    )  # fmt: skip
+    context = SimpleNamespace(window_manager=SimpleNamespace(event_timer_remove=lambda _: None, windows=()))
+    play._sessions[:] = [current]
+    bpy.data.scenes[0].name = "Scene"
+    assert play.UNISG_OT_play.modal(operator, context, SimpleNamespace(type="TIMER")) == {"PASS_THROUGH"}
+    bpy.ops.unisg.play_stop()
+    assert play.UNISG_OT_play.modal(operator, context, SimpleNamespace(type="TIMER")) == {"FINISHED"}
+    assert said == [told]

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import subprocess
 import sys
 import threading
 import time
+from pathlib import Path
 from types import ModuleType, SimpleNamespace
 from unittest.mock import MagicMock
 
@@ -128,3 +130,18 @@ def test_another_file_lets_work_go(extension: ModuleType, name: str) -> None:
     work.start(lambda: 1, list, list)
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     assert not work.busy
+
+
+def test_switching_off_loads_nothing() -> None:
+    """What was never used is not loaded to be stopped: it takes a third of a second."""
+    code = (
+        "import sys, bpy\n"
+        "from tests.extension_package import load_extension\n"
+        "package = load_extension(); package.register(); before = set(sys.modules); package.unregister()\n"
+        "print(sorted(name for name in set(sys.modules) - before if name.startswith(package.__name__)))\n"
+    )
+    root = Path(__file__).resolve().parents[2]
+    done = subprocess.run(
+        [sys.executable, "-c", code], cwd=root, capture_output=True, text=True, check=True, timeout=120
+    )
+    assert done.stdout.strip().splitlines()[-1] == "[]"
