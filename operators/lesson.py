@@ -105,8 +105,15 @@ class UNISG_OT_lesson_add_action(LessonOperator):
 
     @classmethod
     def why_grey(cls, context: bpy.types.Context) -> str:
-        if context.active_object is None or active_action(context, context.active_object) is None:
+        from ..unisg_blender.blender.authoring.stored_behaviour import lesson_of
+
+        action = None if context.active_object is None else active_action(context, context.active_object)
+        if action is None:
             return "Select an object that has an action"
+        item = lesson_object(context)
+        root = None if item is None else lesson_of(item)
+        if root is not None and any(node.action == action.uid for node in root.walk()):
+            return "The lesson has this action already"
         return super().why_grey(context)
 
     def edit(self, context: bpy.types.Context, root: LessonNode, node: LessonNode) -> LessonNode:

@@ -6,6 +6,7 @@ They live in the window manager: undo leaves them alone, and no file keeps them.
 from __future__ import annotations
 
 import bpy
+from bpy.app.handlers import persistent
 
 
 def show_proposal(settings: bpy.types.PropertyGroup, context: bpy.types.Context) -> None:
@@ -67,5 +68,14 @@ class UNISG_PG_meshes(bpy.types.PropertyGroup):
     matched: bpy.props.StringProperty(description="Name of the object that the matches are for")
 
 
+@persistent
+def _loaded(*_: object) -> None:
+    """Another file: what was proposed and found was of the things of the one before."""
+    settings = bpy.context.window_manager.unisg_meshes
+    settings.proposals.clear()
+    settings.matches.clear()
+
+
+HANDLERS = (("load_post", _loaded),)
 CLASSES = (UNISG_PG_guess, UNISG_PG_proposal, UNISG_PG_match, UNISG_PG_meshes)
 PROPERTIES = ((bpy.types.WindowManager, "unisg_meshes", bpy.props.PointerProperty(type=UNISG_PG_meshes)),)

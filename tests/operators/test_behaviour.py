@@ -184,6 +184,7 @@ def shape(item):
 def test_a_lesson_is_built_moved_and_checked():
     item = build_lesson()
     assert shape(item) == ("Surgery", ("Surgery", ("Stage", "Place", "Take away")))
+    assert not bpy.ops.unisg.lesson_add_action.poll(), "it has that action already"
     bpy.ops.unisg.lesson_move(how="UP")
     assert shape(item) == ("Surgery", ("Surgery", ("Stage", "Take away", "Place")))
     bpy.ops.unisg.lesson_move(how="DOWN")

@@ -135,3 +135,12 @@ def test_another_file_empties_the_suggestions(extension: ModuleType, room: None)
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     assert not len(bpy.context.window_manager.unisg_suggested.things)
     assert not drawn(extension)
+
+
+def test_another_file_empties_proposals_and_what_was_found(extension: ModuleType) -> None:
+    settings = bpy.context.window_manager.unisg_meshes
+    settings.proposals.add().name = "Cube"
+    settings.matches.add().name = "Cube"
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    settings = bpy.context.window_manager.unisg_meshes
+    assert (len(settings.proposals), len(settings.matches)) == (0, 0)
