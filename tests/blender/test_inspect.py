@@ -59,6 +59,7 @@ def test_exit_statuses(words: list[str], status: int) -> None:
     assert "Traceback" not in done.stderr
 
 
+@pytest.mark.slow
 def test_damaged_file(tmp_path: Path) -> None:
     (tmp_path / "scene.glb").write_text("hello")
     done = unisg("inspect", tmp_path / "scene.glb")

@@ -77,6 +77,7 @@ def test_damage_of_a_prim_is_told_by_its_path(tmp_path: Path) -> None:
     assert any(name == "/Bad" and "faces are left out" in text for name, text in lost.entries)
 
 
+@pytest.mark.slow
 def test_alike_refusals_of_a_generator_are_one_line(tmp_path: Path, run: Run) -> None:
     words = ("generate", "--add", "Floor=1,Wall=4,Operating Table=40", "--seed", 1, "--limit", 3)
     out, _ = run(*words, "--out", tmp_path / "room.json", status=3)

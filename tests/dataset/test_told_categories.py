@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pytest
+
 from tests.meshes.shapes import box
 from tests.words.foreign_scenes import bedroom, kitchen
 from unisg_blender.dataset import open_dataset
@@ -44,6 +46,7 @@ def test_the_kind_of_a_foreign_scene_is_told_by_its_things() -> None:
     assert "looks like: kitchen" in found.lines[0]
 
 
+@pytest.mark.slow
 def test_an_export_understands_when_asked(tmp_path: Path) -> None:
     write_scene_file(kitchen(), tmp_path / "k.json")
     for number, understand in enumerate((False, True)):

@@ -120,6 +120,7 @@ def imports_and_attributes(file: Path) -> tuple[set[str], set[str]]:
     return imports, {node.attr for node in nodes if isinstance(node, ast.Attribute)}
 
 
+@pytest.mark.slow
 def test_permissions_are_those_that_the_code_needs() -> None:
     manifest = tomllib.loads((ROOT / "blender_manifest.toml").read_text("utf-8"))
     files = [ROOT / "__init__.py"]

@@ -56,6 +56,7 @@ def test_what_is_no_room_is_said(name: str) -> None:
     assert any(sentence in note for note in structure.notes)
 
 
+@pytest.mark.slow
 def test_large_triangles_anywhere_end() -> None:
     """Layer upon layer: what would be seen a hundred million times is seen more coarsely."""
     structure = recognise_structure(soup(1500, 12.0))

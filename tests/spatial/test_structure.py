@@ -69,7 +69,12 @@ def test_rooms_of_every_shape_and_make(shape, one, thickness) -> None:
     assert [opening.kind for opening in found.openings] == ["door"] * len(holes)
 
 
-@pytest.mark.parametrize("degrees", range(0, 91, 5))
+ANGLES = [
+    degrees if degrees % 20 == 0 else pytest.param(degrees, marks=pytest.mark.slow) for degrees in range(0, 91, 5)
+]
+
+
+@pytest.mark.parametrize("degrees", ANGLES)
 def test_rooms_at_any_angle_are_exact(degrees) -> None:
     matrix = turn(np.radians(degrees))
     matrix[:3, 3] = 7.3, -2.1, 0.4

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -47,3 +48,16 @@ def test_only_matrices_along_the_axes_are_upright() -> None:
     sheared = np.eye(4)
     sheared[0, 1] = 1e-6
     assert not upright(np.stack([np.eye(4), sheared]))
+
+
+def test_faces_by_slot_are_subsets_named_after_it(tmp_path: Path) -> None:
+    builder = SceneBuilder("two colours")
+    cube = replace(box(), material_index=np.array([0, 1, 0, 1, 0, 1], np.int32), materials=("red", "blue"))
+    builder.add("Cube", uid="c", mesh=cube)
+    write_usd(builder.build(), tmp_path / "cube.usda")
+    text = (tmp_path / "cube.usda").read_text()
+    assert 'def GeomSubset "slot_0"' in text
+    assert 'def GeomSubset "slot_1"' in text
+    assert "slot_minus" not in text
+    again = read_usd(tmp_path / "cube.usda")
+    assert again.meshes[0].material_index.tolist() == [0, 1, 0, 1, 0, 1]
