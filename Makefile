@@ -8,7 +8,7 @@ WORKERS ?= 2
 BENCH ?= poses
 PYTEST := $(BIN)/python -m pytest -n $(WORKERS) --dist loadfile
 
-.PHONY: help demo test test-fast test-zip coverage lint extension bench bench-all docs hooks clean
+.PHONY: help demo test test-fast test-zip coverage lint extension bench bench-all docs hooks player test-web clean
 
 help:  ## say what can be made
 	@grep -E '^[a-z-]+:.*##' $(firstword $(MAKEFILE_LIST)) | sed -E 's/:[^#]*## */\t/' | expand -t 14
@@ -57,6 +57,14 @@ $(READY): pyproject.toml constraints.txt
 	$(BIN)/python -m pip install --quiet "torch==2.13.0"
 	$(BIN)/python -m pip install --quiet --constraint constraints.txt "bpy==$(BPY)" --editable ".[ga,learn,cluster,blender,figures,dev]"
 	touch $(READY)
+
+player:  ## the script of the page in which lessons are played, from npm -> unisg_blender/web/player.js
+	cd packaging/player && npm install --no-audit --no-fund && npx esbuild main.js --bundle --minify --format=iife \
+		--legal-comments=none --outfile=../../unisg_blender/web/player.js
+
+test-web: $(READY)  ## plays a lesson in Chromium (Debian: chromium, npm) and lets `unisg simulate` judge what it saved
+	cd packaging/player && npm install --no-audit --no-fund
+	UNISG_PLAYER=packaging/player $(PYTEST) tests/web
 
 clean:  ## take away everything that was made here
 	rm -rf build demo .venv .venv-*

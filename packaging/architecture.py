@@ -24,8 +24,9 @@ LAYERS: dict[str, tuple[str, ...]] = {
     "judged": ("metrics",),
     "used": ("generate", "predict"),
     "stored for learning": ("dataset",),
+    "shown in a browser": ("web",),
     "any scene file": ("formats",),
-    "where scenes come from": ("blender", "usd", "worlds", "meshes"),
+    "where scenes come from": ("blender", "usd", "worlds", "meshes", "interactivity"),
     "what a scene means": ("spatial", "behaviour", "words"),
     "the scenegraph; arrays": ("scene", "geometry"),
     "forms of a pose": ("poses",),
@@ -41,8 +42,8 @@ ARROWS: dict[str, set[str]] = {
         "operators": "cli generate predict dataset formats blender usd worlds meshes spatial behaviour words scene"
         " poses",
         "cli": "",
-        "commands": "batches experiments learn metrics generate predict dataset formats blender worlds meshes spatial"
-        " behaviour words scene poses",
+        "commands": "web batches experiments learn metrics generate predict dataset formats blender worlds meshes"
+        " spatial behaviour words scene poses",
         "batches": "generate dataset formats blender worlds spatial words scene geometry",
         "experiments": "learn metrics generate predict dataset formats blender worlds meshes spatial behaviour scene"
         " geometry poses",
@@ -51,9 +52,11 @@ ARROWS: dict[str, set[str]] = {
         "generate": "dataset spatial behaviour words scene geometry poses",
         "predict": "dataset meshes spatial words scene geometry poses",
         "dataset": "formats spatial behaviour words scene geometry poses",
-        "formats": "blender usd meshes scene geometry poses",
+        "web": "formats interactivity behaviour scene",
+        "formats": "blender usd meshes interactivity scene geometry poses",
         "blender": "behaviour scene geometry poses",
         "usd": "scene",
+        "interactivity": "behaviour scene geometry",
         "worlds": "spatial scene geometry",
         "meshes": "scene geometry",
         "spatial": "scene geometry",

@@ -23,7 +23,7 @@ from .runtime.process_end import end_process, stop_when_asked
 VERBS = {
     "inspect": "show the entity tree of a scene, or the contents of a dataset",
     "world": "make procedural scenes",
-    "convert": "turn a scene file into a Blender, USD or JSON file, through the scenegraph",
+    "convert": "turn a scene file into a Blender, USD, glTF or JSON file, through the scenegraph",
     "export": "turn scene files into a dataset for learning",
     "train": "train a model on a dataset",
     "evaluate": "measure what a model makes, beside baselines and real scenes",
@@ -33,6 +33,7 @@ VERBS = {
     "classify": "tell what kind of scene a file holds",
     "label": "propose categories for objects that have none",
     "simulate": "play a scene's lesson against its animation, a recording, a script or a rehearsal",
+    "web": "make a page in which a browser plays a scene's lesson",
     "benchmark": "measure and write tables and figures",
     "demo": "run the main job end to end on shipped content",
 }

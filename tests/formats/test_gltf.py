@@ -14,14 +14,16 @@ import trimesh
 from hypothesis import given, settings
 
 from tests.formats.test_json_scenes import assert_identical
+from tests.interactivity.graph_rules import broken_rules
 from tests.usd.random_scenes import scenes
 from unisg_blender.cli import main
 from unisg_blender.errors import UniSGError
-from unisg_blender.formats.gltf.gltf_axes import placements, turned_matrices, turned_points
+from unisg_blender.formats.gltf.gltf_axes import placements
 from unisg_blender.formats.gltf.gltf_container import packed, unpacked
 from unisg_blender.formats.gltf.gltf_files import VIEW, read_own_gltf, write_gltf
 from unisg_blender.formats.json_scenes import KEY
 from unisg_blender.formats.scene_files import opened_by_blender, read_all_scenes, read_scene_file, write_scene_file
+from unisg_blender.geometry.y_up import turned_matrices, turned_points
 from unisg_blender.scene import Material, Mesh, SceneBuilder, SceneGraph, mesh_from_faces, table
 from unisg_blender.scene.properties import ACTIONS, LSA, decode_properties
 from unisg_blender.worlds import WORLDS, operating_room
@@ -123,6 +125,18 @@ def test_shear_stays_a_matrix_and_turning_is_exact() -> None:
     point = np.array([1.0, 2.0, 3.0])
     moved = matrix[:3, :3] @ point + matrix[:3, 3]
     np.testing.assert_array_equal(found[:3, :3] @ [1, 3, -2] + found[:3, 3], moved[[0, 2, 1]] * [1, 1, -1])
+
+
+def test_lessons_are_behaviour_graphs_and_what_cannot_be_played_is_told(tmp_path: Path) -> None:
+    graph = operating_room(1)
+    document = document_of(graph, tmp_path)
+    (found,) = document["extensions"]["KHR_interactivity"]["graphs"]
+    assert "KHR_interactivity" in document["extensionsUsed"]
+    assert found["name"] == graph.entries("lsa", "data")[0][1].name
+    assert broken_rules({key: part for key, part in found.items() if key != "name"}, len(document["nodes"])) == []
+    report = write_gltf(graph.replace(components={"lsa": graph.components["lsa"]}), tmp_path / "broken.glb")
+    assert "not in the scene" in report.summary()
+    assert "extensions" not in unpacked((tmp_path / "broken.glb").read_bytes(), "it")[0]
 
 
 def test_materials_by_slot_and_own_ones(tmp_path: Path) -> None:

@@ -1,4 +1,4 @@
-"""From our frame, z up, to glTF's, y up: a point (x, y, z) is (x, z, -y) there; exact, numbers only change places."""
+"""How glTF says where a node stands in its parent: in parts, or where that cannot be as a matrix."""
 
 from __future__ import annotations
 
@@ -10,26 +10,11 @@ from numpy.typing import NDArray
 from ...geometry.affine_rows import rotation_and_size
 from ...poses.rotations import quaternion_from_rotation
 
-PLACES = [0, 2, 1]
-SIGNS = np.array([1.0, 1.0, -1.0])
 STRAIGHT = 1e-9
 """How far a matrix may be from its translation, rotation and scale, relative to its largest number."""
 
 DOWN = [-np.sqrt(0.5), 0.0, 0.0, np.sqrt(0.5)]
 """Quaternion x, y, z, w: what looks along -z in our frame of an entity, such as a camera, in glTF's frame of it."""
-
-
-def turned_points(points: NDArray[Any]) -> NDArray[np.float32]:
-    """Points or directions (K, 3)."""
-    return (points[:, PLACES] * SIGNS).astype(np.float32)
-
-
-def turned_matrices(matrices: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Affine matrices (K, 4, 4) between frames, both of which are turned."""
-    result = matrices.copy()
-    result[:, :3, :3] = matrices[:, :3][:, PLACES][:, :, PLACES] * SIGNS[:, None] * SIGNS
-    result[:, :3, 3] = matrices[:, PLACES, 3] * SIGNS
-    return result
 
 
 def placements(matrices: NDArray[np.float64]) -> list[dict[str, Any]]:

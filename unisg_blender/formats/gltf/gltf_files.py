@@ -27,6 +27,7 @@ from ...scene.realize_instances import realize
 from ..json_scenes import ARRAYS, KEY, VERSION, RecordReader, RecordWriter, damaged
 from .gltf_buffers import Buffers
 from .gltf_container import packed, unpacked
+from .gltf_lessons import add_lessons
 from .gltf_meshes import MeshWriter
 from .gltf_motion import animations
 from .gltf_nodes import LIGHTS, NodeWriter
@@ -102,6 +103,7 @@ def _document(graph: SceneGraph, buffers: Buffers, report: ReadReport) -> dict[s
     document |= {name: found for name, found in (parts | {"animations": moving}).items() if found}
     if nodes.lights:
         document |= {"extensionsUsed": [LIGHTS], "extensions": {LIGHTS: {"lights": nodes.lights}}}
+    add_lessons(graph, document, report)
     return document
 
 

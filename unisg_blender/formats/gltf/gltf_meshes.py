@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...geometry.y_up import turned_points
 from ...meshes.triangulate import inner_triangles
 from ...scene import Material, Mesh
-from .gltf_axes import turned_points
 from .gltf_buffers import INDICES, VERTICES, Buffers
 
 TRIANGLES, LINES = 4, 1

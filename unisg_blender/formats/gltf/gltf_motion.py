@@ -6,10 +6,11 @@ from typing import Any
 
 import numpy as np
 
+from ...geometry.y_up import turned_matrices
 from ...runtime.read_report import ReadReport
 from ...scene import SceneGraph
 from ...scene.components import ANIMATION
-from .gltf_axes import parts_of, turned_matrices
+from .gltf_axes import parts_of
 from .gltf_buffers import Buffers
 
 PATHS = ("translation", "rotation", "scale")

@@ -7,12 +7,13 @@ from typing import Any
 
 import numpy as np
 
+from ...geometry.y_up import turned_matrices
 from ...runtime.read_report import ReadReport
 from ...scene import SceneGraph
 from ...scene.components import CAMERA, LIGHT, VISIBILITY, WORLD
 from ...scene.hierarchy import local_matrices
 from ...scene.properties import encode_properties
-from .gltf_axes import DOWN, placements, turned_matrices
+from .gltf_axes import DOWN, placements
 from .gltf_cameras_lights import camera_record, light_record
 from .gltf_meshes import MeshWriter
 

@@ -1,0 +1,44 @@
+// Where things have to go: see-through copies at their reference poses, as long as these are asked for.
+import { StandardMaterial } from "@babylonjs/core/Materials/standardMaterial.js";
+import { Color3, Matrix } from "@babylonjs/core/Maths/math.js";
+import { goalOf, worldOf } from "./room.js";
+
+export class Ghosts {
+  constructor(room) {
+    this.room = room;
+    this.shown = new Map();
+    this.material = new StandardMaterial("ghost", room.scene);
+    this.material.emissiveColor = new Color3(0.2, 0.55, 0.8);
+    this.material.disableLighting = true;
+    this.material.alpha = 0.35;
+    room.scene.onBeforeRenderObservable.add(() => this.follow());
+  }
+
+  show(tasks) {
+    for (const [task, copies] of this.shown) {
+      if (tasks.includes(task)) continue;
+      for (const { copy } of copies) copy.dispose();
+      this.shown.delete(task);
+    }
+    for (const task of tasks) if (!this.shown.has(task)) this.shown.set(task, this.copies(this.room.nodes[task.targets[0]]));
+  }
+
+  copies(thing) {
+    const home = Matrix.Invert(worldOf(thing));
+    return [thing, ...thing.getChildMeshes(false)].filter((mesh) => mesh.geometry).map((mesh) => {
+      const copy = mesh.clone(`${mesh.name} ghost`, null, true);
+      copy.material = this.material;
+      copy.isPickable = false;
+      return { copy, within: worldOf(mesh).multiply(home) };
+    });
+  }
+
+  follow() {
+    for (const [task, copies] of this.shown) {
+      const goal = goalOf(this.room, task);
+      for (const { copy, within } of copies) {
+        copy.freezeWorldMatrix(within.multiply(goal));
+      }
+    }
+  }
+}

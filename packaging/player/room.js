@@ -1,0 +1,77 @@
+// The room: what the file shows, where its nodes are, and its graph that judges the lesson.
+import { ArcRotateCamera } from "@babylonjs/core/Cameras/arcRotateCamera.js";
+import { Engine } from "@babylonjs/core/Engines/engine.js";
+import { FlowGraphCoordinator } from "@babylonjs/core/FlowGraph/flowGraphCoordinator.js";
+import { HemisphericLight } from "@babylonjs/core/Lights/hemisphericLight.js";
+import { LoadAssetContainerAsync } from "@babylonjs/core/Loading/sceneLoader.js";
+import { Matrix, Quaternion, Vector3 } from "@babylonjs/core/Maths/math.vector.js";
+import { Scene } from "@babylonjs/core/scene.js";
+import "@babylonjs/core/Culling/ray.js";
+import "@babylonjs/loaders/glTF/glTFFileLoader.js";
+import "@babylonjs/loaders/glTF/2.0/glTFLoader.js";
+import "@babylonjs/loaders/glTF/2.0/Extensions/KHR_interactivity.js";
+import "@babylonjs/loaders/glTF/2.0/Extensions/KHR_lights_punctual.js";
+
+export async function openRoom(canvas, bytes) {
+  const engine = new Engine(canvas, true, { useHighPrecisionMatrix: true });
+  const scene = new Scene(engine);
+  scene.useRightHandedSystem = true; // glTF's own axes: no node is turned around
+  scene.clearColor.set(0.93, 0.94, 0.95, 1);
+  new HemisphericLight("sky", new Vector3(0.2, 1, 0.3), scene);
+  const container = await LoadAssetContainerAsync(bytes, scene, { pluginExtension: ".glb" });
+  container.addAllToScene();
+  for (const light of container.lights) light.setEnabled(false); // the sky is enough, and the same in every room
+  const camera = lookAround(scene, canvas);
+  const coordinator = FlowGraphCoordinator.SceneCoordinators.get(scene)?.[0];
+  window.addEventListener("resize", () => engine.resize());
+  return { engine, scene, camera, coordinator, nodes: byNumber(container) };
+}
+
+function byNumber(container) {
+  const nodes = [];
+  for (const node of [...container.transformNodes, ...container.meshes]) {
+    for (const pointer of node._internalMetadata?.gltf?.pointers ?? []) {
+      const found = /^\/nodes\/(\d+)$/.exec(pointer);
+      if (found) nodes[Number(found[1])] ??= node;
+    }
+  }
+  return nodes;
+}
+
+function lookAround(scene, canvas) {
+  const { min, max } = scene.getWorldExtends((mesh) => mesh.getTotalVertices() > 0);
+  const middle = Vector3.Center(min, max), size = Math.max(Vector3.Distance(min, max), 1);
+  const camera = new ArcRotateCamera("eye", -Math.PI / 3, Math.PI / 3.4, size * 0.55, middle, scene);
+  camera.minZ = 0.02;
+  camera.maxZ = size * 10;
+  camera.wheelDeltaPercentage = 0.02;
+  camera.lowerRadiusLimit = 0.3;
+  camera.attachControl(canvas, true);
+  return camera;
+}
+
+export const worldOf = (node) => (node ? node.computeWorldMatrix(true) : Matrix.Identity());
+
+export function parts(matrix) {
+  const rotation = new Quaternion(), position = new Vector3();
+  matrix.decompose(undefined, rotation, position);
+  return { rotation, position };
+}
+
+// Put a node where a matrix of the world says, with the size that it has.
+export function place(node, matrix) {
+  const local = node.parent ? matrix.multiply(Matrix.Invert(worldOf(node.parent))) : matrix;
+  const { rotation, position } = parts(local);
+  node.position.copyFrom(position);
+  node.rotationQuaternion = rotation;
+  node.computeWorldMatrix(true);
+}
+
+// Where an action wants a thing: its reference pose, in the frame that it moves with.
+export const goalOf = (room, task) =>
+  Matrix.FromArray(task.reference).multiply(worldOf(room.nodes[task.frame]));
+
+export function middleOf(node) {
+  const { min, max } = node.getHierarchyBoundingVectors(true);
+  return Number.isFinite(min.x) && min.x <= max.x ? Vector3.Center(min, max) : worldOf(node).getTranslation();
+}

@@ -1,0 +1,65 @@
+"""``unisg web``: a scene and its lesson as a page that a browser plays."""
+
+from __future__ import annotations
+
+import argparse
+from contextlib import suppress
+from functools import partial
+from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
+from pathlib import Path
+
+from ..errors import DONE, UniSGError
+from .common import add_scene, add_scene_options, make_folder, print_report, read_shown, tell_lost
+from .outputs import check_file, check_folder
+
+HELP = "Make a page of a scene, in which a browser plays its lesson: a folder for any static host, or a single file."
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """What the verb takes."""
+    add_scene(parser)
+    add_scene_options(parser)
+    parser.add_argument(
+        "--out", metavar="DIR", type=Path, required=True, help="folder of the site; with --single a .html"
+    )
+    parser.add_argument("--single", action="store_true", help="one page that opens from disk")
+    parser.add_argument("--serve", action="store_true", help="show the site on 127.0.0.1 until Ctrl+C")
+    parser.add_argument("--port", type=int, default=8000, metavar="N", help="where to show it (8000)")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Write the page, say what it cannot do, and show it if that is asked for."""
+    from ..runtime.made_files import check_made, mark_made
+    from ..web.site import NAMES, write_page, write_site
+
+    if args.single and args.serve:
+        raise UniSGError("--serve shows a folder: leave out --single")
+    if args.single:
+        check_file("--out", args.out, (".html",), [args.file])
+    else:
+        check_folder("--out", args.out)
+        check_made(args.out, NAMES)
+    graph, lost = read_shown(args, args.file, geometry=args.geometry, scene=args.scene)
+    if args.single:
+        lost.extend(write_page(graph, args.out))
+    else:
+        make_folder(args.out)
+        mark_made(args.out, NAMES)
+        lost.extend(write_site(graph, args.out))
+    report = {"in": str(args.file), "out": str(args.out), "entities": len(graph), "not_represented": list(lost)}
+    print_report(args, report, [f"{args.out}: {len(graph)} entities"])
+    tell_lost(args, lost)
+    if args.serve:
+        _serve(args.out, args.port, args.quiet or args.json)
+    return DONE
+
+
+def _serve(folder: Path, port: int, quiet: bool) -> None:
+    try:
+        server = ThreadingHTTPServer(("127.0.0.1", port), partial(SimpleHTTPRequestHandler, directory=str(folder)))
+    except OSError as error:
+        raise UniSGError(f"cannot show {folder} on port {port}: {error.strerror}; give another --port") from None
+    if not quiet:
+        print(f"http://127.0.0.1:{server.server_port}/ (Ctrl+C ends it)", flush=True)
+    with server, suppress(KeyboardInterrupt):
+        server.serve_forever()

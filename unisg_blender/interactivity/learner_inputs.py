@@ -1,0 +1,115 @@
+"""What a learner does besides moving things, as events that the graph receives and variables that keep it.
+
+``unisg:trigger`` {entity, pressed} and ``unisg:force`` {entity, newtons} hold until the next one of that entity (its
+node); ``unisg:answer`` {task, chosen} (bit k: answer k) and ``unisg:confirm`` {task} count in the next tick.
+"""
+
+from __future__ import annotations
+
+from ..behaviour.playing.player import Lesson
+from ..scene.action_data import TYPES
+from .behaviour_program import (
+    NO,
+    YES,
+    Branch,
+    Expression,
+    GraphEvent,
+    GraphVariable,
+    Start,
+    Step,
+    StepBlock,
+    any_of,
+    put,
+    real,
+    received,
+    whole,
+)
+
+TRIGGER = GraphEvent("unisg:trigger", {"entity": "int", "pressed": "bool"})
+FORCE = GraphEvent("unisg:force", {"entity": "int", "newtons": "float"})
+ANSWER = GraphEvent("unisg:answer", {"task": "int", "chosen": "int"})
+CONFIRM = GraphEvent("unisg:confirm", {"task": "int"})
+
+
+class LearnerInputs:
+    """Inputs of those entities and actions that a lesson asks for."""
+
+    def __init__(self, lesson: Lesson) -> None:
+        self._actions = lesson.checks.actions
+        self._pressed: dict[int, GraphVariable] = {}
+        self._force: dict[int, GraphVariable] = {}
+        self._chosen: dict[str, GraphVariable] = {}
+        self._confirmed: dict[int, GraphVariable] = {}
+        for task, action in enumerate(self._actions):
+            if action.type == "Question":
+                self._chosen.setdefault(action.uid, GraphVariable(f"chosen {task}", whole(-1)))
+            elif action.type not in TYPES:
+                self._confirmed[task] = GraphVariable(f"confirmed {task}", NO)
+
+    def pressed(self, entity: int) -> Expression:
+        """An entity's trigger is pressed."""
+        return self._pressed.setdefault(entity, GraphVariable(f"pressed {entity}", NO)).value
+
+    def force(self, entity: int) -> Expression:
+        """The newtons with which an entity is used."""
+        return self._force.setdefault(entity, GraphVariable(f"force {entity}", real(0))).value
+
+    def answered(self, uid: str) -> Expression:
+        """A Question has been answered since the last tick."""
+        return self._chosen[uid].value > whole(-1)
+
+    def chosen(self, uid: str) -> Expression:
+        """The answers that were given, as bits; -1 for none."""
+        return self._chosen[uid].value
+
+    def confirmed(self, task: int) -> Expression:
+        """Somebody said since the last tick that an action of an own type was done."""
+        return self._confirmed[task].value
+
+    def asked(self) -> Expression:
+        """There is something of the kind that counts in one tick only."""
+        answers = [variable.value > whole(-1) for variable in self._chosen.values()]
+        return any_of([*answers, *(variable.value for variable in self._confirmed.values())])
+
+    @property
+    def variables(self) -> tuple[GraphVariable, ...]:
+        """What is remembered."""
+        return tuple(
+            variable
+            for kept in (self._pressed, self._force, self._chosen, self._confirmed)
+            for variable in kept.values()
+        )
+
+    @property
+    def events(self) -> tuple[GraphEvent, ...]:
+        """What is listened to."""
+        kept = {TRIGGER: self._pressed, FORCE: self._force, ANSWER: self._chosen, CONFIRM: self._confirmed}
+        return tuple(event for event, found in zip(kept, kept.values(), strict=True) if found)
+
+    def starts(self) -> list[Start]:
+        """What happens when an event comes."""
+        handlers: dict[str, list[Step]] = {}
+        for entity, variable in self._pressed.items():
+            handlers.setdefault(TRIGGER.id, []).append(_when(TRIGGER, "entity", entity, variable, "pressed"))
+        for entity, variable in self._force.items():
+            handlers.setdefault(FORCE.id, []).append(_when(FORCE, "entity", entity, variable, "newtons"))
+        for task, action in enumerate(self._actions):
+            if action.type == "Question":
+                handlers.setdefault(ANSWER.id, []).append(
+                    _when(ANSWER, "task", task, self._chosen[action.uid], "chosen")
+                )
+        for task, variable in self._confirmed.items():
+            handlers.setdefault(CONFIRM.id, []).append(_when(CONFIRM, "task", task, variable, ""))
+        return [Start("event/receive", StepBlock(handlers[event.id]), event=event) for event in self.events]
+
+    def forget(self) -> StepBlock:
+        """After a tick, what was for that tick only."""
+        pairs = [(variable, whole(-1)) for variable in self._chosen.values()]
+        pairs += [(variable, NO) for variable in self._confirmed.values()]
+        return StepBlock([put(*pairs)] if pairs else [])
+
+
+def _when(event: GraphEvent, key: str, number: int, variable: GraphVariable, value: str) -> Branch:
+    """Keep a value of an event that is about this entity or task."""
+    asked = received(event, key).equals(whole(number))
+    return Branch(asked, StepBlock([put((variable, received(event, value) if value else YES))]))

@@ -1,0 +1,191 @@
+"""A scene's lesson as a behaviour graph of KHR_interactivity.
+
+On every tick the graph does what :func:`~..behaviour.playing.player.play` does in a moment: looks which conditions
+hold, tells what was done too early and which answers were wrong, makes performed leaves done and moves the lesson on.
+Node k of the asset is the entity in row k of the scene.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ..behaviour.lesson.lesson_progress import OPEN, WAITING
+from ..behaviour.playing.player import Lesson, begin, prepare
+from ..scene import ActionData, LessonNode, SceneGraph
+from .action_conditions import ActionConditions
+from .action_steps import ActionSteps, GroupSteps, action_steps, group_steps
+from .behaviour_program import (
+    NO,
+    YES,
+    Branch,
+    Expression,
+    GraphEvent,
+    GraphVariable,
+    Program,
+    Send,
+    Start,
+    Step,
+    StepBlock,
+    all_of,
+    any_of,
+    put,
+    whole,
+)
+from .graph_writer import graph_json
+from .learner_inputs import LearnerInputs
+from .lesson_steps import MISSED, PERFORMED, STARTED, LessonSteps
+
+EARLY = GraphEvent("unisg:early", {"task": "int"})
+FAILED = GraphEvent("unisg:failed", {"task": "int"})
+
+
+@dataclass(frozen=True, eq=False)
+class LessonGraph:
+    """A lesson as a graph.
+
+    Attributes
+    ----------
+    graph
+        The JSON of one graph of KHR_interactivity.
+    lesson
+        What it was made of: events name nodes of its outline and places of its actions ("task").
+    lost
+        What the graph cannot say, as (name of the action, what).
+    """
+
+    graph: dict[str, Any]
+    lesson: Lesson
+    lost: tuple[tuple[str, str], ...]
+
+    def leaf_of(self, task: int) -> int:
+        """The node of the outline that an action, or a member of its groups, belongs to."""
+        return next(leaf for leaf in _leaves(self.lesson) if task in _tasks_of(self.lesson, leaf))
+
+
+def lesson_graph(scene: SceneGraph, operation: LessonNode | None = None) -> LessonGraph:
+    """Compile a lesson of the scene, the only one when none is given.
+
+    Raises
+    ------
+    UniSGError
+        If there is no lesson, or several, or it is not sound (as :func:`~..behaviour.playing.player.prepare`).
+    """
+    lesson = prepare(scene, operation)
+    compiler = _Compiler(lesson)
+    return LessonGraph(graph_json(compiler.program()), lesson, tuple(compiler.conditions.lost))
+
+
+class _Compiler:
+    def __init__(self, lesson: Lesson) -> None:
+        self._lesson = lesson
+        self._tree = LessonSteps(lesson.outline, begin(lesson).status)
+        self._first, self._stirred = GraphVariable("first tick", YES), GraphVariable("stirred", NO)
+        self._was_open = {leaf: GraphVariable(f"was open {leaf}", NO) for leaf in _leaves(lesson)}
+        self._leaf_of = {task: leaf for leaf in _leaves(lesson) for task in _tasks_of(lesson, leaf)}
+        self._inputs = LearnerInputs(lesson)
+        self.conditions = ActionConditions(lesson, self._inputs)
+        self._steps: dict[int, ActionSteps | GroupSteps] = {}
+        members = {group.index: group for group in lesson.checks.groups}
+        for task in self._leaf_of:
+            if task not in members:
+                self._steps[task] = self._action(task)
+        for task, group in members.items():  # inner ones first
+            done = [self._steps[member].done.value for member in group.members.tolist()]
+            self._steps[task] = group_steps(str(task), done, group.any, self._active(task))
+
+    def program(self) -> Program:
+        """All of the graph; a tick in which nothing but conditions changes does no more than ask for these."""
+        steps = [self._steps[task] for task in sorted(self._steps)]
+        groups: list[Step] = [self._steps[group.index].update for group in self._lesson.checks.groups]
+        actions = [
+            Branch(self._tree.is_pending(self._leaf_of[task]), self._steps[task].update)
+            for task in sorted(self._steps)
+            if isinstance(self._steps[task], ActionSteps)
+        ]
+        leaves = {leaf: self._steps[int(self._lesson.task[leaf])].done.value for leaf in self._was_open}
+        held = [(each.first, each.met.value) for each in steps if isinstance(each, ActionSteps)]
+        begins: list[Step] = [self._tree.began(), put((self._first, NO), *held)]
+        opened = [(was, self._tree.is_at(leaf, OPEN)) for leaf, was in self._was_open.items()]
+        stirred, changed = self._stirred.value, self._tree.changed
+        tick: list[Step] = [
+            Branch(
+                stirred, StepBlock([put((self._stirred, NO), *((each, NO) for step in steps for each in step.passing))])
+            ),
+            *actions,
+            Branch(stirred, StepBlock(groups)),
+            Branch(self._first.value, StepBlock(begins)),
+            Branch(stirred | self._inputs.asked(), StepBlock([*self._feedback()])),
+            Branch(changed.value, StepBlock([put((changed, NO), *opened)])),
+            Branch(stirred, self._tree.advance(leaves)),
+            Branch(self._inputs.asked(), self._inputs.forget()),
+        ]
+        own = [variable for each in steps for variable in each.variables]
+        ours = (self._first, self._stirred, *self._was_open.values())
+        return Program(
+            (*self._tree.variables, *ours, *own, *self._inputs.variables, *self.conditions.variables),
+            (STARTED, PERFORMED, MISSED, EARLY, FAILED, *self._inputs.events),
+            (Start("event/onTick", StepBlock(tick)), *self._inputs.starts()),
+        )
+
+    def _action(self, task: int) -> ActionSteps:
+        checks, leaf = self._lesson.checks, self._leaf_of[task]
+        active = self._active(task)
+        return action_steps(
+            str(task), self.conditions.of(task), float(checks.hold[task]), int(checks.hits[task]),
+            active, active & ~self._was_open[leaf].value, task != self._lesson.task[leaf], self._stirred,
+        )  # fmt: skip
+
+    def _active(self, task: int) -> Expression:
+        return self._tree.is_at(self._leaf_of[task], OPEN)
+
+    def _feedback(self) -> Iterator[Step]:
+        """What the learner should hear, as the player tells it: what was done too early, and wrong answers."""
+        checks = self._lesson.checks
+        for task, leaf in self._leaf_of.items():
+            steps = self._steps[task]
+            if not isinstance(steps, ActionSteps):
+                continue
+            values = {"task": whole(task)}
+            early = all_of([
+                steps.struck.value, steps.enough, self._tree.is_at(leaf, WAITING), ~self._was_open[leaf].value,
+                ~steps.first.value, ~any_of(self._excuses(task)),
+            ])  # fmt: skip
+            yield Branch(early, StepBlock([Send(EARLY, values)]))
+            if checks.actions[task].type == "Question":
+                answered = self._inputs.answered(checks.actions[task].uid)
+                wrong = all_of([answered, self._active(task), ~steps.met.value])
+                yield Branch(wrong, StepBlock([Send(FAILED, values)]))
+
+    def _excuses(self, task: int) -> Iterator[Expression]:
+        """What makes something done too early no mistake: other actions of the same things are being performed."""
+        actions = self._lesson.checks.actions
+        about = _about(actions[task])
+        for other, steps in self._steps.items():
+            if other == task or not about & _about(actions[other]):
+                continue
+            if actions[task].type == "Remove":
+                yield self._active(other)
+            else:
+                succeeds = [steps.met.value] if isinstance(steps, ActionSteps) else []
+                yield self._active(other) & any_of([*succeeds, steps.fresh.value])
+
+
+def _about(action: ActionData) -> set[str]:
+    return {*action.targets, *action.tools}
+
+
+def _leaves(lesson: Lesson) -> list[int]:
+    return np.flatnonzero(lesson.task >= 0).tolist()
+
+
+def _tasks_of(lesson: Lesson, leaf: int) -> list[int]:
+    """The places of a leaf's action and of all members of its groups, in the player's order."""
+    members = {group.index: group.members.tolist() for group in lesson.checks.groups}
+    found = [int(lesson.task[leaf])]
+    for each in found:
+        found += members.get(each, [])
+    return found
