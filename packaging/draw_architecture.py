@@ -38,9 +38,11 @@ PLACES: dict[str, tuple[float, float]] = {
     "generate": (8.4, 3.4),
     "dataset": (8.4, 3.0),
     "formats": (4.2, 1.8),
-    "usd": (2.8, 1.5),
-    "blender": (5.6, 3.6),
-    "meshes": (8.3, 1.5),
+    "web": (6.2, 1.6),
+    "usd": (2.6, 1.3),
+    "blender": (4.6, 2.3),
+    "interactivity": (6.8, 1.7),
+    "meshes": (8.6, 1.4),
     "worlds": (10.7, 1.5),
     "behaviour": (5.3, 2.6),
     "spatial": (10.4, 2.0),
@@ -68,7 +70,7 @@ LANES: dict[tuple[str, str], float] = {
     ("meshes", "geometry"): 7.7,
 }
 COLOURS = ["#e3edf6", "#e9f1e1", "#f8f0de", "#f5e7e9", "#eae6f4"]
-BANDS = [0, 0, 0, 1, 1, 1, 1, 2, 2, 3, 3, 4, 4, 4, 4]  # the colour of each layer
+BANDS = [0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 3, 3, 4, 4, 4, 4]  # the colour of each layer
 
 
 def needed_arrows(pairs: set[tuple[str, str]]) -> set[tuple[str, str]]:
