@@ -18,7 +18,7 @@ const flags = ["--no-sandbox", "--disable-gpu", "--use-angle=swiftshader", "--en
   "--disable-background-networking", "--disable-component-update", "--disable-sync"];
 const browser = await chromium.launch({ executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium", args: flags });
 try {
-  await play(await browser.newPage({ viewport: { width: 1280, height: 800 } }));
+  await play(await browser.newPage({ viewport: picture ? { width: 1280, height: 800 } : { width: 640, height: 400 } }));
 } finally {
   await browser.close();
   server.close();
