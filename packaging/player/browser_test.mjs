@@ -41,11 +41,11 @@ async function play(page) {
       unisg.tried ??= {};
       open.sort((a, b) => (unisg.tried[a.at] ?? 0) - (unisg.tried[b.at] ?? 0));
       if (open[0]) unisg.tried[open[0].at] = (unisg.tried[open[0].at] ?? 0) + 1;
-      return open[0] ?? null;
+      return open[0] ? { ...open[0], tries: unisg.tried[open[0].at] } : null;
     });
     if (!task) { await page.waitForTimeout(100); continue; }
     if (task.type === "Question") await answer(page, task);
-    else if (task.type === "Insert" && !dragged) dragged = (await drag(page, task)) || dragged;
+    else if (task.type === "Insert" && !dragged && task.tries === 1) dragged = await drag(page, task);
     else await page.evaluate((at) => unisg.perform(at), task.at);
     await page.waitForTimeout(250);
   }
