@@ -174,15 +174,6 @@ class While:
     body: StepBlock
 
 
-@dataclass(frozen=True, eq=False)
-class Move:
-    """Let a node's property go to a value; what stands after it does not wait."""
-
-    pointer: str
-    value: Expression
-    seconds: float
-
-
 @dataclass(eq=False)
 class StepBlock:
     """Steps in their order; filled after it was made where blocks use each other."""
@@ -190,7 +181,7 @@ class StepBlock:
     steps: list[Step] = field(default_factory=list)
 
 
-Step: TypeAlias = "Put | Send | Branch | While | Move | StepBlock"
+Step: TypeAlias = "Put | Send | Branch | While | StepBlock"
 
 
 @dataclass(frozen=True, eq=False)

@@ -39,11 +39,6 @@ class GraphPlayer:
         self._outputs: dict[tuple[int, str], Values] = {}
         self._values: dict[tuple[int, str], Values] = {}
         self._sent: list[Sent] = []
-        self.moved: list[tuple[str, Values]] = []
-
-    def start(self) -> list[Sent]:
-        """The graph starts."""
-        return self._happen("event/onStart", {}, {})
 
     def tick(self, seconds: float) -> list[Sent]:
         """A frame, so many seconds after the start."""
@@ -53,10 +48,6 @@ class GraphPlayer:
         """An event from outside."""
         number = [each["id"] for each in self._graph["events"]].index(event)
         return self._happen("event/receive", {"event": number}, {name: [value] for name, value in values.items()})
-
-    def select(self, node: int) -> list[Sent]:
-        """Somebody selects a node."""
-        return self._happen("event/onSelect", {"nodeIndex": node}, {})
 
     def _happen(self, op: str, settings: Mapping[str, Any], outputs: Mapping[str, Values]) -> list[Sent]:
         self._sent, self._values = [], {}
@@ -92,9 +83,6 @@ class GraphPlayer:
                 values = {name: self._input(node, name) for name in node.get("values", {})}
                 self._sent.append((event["id"], {name: found[0] for name, found in values.items()}))
                 self._follow(node, "out")
-            case "pointer/interpolate":
-                self.moved.append((_setting(node, "pointer"), self._input(node, "value")))
-                self._follow(node, "out")
             case _:
                 raise UniSGError(f"the graph has the operation {op}, which is not known here")
 
@@ -116,10 +104,10 @@ class GraphPlayer:
         if (place, socket) in self._outputs:
             return self._outputs[place, socket]
         if (place, socket) not in self._values:
-            self._values[place, socket] = self._evaluated(place, socket)
+            self._values[place, socket] = self._evaluated(place)
         return self._values[place, socket]
 
-    def _evaluated(self, place: int, socket: str) -> Values:
+    def _evaluated(self, place: int) -> Values:
         node, op = self._nodes[place], self._ops[place]
         if op == "variable/get":
             return self._variables[_setting(node, "variable")]
@@ -129,8 +117,6 @@ class GraphPlayer:
                 raise UniSGError(f"the graph asks for {_setting(node, 'pointer')}, which is not known here")
             return list(self._world(int(found[1])))
         inputs = [self._input(node, name) for name in sorted(node.get("values", {}))]
-        if op.startswith("math/extract"):
-            return [inputs[0][int(socket)]]
         if op not in OPERATIONS:
             raise UniSGError(f"the graph has the operation {op}, which is not known here")
         return OPERATIONS[op](*inputs)
@@ -167,14 +153,6 @@ def _transform(a: Values, b: Values) -> Values:
     return [sum(a[column] * b[column * size + row] for column in range(size)) for row in range(size)]
 
 
-def _quaternion_product(a: Values, b: Values) -> Values:
-    (x, y, z, w), (p, q, r, s) = a, b
-    return [
-        w * p + x * s + y * r - z * q, w * q - x * r + y * s + z * p,
-        w * r + x * q - y * p + z * s, w * s - x * p - y * q - z * r,
-    ]  # fmt: skip
-
-
 OPERATIONS: Mapping[str, Callable[..., Values]] = {
     "math/abs": _each(abs),
     "math/neg": _each(operator.neg),
@@ -199,9 +177,5 @@ OPERATIONS: Mapping[str, Callable[..., Values]] = {
     "math/transform": _transform,
     "math/combine3": lambda a, b, c: [*a, *b, *c],
     "math/combine4": lambda a, b, c, d: [*a, *b, *c, *d],
-    "math/quatMul": _quaternion_product,
-    "math/quatConjugate": lambda a: [-a[0], -a[1], -a[2], a[3]],
-    "type/intToFloat": _each(float),
-    "type/boolToInt": _each(int),
 }
 """What operations without a state give, by the numbers of their inputs in the order of the sockets' names."""

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Hashable
 from typing import Any
 
-from .behaviour_program import Branch, Expression, Move, Program, Put, Send, Start, Step, StepBlock, While
+from .behaviour_program import Branch, Expression, Program, Put, Send, Start, Step, StepBlock, While
 
 EXTENSION = "KHR_interactivity"
 
@@ -79,14 +79,6 @@ class _Writer:
                 return self._node("flow/branch") | {"values": {"condition": self._source(step.condition)}}
             case While():
                 return self._node("flow/while") | {"values": {"condition": self._source(step.condition)}}
-            case Move():
-                settings = {"pointer": {"value": [step.pointer]}, "type": {"value": [self._type(step.value.kind)]}}
-                values = {
-                    "value": step.value, "duration": Expression("float", constant=(step.seconds,)),
-                    "p1": Expression("float2", constant=(0.4, 0.0)), "p2": Expression("float2", constant=(0.6, 1.0)),
-                }  # fmt: skip
-                node = self._node("pointer/interpolate", settings)
-                return node | {"values": {name: self._source(value) for name, value in values.items()}}
             case StepBlock():
                 return self._node("flow/sequence")
 
