@@ -17,6 +17,9 @@ from ..runtime.atomic_files import DamagedError, checksum, checksum_of
 CHUNK, CHUNKS = 8, 32
 """Rooms that a process is asked for at a time at most, and jobs that a batch has at least where it has rooms enough."""
 
+DIGITS = 32
+"""Of a job's key, with which the names of what is made of it begin."""
+
 FORMATS = ("blend", "usda", "json", "dataset")
 PICTURES = "pictures"
 """The format of a batch of pictures, see :mod:`.pictures.picture_worker`."""
@@ -103,7 +106,11 @@ def _checksum(path: Path) -> str:
 
 
 def chunk_jobs(tasks: Sequence[Task], options: BatchOptions, folder: Path, parts: Path) -> Iterator[dict[str, Any]]:
-    """The tasks as jobs of some rooms each, with a ``key`` that says all that decides what comes of them."""
+    """The tasks as jobs of some rooms each.
+
+    ``key`` says all that decides what comes of a job; ``made`` is a file in the folder ``parts`` that an interrupted
+    batch has made of it, "" for none.
+    """
     decides = {
         "maker": options.maker, "settings": options.settings, "format": options.format, "form": options.form,
         "mesh_encoder": options.mesh_encoder,
@@ -113,9 +120,11 @@ def chunk_jobs(tasks: Sequence[Task], options: BatchOptions, folder: Path, parts
         "most_memory": options.memory, "here": options.here, "threads": options.threads,
         "work": WORK.get(options.format, ROOM_WORK),
     }  # fmt: skip
+    made = {path.name[:DIGITS]: path.name for path in parts.iterdir()} if parts.is_dir() else {}  # read once for all
     size = max(1, min(CHUNK, len(tasks) // CHUNKS))
     for start in range(0, len(tasks), size):
         chunk = list(tasks[start : start + size])
         said = [f"{__version__}, schema {VERSION}", decides, [{**task, "path": ""} for task in chunk]]
-        key = checksum(json.dumps(said, sort_keys=True).encode())[:32]
-        yield {**shared, "number": start, "source": f"{chunk[0]['room']} ...", "tasks": chunk, "key": key}
+        key = checksum(json.dumps(said, sort_keys=True).encode())[:DIGITS]
+        named = {"number": start, "source": f"{chunk[0]['room']} ...", "key": key, "made": made.get(key, "")}
+        yield {**shared, **named, "tasks": chunk}

@@ -55,14 +55,15 @@ def _new_answer(job: dict[str, Any]) -> dict[str, Any]:
 
 def earlier_answer(job: Mapping[str, Any]) -> dict[str, Any] | None:
     """The answer of an interrupted batch, if what it made is there and whole."""
-    parts = Path(job["parts"])
+    if not job["made"]:
+        return None
+    path = Path(job["parts"], job["made"])
     with contextlib.suppress(OSError, ValueError, KeyError, TypeError, DamagedError):
-        if job["format"] != "dataset":
-            made = json.loads((parts / f"{job['key']}.json").read_text(encoding="utf-8"))
-            if part := made.get("part", ""):
-                read_part(parts / part)  # DamagedError if it is not whole
-            if all(checksum_of(Path(job["folder"], name)) == total for name, total in made["files"].items()):
-                return {"status": "ok", "records": made["records"], "part": part}
-        for path in parts.glob(f"{job['key']}-*.safetensors"):
+        if path.suffix == ".safetensors":
             return {"status": "ok", "records": read_part(path).answer["records"], "part": path.name}
+        made = json.loads(path.read_text(encoding="utf-8"))
+        if part := made.get("part", ""):
+            read_part(path.with_name(part))  # DamagedError if it is not whole
+        if all(checksum_of(Path(job["folder"], name)) == total for name, total in made["files"].items()):
+            return {"status": "ok", "records": made["records"], "part": part}
     return None

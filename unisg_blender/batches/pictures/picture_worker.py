@@ -136,7 +136,7 @@ class _Pictures:
         if self.columns:
             notes = {"vocabulary": self.vocabulary.names, "assets": {"assets": []}, "answer": {"records": records}}
             data = pack_shard(join(self.columns), notes)
-            part = write_named(self.parts, self.key, ".safetensors", data)[0]
+            part = write_named(self.parts, f"graphs-{self.key}", ".safetensors", data)[0]
         made = {"records": records, "files": self.files, "part": part}
         write_file(self.parts / f"{self.key}.json", json.dumps(made))
         return part
