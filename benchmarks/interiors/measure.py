@@ -1,9 +1,9 @@
 """Structure of interiors that others made, against what was marked by eye: floors found, outlines, rooms, surfaces.
 
-    python benchmarks/interiors/measure.py FOLDER [--held-out] [--only NAME ...] [--out FILE.json [--part NAME]]
+    python benchmarks/interiors/measure.py FOLDER [--all | --held-out] [--only NAME ...] [--out FILE.json]
 
 FOLDER holds the repositories that interiors.json names, each as owner+name; `--fetch` clones those that are missing, at
-their commits. IFC files need ifcopenshell; what cannot be read is said.
+their commits. IFC files need ifcopenshell; what cannot be read is said, and counts as not found.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ from typing import Any
 
 import numpy as np
 
+from unisg_blender.errors import UniSGError
 from unisg_blender.experiments.reports import made_by, markdown_table, write_json
 from unisg_blender.formats import read_scene_file
 from unisg_blender.formats.asset_folder import AssetFolder
@@ -44,20 +45,21 @@ def main() -> None:
     """Measure and print."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", type=Path)
-    parser.add_argument("--held-out", action="store_true", help="those that nothing was chosen on")
+    which = parser.add_mutually_exclusive_group()
+    which.add_argument("--held-out", action="store_true", help="those that nothing was chosen on")
+    which.add_argument("--all", action="store_true", help="these and those that choices were made on")
     parser.add_argument("--only", nargs="+", default=[], help="names of interiors")
     parser.add_argument("--fetch", action="store_true", help="clone missing repositories")
     parser.add_argument("--out", type=Path)
-    parser.add_argument("--part", default="", help="what to call it there (default: dev, or held_out)")
     args = parser.parse_args()
     truth = json.loads(TRUTH.read_text("utf8"))
     rows = []
     for entry in truth["interiors"]:
-        if entry["name"] in args.only or (not args.only and entry["held_out"] == args.held_out):
+        if entry["name"] in args.only or (not args.only and (args.all or entry["held_out"] == args.held_out)):
             if args.fetch:
                 fetch(args.folder, entry["source"], truth["sources"][entry["source"]]["commit"])
             rows += measured(entry, args.folder)
-    report(rows, args.out, args.part or ("held_out" if args.held_out else "dev"))
+    report(rows, args.out)
 
 
 def fetch(folder: Path, source: str, commit: str) -> None:
@@ -83,12 +85,16 @@ def read(entry: dict[str, Any], folder: Path) -> SceneGraph:
 
 
 def measured(entry: dict[str, Any], folder: Path) -> list[dict[str, Any]]:
-    """A record for each storey; none for a file that cannot be read."""
+    """A record for each storey; of a file that cannot be read, with nothing found."""
+    said = {key: entry[key] for key in ("name", "source", "held_out")}
     try:
         graph = read(entry, folder)
-    except (ImportError, OSError) as problem:
+    except (ImportError, OSError, UniSGError) as problem:
         print(f"{entry['name']}: {problem}", file=sys.stderr)
-        return []
+        return [
+            said | {"floor": storey["floor"], "iou": 0.0, "rooms": 0, "objects": 0, "seconds": 0.0}
+            for storey in entry["storeys"]
+        ]
     start = time.perf_counter()
     structure = recognise_structure(graph)
     seconds = time.perf_counter() - start
@@ -96,7 +102,7 @@ def measured(entry: dict[str, Any], folder: Path) -> list[dict[str, Any]]:
     rows = []
     for storey in entry["storeys"]:
         share, count = outline_overlap(indoors, storey)
-        row = {"name": entry["name"], "source": entry["source"], "floor": storey["floor"], "iou": round(share, 3)}
+        row = said | {"floor": storey["floor"], "iou": round(share, 3)}
         row |= {"rooms": count, "objects": len(graph), "seconds": round(seconds, 3)}
         if "surfaces" in entry and storey is entry["storeys"][0]:
             here = [top for top in structure.surfaces if structure.rooms[top.room] in _near(indoors, storey)]
@@ -184,24 +190,33 @@ def f1(right: int, wrong: int, marked: int, missed: int) -> float:
     return 2 * precision * recall / max(precision + recall, 1e-9)
 
 
-def report(rows: list[dict[str, Any]], out: Path | None, part: str) -> None:
-    """Print the table, and write the record."""
+def report(rows: list[dict[str, Any]], out: Path | None) -> None:
+    """Print a table, and write the record: totals of those chosen on, those held out and all, and every storey."""
+    parts = {"dev": [row for row in rows if not row["held_out"]], "held_out": [row for row in rows if row["held_out"]]}
+    record: dict[str, Any] = {name: {"totals": totals(some), "rows": some} for name, some in parts.items() if some}
+    if len(record) > 1:
+        record["all"] = {"totals": totals(rows)}
+    lines = [[name, *map(str, part["totals"].values())] for name, part in record.items()]
+    print(markdown_table(["part", *totals(rows)], lines))
+    if out is not None:
+        known = json.loads(out.read_text("utf8")) if out.is_file() else {}
+        write_json(out, known | made_by() | record)
+
+
+def totals(rows: list[dict[str, Any]]) -> dict[str, Any]:
+    """What counts of some storeys together."""
     shares = [row["iou"] for row in rows]
     right, wrong, marked, missed = (
         sum(row.get(key, 0) for row in rows) for key in ("right", "wrong", "marked", "missed")
     )  # fmt: skip
-    totals = {
+    return {
         "storeys": len(rows), "interiors": len({row["name"] for row in rows}),
         "found": round(float(np.mean([share >= FOUND for share in shares])), 3),
         "median_iou": round(statistics.median(shares), 3), "mean_iou": round(float(np.mean(shares)), 3),
         "least_iou": min(shares), "surfaces": marked,
-        "surface_f1": round(f1(right, wrong, marked, missed), 3),
+        "surface_f1": round(f1(right, wrong, marked, missed), 3) if marked else None,
         "median_seconds": round(statistics.median(row["seconds"] for row in rows), 2),
     }  # fmt: skip
-    print(markdown_table(list(totals), [[str(value) for value in totals.values()]]))
-    if out is not None:
-        known = json.loads(out.read_text("utf8")) if out.is_file() else {}
-        write_json(out, known | made_by() | {part: {"totals": totals, "rows": rows}})
 
 
 if __name__ == "__main__":

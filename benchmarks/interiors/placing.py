@@ -12,6 +12,7 @@ import argparse
 import json
 import time
 from collections import Counter
+from collections.abc import Container
 from pathlib import Path
 from typing import Any
 
@@ -47,7 +48,7 @@ def main() -> None:
     entries = {entry["name"]: entry for entry in json.loads(TRUTH.read_text("utf8"))["interiors"]}
     for entry in entries.values() if not args.only else (entries[name] for name in args.only if name in entries):
         rows += placed(entry, args.folder, generators, range(args.first_seed, args.first_seed + args.seeds))
-        report(rows, args.out)
+        report(rows, args.out, entries)
 
 
 def interior(entry: dict[str, Any], folder: Path) -> SceneGraph:
@@ -99,11 +100,11 @@ def has_room(judge: Judge, generator: Generator, name: str) -> bool:
     return False
 
 
-def report(rows: list[dict[str, Any]], out: Path | None) -> None:
-    """Print totals, and write the record; what it has of other interiors and seeds already stays there."""
+def report(rows: list[dict[str, Any]], out: Path | None, entries: Container[str]) -> None:
+    """Print totals, and write the record; what it has of other interiors of the list and seeds already stays there."""
     known = json.loads(out.read_text("utf8"))["rows"] if out is not None and out.is_file() else []
     done = {(row["interior"], row["seed"]) for row in rows}
-    rows = [row for row in known if (row["interior"], row["seed"]) not in done] + rows
+    rows = [row for row in known if row["interior"] in entries and (row["interior"], row["seed"]) not in done] + rows
     print(json.dumps(totals(rows)), flush=True)
     if out is not None:
         each = [

@@ -27,6 +27,14 @@ def test_results_name_their_command_without_the_machines_paths(
     assert made_by()["command"] == command
 
 
+def test_a_script_is_told_from_the_projects_root_on(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    (tmp_path / "pyproject.toml").write_text("", "utf-8")
+    (tmp_path / "benchmarks" / "interiors").mkdir(parents=True)
+    monkeypatch.chdir(tmp_path / "benchmarks" / "interiors")
+    monkeypatch.setattr(sys, "argv", ["measure.py", "--all"])
+    assert made_by()["command"] == "python benchmarks/interiors/measure.py --all"
+
+
 def test_results_are_written_with_command_date_and_machine(tmp_path: Path) -> None:
     write_results(tmp_path / "new" / "found.json", {"rows": [1]})
     record = json.loads((tmp_path / "new" / "found.json").read_text("utf-8"))

@@ -1,43 +1,37 @@
-"""What is placed leaves a way through the room, and to its doors."""
+"""What stands in a room leaves ways; what is new leaves them a little wider than just passable."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
-from tests.spatial.built_rooms import CORRIDOR, SQUARE, Hole, box, room, scene
-from unisg_blender.generate.check.mesh_check import CUTTING, faults
+from tests.spatial.built_rooms import SQUARE, box, room, scene
+from unisg_blender.generate.check.ways_through import in_the_way
+from unisg_blender.spatial.structure import recognise_structure
+from unisg_blender.spatial.structure.scan import world_triangles
 
 
-def told(outline, things, holes=()) -> dict[str, str]:
-    """What is said of new boxes in a room."""
-    before = room(outline, 0.1, holes=holes)
-    return faults(scene(before | things), scene(before), list(things))
+def shelf(gap: float) -> np.ndarray:
+    """The triangles of a shelf across a room of 5 x 4 m, which ends so many metres before a wall."""
+    return world_triangles(scene({"Shelf": box((0.0, 1.8, 0.0), (5.0 - gap, 2.2, 2.0))}))[0]
 
 
-@pytest.mark.parametrize(("width", "holds"), [(0.45, True), (0.8, False)])
-def test_a_corridor_stays_a_corridor(width: float, holds: bool) -> None:
-    """Of 1.2 m a person needs more than half a metre."""
-    said = told(CORRIDOR, {"cabinet": box((4, 0, 0), (5, width, 1.5))})
-    assert said == ({} if holds else {"cabinet": CUTTING})
+@pytest.mark.parametrize(
+    ("gap", "passable", "spacious"), [(0.45, False, False), (0.62, True, False), (0.8, True, True)]
+)
+def test_a_way_is_passable_and_what_is_new_spares_more(gap: float, passable: bool, spacious: bool) -> None:
+    graph = scene(room(SQUARE, 0.1))
+    (found,) = recognise_structure(graph).rooms
+    there = world_triangles(graph)[0]
+    assert (in_the_way(found, there, [shelf(gap)]) == []) == passable
+    assert (in_the_way(found, there, [shelf(gap)], 0.05) == []) == spacious
 
 
-def test_a_rug_and_what_hangs_high_are_no_obstacles() -> None:
-    assert not told(CORRIDOR, {"rug": box((3, 0.1, 0), (5, 1.1, 0.02))})
-
-
-def test_of_two_that_cut_together_the_later_goes() -> None:
-    pair = {"one": box((2, 0, 0), (2.4, 1.7, 1)), "two": box((2, 2.0, 0), (2.4, 4, 1))}
-    assert told(SQUARE, pair) == {"two": CUTTING}
-    swapped = {name: pair[name] for name in ("two", "one")}
-    assert told(SQUARE, swapped) == {"one": CUTTING}
-
-
-def test_a_small_nook_may_be_cut_off_but_no_door() -> None:
-    """A wardrobe and a shelf around a corner of 0.7 m2: nobody wants to go there, unless a door is in it."""
-    around = {"wardrobe": box((0.9, 0, 0), (1.4, 1.4, 1.9)), "shelf": box((0, 0.95, 0), (0.88, 1.4, 1.9))}
-    assert not told(SQUARE, around)
-    with_door = told(SQUARE, around, holes=(Hole(0, 0.05, 0.85),))
-    assert set(with_door) <= {"wardrobe", "shelf"}
-    assert CUTTING in with_door.values()
-    assert np.ptp(SQUARE[:, 0]) == 5
+def test_a_way_that_was_narrow_before_is_judged_as_such() -> None:
+    graph = scene(room(SQUARE, 0.1))
+    (found,) = recognise_structure(graph).rooms
+    there = np.concatenate([world_triangles(graph)[0], shelf(0.62)])
+    small = world_triangles(scene({"Stool": box((2.0, 0.5, 0.0), (2.4, 0.9, 0.5))}))[0]
+    assert in_the_way(found, there, [small], 0.05) == []
+    plug = world_triangles(scene({"Crate": box((4.45, 1.9, 0.0), (4.95, 2.1, 0.5))}))[0]
+    assert in_the_way(found, there, [plug], 0.05) == [0]

@@ -118,3 +118,14 @@ def test_entities_are_views_on_rows() -> None:
         np.testing.assert_array_equal(seen, column[1])
     with pytest.raises(KeyError, match="no entity is named 'Bottle'"):
         graph["Bottle"]
+
+
+@pytest.mark.parametrize("size", [1, 2, 3, 4, 7])
+def test_faces_all_alike_are_fans_like_others(size: int) -> None:
+    faces = np.arange(3 * size).reshape(3, size)
+    points = np.zeros((3 * size + 3, 3))
+    alike, mixed = (mesh_from_faces("Faces", points, some) for some in (faces, [*faces, [0, 1, 2]]))
+    fans = [(face[0], face[step], face[step + 1]) for face in faces.tolist() for step in range(1, size - 1)]
+    assert alike.triangles.tolist() == [list(fan) for fan in fans]
+    assert mixed.triangles.tolist() == [*alike.triangles.tolist(), [0, 1, 2]]
+    assert alike.triangles.dtype == np.int32

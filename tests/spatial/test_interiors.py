@@ -80,3 +80,16 @@ def _room(outline):
     from unisg_blender.spatial.structure import Room
 
     return Room(outline, (), 0.0, 2.5, 0, True, -1, -1)
+
+
+def test_what_cannot_be_read_counts_as_not_found(tmp_path, capsys) -> None:
+    """One run tells of those chosen on, of those held out, and of all."""
+    measure = module("measure")
+    storey = {"floor": 0, "outline": [[[0, 0], [6, 0], [6, 5], [0, 5]]], "unclear": []}
+    entry = {"name": "one", "source": "some/where", "path": "no.glb", "held_out": True, "storeys": [storey]}
+    rows = measure.measured(entry, tmp_path)
+    rows.append(rows[0] | {"name": "two", "held_out": False, "iou": 0.9})
+    measure.report(rows, tmp_path / "found.json")
+    found = json.loads((tmp_path / "found.json").read_text("utf8"))
+    assert [found[part]["totals"]["found"] for part in ("dev", "held_out", "all")] == [1.0, 0.0, 0.5]
+    assert found["all"]["totals"]["interiors"] == 2

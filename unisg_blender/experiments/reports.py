@@ -50,8 +50,9 @@ def made_by() -> dict[str, Any]:
 
     Of paths that begin at the root only the name is told: where they lie is no matter of the command.
     """
-    program = Path(sys.argv[0])
-    script = ["python", f"{program.parent.name}/{program.name}"]
+    program = Path(sys.argv[0]).absolute()
+    root = next((folder for folder in program.parents if (folder / "pyproject.toml").is_file()), program.parent.parent)
+    script = ["python", program.relative_to(root).as_posix()]
     name = ["unisg"] if program.name == "__main__.py" else script if program.suffix == ".py" else [program.name]
     words = [Path(word).name if word.startswith("/") else word for word in sys.argv[1:]]
     return {"command": shlex.join([*name, *words]), "date": date.today().isoformat(), "machine": machine()}

@@ -54,9 +54,10 @@ def snapped(polygon: Floats, segments: Floats, cell: float) -> Floats:
     """
     low, high = boxes_of(segments)
     lines = []
-    for start, stop in zip(polygon, np.roll(polygon, -1, 0), strict=True):
-        near = meets(low, high, np.stack([start, stop]), (BEYOND + 1) * cell)
-        lines.append(_followed(start, stop, segments[near], cell))
+    ends = np.stack([polygon, np.roll(polygon, -1, 0)], axis=1)
+    for edge in ends:
+        near = meets(low, high, edge, (BEYOND + 1) * cell)
+        lines.append(_followed(edge[0], edge[1], segments[near], cell))
     corners: list[Floats] = []
     for number, place in enumerate(polygon):
         before, after = lines[number - 1], lines[number]
@@ -72,26 +73,29 @@ def snapped(polygon: Floats, segments: Floats, cell: float) -> Floats:
 
 def _followed(start: Floats, stop: Floats, segments: Floats, cell: float) -> tuple[Floats, Floats]:
     """A point and the direction of the line that an edge follows; the edge's own where it follows none."""
-    length = float(np.linalg.norm(stop - start))
-    along = (stop - start) / max(length, 1e-12)
-    normal = np.array([-along[1], along[0]])
-    offset = (segments - start) @ normal
-    place = (segments - start) @ along
+    along = stop - start
+    length = float(np.sqrt(along @ along))
+    along = along / max(length, 1e-12)
+    step = segments - start
+    offset, place = step @ np.array([-along[1], along[0]]), step @ along
     low, high = ordered(place.clip(0, length))
     beside = _offset_beside(offset, place, (low + high) / 2)
     near = (beside >= -BEYOND * cell) & (beside <= BEFORE * cell) & (high - low > 0)
-    chosen = np.flatnonzero(near)
+    (chosen,) = near.nonzero()
     way = segments[chosen, 1] - segments[chosen, 0]
     slanted = np.abs(offset[chosen, 1] - offset[chosen, 0])
     chosen = chosen[slanted <= PARALLEL * np.hypot(way[:, 0], way[:, 1])]
     if not len(chosen):
         return start, along
-    chosen = chosen[np.argsort(beside[chosen], kind="stable")]
+    away = beside[chosen]
+    order = away.argsort(kind="stable")
+    chosen, away = chosen[order], away[order]
     shared = (high - low)[chosen]
-    group = np.cumsum(np.diff(beside[chosen], prepend=-np.inf) > SAME_LINE * cell) - 1
+    group = np.append(0, (away[1:] - away[:-1] > SAME_LINE * cell).cumsum())
     total = np.bincount(group, shared)  # what overlaps counts twice so far, so less than this cannot be more
-    for each in np.flatnonzero(total >= RIVAL * FOLLOWED * length).tolist():
-        total[each] = _covered(low[chosen[group == each]], high[chosen[group == each]])
+    for each in (total >= RIVAL * FOLLOWED * length).nonzero()[0].tolist():
+        some = chosen[group == each]
+        total[each] = _covered(low[some], high[some])
     if total.max() < FOLLOWED * length:
         return start, along
     best = int(np.flatnonzero(total >= RIVAL * total.max())[-1])
@@ -103,9 +107,12 @@ def _followed(start: Floats, stop: Floats, segments: Floats, cell: float) -> tup
 
 def _covered(low: Floats, high: Floats) -> float:
     """Length that intervals (S,) cover together."""
-    order = np.argsort(low)
-    reached = np.concatenate([low[order[:1]], np.maximum.accumulate(high[order])[:-1]])
-    return float((high[order] - np.maximum(low[order], reached)).clip(0).sum())
+    if len(low) == 1:
+        return max(float(high[0] - low[0]), 0.0)
+    order = low.argsort()
+    low, high = low[order], high[order]
+    reached = np.concatenate([low[:1], np.maximum.accumulate(high)[:-1]])
+    return float((high - np.maximum(low, reached)).clip(0).sum())
 
 
 def _offset_beside(offset: Floats, place: Floats, at: Floats) -> Floats:
@@ -157,4 +164,5 @@ def boxes_of(segments: Floats) -> tuple[Floats, Floats]:
 def meets(low: Floats, high: Floats, points: Floats, reach: float) -> Ints:
     """Numbers of the boxes (2, S) that come within ``reach`` of the box around some points (P, 2)."""
     first, last = points.min(axis=0) - reach, points.max(axis=0) + reach
-    return np.flatnonzero((low[0] <= last[0]) & (high[0] >= first[0]) & (low[1] <= last[1]) & (high[1] >= first[1]))
+    near = (low[0] <= last[0]) & (high[0] >= first[0]) & (low[1] <= last[1]) & (high[1] >= first[1])
+    return near.nonzero()[0]

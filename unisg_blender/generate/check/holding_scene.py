@@ -12,6 +12,9 @@ from ...scene.hierarchy import subtree, take
 from ..place.placement_record import Placement
 from .mesh_check import faults
 
+SPARE = 0.05
+"""Metres that stay free on both sides of a person where something new stands beside a way."""
+
 
 def only_what_holds(
     before: SceneGraph, after: SceneGraph, placements: Sequence[Placement]
@@ -20,7 +23,7 @@ def only_what_holds(
 
     Returns the scene and the placements, those of what was taken out refused with the reason.
     """
-    found = faults(after, before, [item.uid for item in placements if item.uid])
+    found = faults(after, before, [item.uid for item in placements if item.uid], spare=SPARE)
     if not found:
         return after, list(placements)
     gone = np.zeros(len(after), bool)

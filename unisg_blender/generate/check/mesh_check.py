@@ -76,8 +76,9 @@ class Surroundings:
 
 
 def faults(
-    graph: SceneGraph, before: SceneGraph, uids: Sequence[str], holders: Mapping[str, int] | None = None
-) -> dict[str, str]:
+    graph: SceneGraph, before: SceneGraph, uids: Sequence[str], holders: Mapping[str, int] | None = None,
+    spare: float = 0.0,
+) -> dict[str, str]:  # fmt: skip
     """What does not hold of things in a scene, by uid: a reason each; what holds is left out.
 
     ``holders`` are rows of what things hang from or are fixed to; else their relations say so, of their parents.
@@ -85,8 +86,9 @@ def faults(
     A thing is *in* another where its mesh, made 5 mm smaller on every side (3 cm for what it hangs from), crosses a
     face of it or lies within it, unless it is said to be inside that; in the *air* where no face is within 2 cm below
     it, nor what holds it within 3 cm; *outside* where its middle is in no room; and *blocks* a door where it reaches
-    into the 0.4 m before it. In a room that was recognised none may cut a place off, see
-    :func:`~.ways_through.in_the_way`. Of two that are in each other it is the later one of ``uids`` that does not hold.
+    into the 0.4 m before it. In a room that was recognised none may cut a place off, nor narrow the way to it to less
+    than a person with ``spare`` metres on both sides, see :func:`~.ways_through.in_the_way`. Of two that are in each
+    other it is the later one of ``uids`` that does not hold.
     """
     around, found = Surroundings.of(graph, before), {}
     gone = np.zeros(len(graph), bool)
@@ -100,10 +102,10 @@ def faults(
             if reason:
                 found[uid], again = reason, True
                 gone[subtree(graph, row)] = True
-    return found | dict.fromkeys(_cutting(around, [uid for uid in uids if uid not in found], gone), CUTTING)
+    return found | dict.fromkeys(_cutting(around, [uid for uid in uids if uid not in found], gone, spare), CUTTING)
 
 
-def _cutting(around: Surroundings, uids: Sequence[str], gone: Bools) -> list[str]:
+def _cutting(around: Surroundings, uids: Sequence[str], gone: Bools, spare: float) -> list[str]:
     """Which of some things cut a place in their room off."""
     graph, structure = around.graph, around.room.structure
     if structure is None:
@@ -120,7 +122,7 @@ def _cutting(around: Surroundings, uids: Sequence[str], gone: Bools) -> list[str
     for number, own in of_room.items():
         if number >= 0:
             cut = in_the_way(
-                structure.rooms[number], around.triangles[there], [around.triangles[new[uid]] for uid in own]
+                structure.rooms[number], around.triangles[there], [around.triangles[new[uid]] for uid in own], spare
             )
             found += [own[place] for place in cut]
     return found

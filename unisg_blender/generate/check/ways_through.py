@@ -26,7 +26,7 @@ STEP, HEAD, CUTS = 0.12, 1.8, 9
 """Metres over the floor between which something is in the way, and at how many heights it is cut."""
 
 
-def in_the_way(room: Room, there: Floats, things: Sequence[Floats]) -> list[int]:
+def in_the_way(room: Room, there: Floats, things: Sequence[Floats], spare: float = 0.0) -> list[int]:
     """Which of some things in a room cut a part of it, or a door, off; of several together the later ones.
 
     Parameters
@@ -37,6 +37,9 @@ def in_the_way(room: Room, there: Floats, things: Sequence[Floats]) -> list[int]
         (M, 3, 3) all other triangles, world metres.
     things
         The triangles of each thing.
+    spare
+        Metres beside a person that a way has on both sides where it had so much before: what may just be passed is
+        parted by a drawer that is open.
     """
     low, high = room.outline.min(axis=0), room.outline.max(axis=0)
     if (size := float(np.prod(high - low))) >= LARGEST:
@@ -46,16 +49,23 @@ def in_the_way(room: Room, there: Floats, things: Sequence[Floats]) -> list[int]
     doors = _in_any(doorways((room,)), middles, room.floor + STEP).reshape(grid.shape)
     floor = room.contains(middles).reshape(grid.shape) | doors
     taken = _obstacles(there, grid, room.floor)
-    before, count = components(_walkable(floor & ~taken, grid.cell))
-    found = []
+    halves = sorted({PERSON, PERSON + spare})
+    clear = _clear(floor & ~taken, grid.cell)
+    before, found = [components(clear > half) for half in halves], []
     for number, triangles in enumerate(things):
         more = taken | _obstacles(triangles, grid, room.floor)
-        after, _ = components(_walkable(floor & ~more, grid.cell))
-        if any(_parts(after[before == part], doors[before == part], grid.cell) > 1 for part in range(1, count + 1)):
+        clear = _clear(floor & ~more, grid.cell)
+        after = [components(clear > half)[0] for half in halves]
+        if any(_parted(*known, now, doors, grid.cell) for known, now in zip(before, after, strict=True)):
             found.append(number)
         else:
             taken = more
     return found
+
+
+def _parted(before: Ints, count: int, after: Ints, doors: Bools, cell: float) -> bool:
+    """Did one of so many places fall into several that matter?"""
+    return any(_parts(after[before == part], doors[before == part], cell) > 1 for part in range(1, count + 1))
 
 
 def _parts(labels: Ints, at_door: Bools, cell: float) -> int:
@@ -65,12 +75,12 @@ def _parts(labels: Ints, at_door: Bools, cell: float) -> int:
     return int(((size >= POCKET) | (doors > 0))[1:].sum())
 
 
-def _walkable(free: Bools, cell: float) -> Bools:
-    """Where the middle of a person can be."""
+def _clear(free: Bools, cell: float) -> Floats:
+    """Metres from the middle of each free cell to the border of the next one that is taken."""
     from scipy.ndimage import distance_transform_edt
 
     away: Any = distance_transform_edt(np.pad(free, 1))
-    return np.asarray((away[1:-1, 1:-1] - 0.5) * cell > PERSON)  # to the border of the next cell that is taken
+    return np.asarray((away[1:-1, 1:-1] - 0.5) * cell)
 
 
 def _obstacles(triangles: Floats, grid: Grid, floor: float) -> Bools:

@@ -81,8 +81,9 @@ class CutsAlong:
     def of(start: Floats, stop: Floats, cuts: Cuts) -> CutsAlong:
         """Those of some cuts that may be of a wall along an edge."""
         near = cuts.near(np.stack([start, stop]), BESIDE + THICKEST)
-        length = float(np.linalg.norm(stop - start))
-        along, step = (stop - start) / length, near.segments - start
+        along, step = stop - start, near.segments - start
+        length = float(np.sqrt(along @ along))
+        along = along / length
         place, offset = step @ along, step @ np.array([-along[1], along[0]])
         way = near.segments[:, 1] - near.segments[:, 0]
         runs = np.abs(offset[:, 1] - offset[:, 0]) <= PARALLEL * np.hypot(way[:, 0], way[:, 1])
