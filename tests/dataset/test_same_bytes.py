@@ -19,14 +19,24 @@ LIMIT = 120
 
 
 def start(folder: Path, out: str, jobs: int, *more: str) -> subprocess.Popen[bytes]:
-    words = ["in", *sorted(str(path.relative_to(folder)) for path in folder.glob("in/*.json"))]
+    words = ["in", *sorted(str(path.relative_to(folder)) for path in folder.glob("in/*/*.json"))]
     command = [sys.executable, "-m", "unisg_blender", "export", *words, "--out", out, "--jobs", str(jobs), "-q", *more]
     return subprocess.Popen(command, cwd=folder)
 
 
 def test_jobs_and_kills_do_not_show_in_a_dataset(tmp_path: Path) -> None:
     for seed, kind in enumerate(("json", "usda", "blend") * 2):
-        words = ["world", "cubes", "--seed", str(seed), "--format", kind, "--out", str(tmp_path / "in"), "-q"]
+        words = [
+            "world",
+            "cubes",
+            "--seed",
+            str(seed),
+            "--format",
+            kind,
+            "--out",
+            str(tmp_path / "in" / str(seed)),
+            "-q",
+        ]
         assert main(words) == 0
     for out, jobs in (("one", 1), ("two", 2)):
         assert start(tmp_path, out, jobs).wait(LIMIT) == 0

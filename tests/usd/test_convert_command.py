@@ -69,7 +69,7 @@ def test_inputs_that_cannot_be_used(tmp_path: Path, target: str, capsys: pytest.
 def test_outputs_that_cannot_be_used(tmp_path: Path) -> None:
     write_usd(studio(), tmp_path / "in.usda")
     before = (tmp_path / "in.usda").read_bytes()
-    for target in ("in.usda", "out.glb", "no folder/out.usda"):
+    for target in ("in.usda", "out.fbx", "no folder/out.usda"):
         assert main(["convert", str(tmp_path / "in.usda"), str(tmp_path / target)]) == 1
     assert [path.name for path in tmp_path.iterdir()] == ["in.usda"]
     assert (tmp_path / "in.usda").read_bytes() == before

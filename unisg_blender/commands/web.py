@@ -9,6 +9,7 @@ from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 
 from ..errors import DONE, UniSGError
+from .argument_types import whole
 from .common import add_scene, add_scene_options, make_folder, print_report, read_shown, tell_lost
 from .outputs import check_file, check_folder
 
@@ -24,7 +25,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--single", action="store_true", help="one page that opens from disk")
     parser.add_argument("--serve", action="store_true", help="show the site on 127.0.0.1 until Ctrl+C")
-    parser.add_argument("--port", type=int, default=8000, metavar="N", help="where to show it (8000)")
+    parser.add_argument("--port", type=whole(0, 65535), default=8000, metavar="N", help="where to show it (8000)")
 
 
 def run(args: argparse.Namespace) -> int:

@@ -32,6 +32,7 @@ class Child:
         self.requests = 0
         self.how_far: list[int] = []
         self._late = False
+        self.stopped = False
         self._folder = tempfile.TemporaryDirectory(prefix="unisg-", ignore_cleanup_errors=True)
         self._errors = open(Path(self._folder.name, "errors"), "w+b")  # noqa: SIM115 (closed by end)
         self._process = subprocess.Popen(
@@ -101,7 +102,8 @@ class Child:
         return self._process.poll() == 0 and not self._late
 
     def stop(self) -> None:
-        """Kill it."""
+        """Kill it, since nobody waits for its work any more."""
+        self.stopped = True
         self._process.kill()
 
     def end(self) -> None:
@@ -139,7 +141,8 @@ def ask(job: dict[str, Any]) -> dict[str, Any]:
     """The answer of a waiting process, or of a new one, to a request, see :mod:`.serving_process`.
 
     Plain records in and out, so that any :class:`concurrent.futures.Executor` can run it. A process that crashes,
-    or gives no answer within ``job["timeout"]`` seconds, becomes a "failed" with the ``reason`` and ``how_far`` it was.
+    or gives no answer within ``job["timeout"]`` seconds, becomes a "failed" with the ``reason`` and ``how_far`` it was,
+    one that :func:`close_children` ended a "stopped".
     """
     waiting = _idle[job["memory"]]
     while True:
@@ -157,7 +160,8 @@ def ask(job: dict[str, Any]) -> dict[str, Any]:
         reason = "" if answer else child.fate(job["timeout"] if child.ready else START_LIMIT)
         child.end()
         if not again:
-            return answer or {"status": "failed", "reason": reason, "how_far": child.how_far}
+            status = "stopped" if child.stopped else "failed"
+            return answer or {"status": status, "reason": reason, "how_far": child.how_far}
 
 
 def close_children() -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -46,17 +45,12 @@ def plan_room(
     for row in things.rows:
         if row in removed | rerolled and not locked & set(load := things.with_load(row)):
             gone.update(load)
-    again = things.count(gone - removed)
-    there = things.count(set(things.rows) - gone)
     counts = _drawn(things, variation, training, rng)
-    wanted: Counter[str] = Counter()
-    for name in dict.fromkeys([*counts, *again]):
-        target = counts.get(name, there[name] + again[name])
-        wanted[name] = target - there[name]
-        if wanted[name] < 0:
-            surplus, lost = _surplus(things, name, -wanted[name], gone, locked, rng)
-            gone |= surplus
-            wanted += Counter({other: many for other, many in lost.items() if other not in counts})
+    for name, target in counts.items():
+        there = things.count(set(things.rows) - gone)[name]
+        gone |= _surplus(things, name, max(there - target, 0), gone, locked, rng)
+    kept, all_but_removed = (things.count(set(things.rows) - out) for out in (gone, gone & removed))
+    wanted = {name: target - kept[name] for name, target in {**all_but_removed, **counts}.items()}
     built = STRUCTURE if has_room else ()
     added = {name: many for name, many in wanted.items() if many > 0 and name not in built}
     return RoomPlan(tuple(sorted(gone)), added)
@@ -85,10 +79,9 @@ def _number(count: Count, trained: int, there: int, rng: np.random.Generator) ->
 
 def _surplus(
     things: Things, category: str, many: int, gone: set[int], locked: set[int], rng: np.random.Generator
-) -> tuple[set[int], Counter[str]]:
-    """Things of a category to be taken out, with what stands on them; that is counted by category."""
+) -> set[int]:
+    """Things of a category to be taken out, with what stands on them."""
     mine = [row for row in things.rows if things.category[row] == category and row not in gone]
     free = [row for row in mine if not locked & set(things.with_load(row))]
     chosen = {free[place] for place in rng.permutation(len(free))[:many].tolist()}
-    load = {other for row in chosen for other in things.with_load(row)} - gone
-    return load, things.count(load - chosen)
+    return {other for row in chosen for other in things.with_load(row)}
