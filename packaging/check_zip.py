@@ -22,7 +22,7 @@ from extension_wheels import ROOT
 
 BLENDERS = {"3.11": "4.5.15", "3.13": "5.2.3"}
 ROOMS = ("blender", "extension", "formats", "generate", "meshes", "operators", "panels", "predict", "runtime", "usd")
-BESIDE = ("tests", "packaging", "pyproject.toml", "constraints.txt")
+BESIDE = ("tests", "packaging", "docs", "pyproject.toml", "constraints.txt")
 TOOLS = ("pytest", "pytest-timeout", "pytest-xdist", "hypothesis")
 INSTALL_LIMIT, TEST_LIMIT = 900, 1800
 

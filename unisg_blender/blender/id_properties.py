@@ -39,7 +39,7 @@ def addon_settings(owner: bpy.types.ID) -> list[str]:
         found = [] if stored is None else stored.items()
     else:
         found = [(key, value) for key, value in owner.items() if _of_addon(owner, key)]
-    return [key for key, value in found if _is_set(value) and not key.startswith(OWN)]
+    return [key for key, value in found if _is_set(value) and not key.startswith(OWN) and not _moved(owner, value)]
 
 
 def _of_addon(owner: bpy.types.bpy_struct, key: str) -> bool:
@@ -51,6 +51,11 @@ def _of_addon(owner: bpy.types.bpy_struct, key: str) -> bool:
 
 def _is_set(value: Any) -> bool:
     return len(value) > 0 if hasattr(value, "__len__") else True
+
+
+def _moved(owner: bpy.types.ID, value: Any) -> bool:
+    """Whether Blender has all of these settings itself by now, as with Cycles' cameras: what is left is of no use."""
+    return hasattr(value, "keys") and all(key in owner.bl_rna.properties for key in value.keys())  # noqa: SIM118
 
 
 def _plain(value: Any) -> Any:

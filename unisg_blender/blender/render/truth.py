@@ -160,6 +160,8 @@ def _set_up(scene: bpy.types.Scene) -> None:
         settings.media_type = "MULTI_LAYER_IMAGE"
     settings.file_format = "OPEN_EXR_MULTILAYER"
     settings.color_depth, settings.exr_codec = "32", "NONE"
+    if hasattr(settings, "use_exr_interleave"):  # in newer Blenders: else each pass has a part of its own
+        settings.use_exr_interleave = True
 
 
 def _layer(layers: dict[str, NDArray[np.float32]], name: str, channel: str) -> NDArray[np.float32]:

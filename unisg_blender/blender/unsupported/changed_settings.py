@@ -62,8 +62,10 @@ NEW: dict[str, dict[str, Any]] = {
 
 STARTUP: dict[str, dict[str, Any]] = {
     "Object": {"color": (0.0, 0.0, 0.0, 0.0)},
-    "Material": {"alpha_threshold": 0.0, "line_color": (0.0, 0.0, 0.0, 1.0)},
-}
+    "Material": {
+        "alpha_threshold": 0.0, "line_color": (0.0, 0.0, 0.0, 1.0), "use_backface_culling_lightprobe_volume": False,
+    },
+}  # fmt: skip
 """What the things of Blender's own startup file have instead: nobody has set that, either."""
 
 
