@@ -20,7 +20,7 @@ demo: $(READY)  ## the whole job once: an operating room, its dataset, objects a
 test: $(READY)  ## every test, and which were the slowest
 	$(PYTEST) --durations=15 $(TESTS)
 
-test-fast: $(READY)  ## the tests without those marked slow: under a minute on two cores
+test-fast: $(READY)  ## the tests without those marked slow: under two minutes on two cores
 	$(PYTEST) -m "not slow" $(TESTS)
 
 test-zip: extension  ## what touches Blender or infers, on the zips' own code and wheels, for each Python that is there
