@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-import contextlib
 import json
 import os
 import signal
-import socket
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from tests.dask_cluster import cluster
 from unisg_blender.behaviour import all_actions
 from unisg_blender.cli import main
 from unisg_blender.dataset import open_dataset
@@ -112,7 +110,7 @@ def test_kills_and_a_cluster_do_not_show(tmp_path: Path, monkeypatch: pytest.Mon
         process.wait(LIMIT)
         process = start(tmp_path, "killed", 1, "--resume")
     assert process.wait(LIMIT) == 0
-    with cluster() as (address, workers):
+    with cluster(2, 1) as (address, workers):
         process = start(tmp_path, "cluster", 2, "--scheduler", address)
         time.sleep(6.0)
         workers[0].kill()
@@ -120,36 +118,3 @@ def test_kills_and_a_cluster_do_not_show(tmp_path: Path, monkeypatch: pytest.Mon
     whole = contents(tmp_path / "whole")
     assert whole == contents(tmp_path / "killed") == contents(tmp_path / "cluster")
     assert len(open_dataset(tmp_path / "whole")) == 40
-
-
-@contextlib.contextmanager
-def cluster() -> Iterator[tuple[str, list[subprocess.Popen[bytes]]]]:
-    """A Dask scheduler and two workers on 127.0.0.1, ended at the end, whatever happens."""
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        port = probe.getsockname()[1]
-    environment = os.environ | {"DASK_DISTRIBUTED__WORKER__DAEMON": "False"}
-    quiet = ("--no-dashboard", "--host", "127.0.0.1")
-    address = f"tcp://127.0.0.1:{port}"
-    started = [("dask_scheduler", *quiet, "--port", str(port))]
-    started += [("dask_worker", address, *quiet, "--no-nanny", "--nthreads", "1")] * 2
-    processes: list[subprocess.Popen[bytes]] = []
-    try:
-        for name, *words in started:
-            command = [sys.executable, "-m", f"distributed.cli.{name}", *words]
-            processes.append(subprocess.Popen(command, env=environment, stderr=subprocess.DEVNULL))
-            wait_for(port)
-        yield address, processes[1:]
-    finally:
-        for process in processes:
-            process.kill()
-            process.wait(10)
-
-
-def wait_for(port: int) -> None:
-    deadline = time.monotonic() + LIMIT
-    while time.monotonic() < deadline:
-        with contextlib.suppress(OSError), socket.create_connection(("127.0.0.1", port), timeout=1):
-            return
-        time.sleep(0.1)
-    raise TimeoutError("the scheduler did not come up")

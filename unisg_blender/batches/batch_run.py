@@ -21,7 +21,7 @@ from .batch_plan import PICTURES, BatchOptions, Task, chunk_jobs
 from .batch_report import MadeBefore, write_report
 from .chunk_work import make_chunk
 from .pictures.coco_files import write_coco
-from .room_worker import failed
+from .task_records import failed
 
 
 def batch_steps(

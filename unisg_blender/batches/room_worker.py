@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import sys
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -13,12 +12,12 @@ from ..dataset.export.reader_process import ASSETS
 from ..dataset.format.columns import Columns, Vocabulary, join
 from ..dataset.format.encoding import Sample, encode_scenes
 from ..dataset.format.shards import pack_shard
-from ..errors import UniSGError
 from ..formats.scene_files import load_blender
-from ..runtime.atomic_files import DiskFullError, checksum_of, write_file, write_named
+from ..runtime.atomic_files import checksum_of, write_file, write_named
 from ..runtime.serving_process import Alive, load_function
 from .made_room import MadeRoom
 from .room_files import write_room
+from .task_records import named, task_records, used_memory
 
 
 def make_rooms(request: Mapping[str, Any], alive: Alive) -> dict[str, Any]:
@@ -32,37 +31,16 @@ def make_rooms(request: Mapping[str, Any], alive: Alive) -> dict[str, Any]:
     if request["format"] == "blend" or any(task["path"] for task in request["tasks"]):
         load_blender()  # before any USD, see there
     target: _Files | _Part = _Part(request) if request["format"] == "dataset" else _Files(request)
-    records = []
-    for number, task in enumerate(request["tasks"]):
-        reason = request["left_out"].get(str(number), "")
-        records.append(failed(task, reason) if reason else _made(request, task, target))
-        alive(number + 1)
+    records = task_records(request, alive, lambda task: _made(request, task, target))
     answer = {"status": "ok", "records": records, "tired": used_memory() > request["most_memory"]}
     return answer | {"part": target.finish(records)}
 
 
 def _made(request: Mapping[str, Any], task: Mapping[str, Any], target: _Files | _Part) -> dict[str, Any]:
-    """Make a room; what fails costs itself only, but for a full disk."""
-    try:
-        room = load_function(request["maker"])(request["settings"], task)
-        record = named(task) | {"status": "ok", "scenes": 1, "entities": len(room.scene)} | room.record
-        return record | target.add(room, task["room"], record["source"])
-    except (DiskFullError, MemoryError):
-        raise
-    except UniSGError as error:
-        return failed(task, str(error))
-    except Exception as error:
-        return failed(task, f"{type(error).__name__}: {error}".splitlines()[0])
-
-
-def named(task: Mapping[str, Any]) -> dict[str, Any]:
-    """What every record says of its task."""
-    return {"source": task["room"], "seed": task["seed"], "scene": Path(task["path"]).name}
-
-
-def failed(task: Mapping[str, Any], reason: str) -> dict[str, Any]:
-    """What is said of a room that could not be made."""
-    return {**named(task), "status": "failed", "reason": reason}
+    """Make a room; what its record says."""
+    room = load_function(request["maker"])(request["settings"], task)
+    source = named(task)["source"]
+    return {"scenes": 1, "entities": len(room.scene)} | room.record | target.add(room, task["room"], source)
 
 
 class _Files:
@@ -110,12 +88,3 @@ class _Part:
         notes = {"vocabulary": self.vocabulary.names, "assets": index, "answer": {"records": records}}
         data = pack_shard(whole, notes)
         return write_named(Path(self.request["parts"]), self.request["key"], ".safetensors", data)[0]
-
-
-def used_memory() -> int:
-    """The most bytes of memory that this process has used; 0 where the system does not say."""
-    if sys.platform == "win32":
-        return 0
-    import resource
-
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * (1 if sys.platform == "darwin" else 1024)

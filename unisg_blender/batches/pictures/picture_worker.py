@@ -13,15 +13,14 @@ from ...dataset.export.realized_instances import realize_objects
 from ...dataset.format.columns import Columns, Vocabulary, join
 from ...dataset.format.encoding import Sample, encode_scenes
 from ...dataset.format.shards import pack_shard
-from ...errors import UniSGError
 from ...formats.scene_files import load_blender, read_scene_file
 from ...geometry.arrays import Bools
-from ...runtime.atomic_files import DiskFullError, checksum_of, replacing, write_file, write_named
+from ...runtime.atomic_files import checksum_of, replacing, write_file, write_named
 from ...runtime.file_endings import is_of
 from ...runtime.serving_process import Alive
 from ...scene import SceneGraph
 from ...words import apply_mapping
-from ..room_worker import failed, named, used_memory
+from ..task_records import task_records, used_memory
 from .panoptic_image import write_panoptic
 from .picture_labels import LabelledScene, labelled
 from .view_choice import ChosenView, choose_views
@@ -37,25 +36,10 @@ FOLDERS = {"pictures": ".png", "panoptic": ".png", "truth": ".npz", "labels": ".
 def make_pictures(request: Mapping[str, Any], alive: Alive) -> dict[str, Any]:
     """Take the pictures of the scenes of a job; the answer is that of :func:`..room_worker.make_rooms`."""
     load_blender()
-    batch, records = _Pictures(request), []
-    for number, task in enumerate(request["tasks"]):
-        reason = request["left_out"].get(str(number), "")
-        records.append(failed(task, reason) if reason else _taken(task, batch))
-        alive(number + 1)
+    batch = _Pictures(request)
+    records = task_records(request, alive, batch.take)
     tired = used_memory() > request["most_memory"]
     return {"status": "ok", "records": records, "tired": tired, "part": batch.finish(records)}
-
-
-def _taken(task: Mapping[str, Any], batch: _Pictures) -> dict[str, Any]:
-    """Take the pictures of a scene; what fails costs itself only, but for a full disk."""
-    try:
-        return named(task) | {"status": "ok"} | batch.take(task)
-    except (DiskFullError, MemoryError):
-        raise
-    except UniSGError as error:
-        return failed(task, str(error))
-    except Exception as error:
-        return failed(task, f"{type(error).__name__}: {error}".splitlines()[0])
 
 
 class _Pictures:

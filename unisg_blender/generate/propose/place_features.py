@@ -24,8 +24,8 @@ STEP = 0.1
 LANDMARKS = 12
 """Categories that stand on floors most often, to which distances are told."""
 
-OWN, WALLS, SIDES, MEETING, ON, NEAREST = 5, 6, 4, 6, 14, 5
-"""How many numbers tell of the object, walls, clear space, things met, the support, the nearest neighbour."""
+OWN, SIDES, ON = 5, 4, 14
+"""How many numbers tell of the object, clear space, the support."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,11 +55,6 @@ class CategoryKinds:
         names = list(vocabulary)
         openings = tuple(names.index(name) if name in names else -2 for name in ("Door", "Window"))
         return CategoryKinds(rank, tuple(int(c) for c in common[:LANDMARKS]), (openings[0], openings[1]))
-
-    @property
-    def width(self) -> int:
-        """How many features there are."""
-        return OWN + WALLS + SIDES + MEETING + ON + NEAREST + 2 * LANDMARKS
 
 
 def place_features(

@@ -31,14 +31,12 @@ def fit_trees(features: NDArray[np.float32], true: NDArray[np.float32], seed: in
     return trees.fit(features, true)
 
 
-def log_odds(share: NDArray[np.floating]) -> NDArray[np.floating]:
-    """What the file gives for the share of true places (N,) that the trees expect."""
-    share = share.clip(NEVER, 1 - NEVER)
-    return np.log(share) - np.log1p(-share)
-
-
 def write_trees(trees: ExtraTreesClassifier, metadata: str, path: Path) -> None:
-    """Write a classifier of :func:`fit_trees` as an ONNX file that gives :func:`log_odds` as "score" (N, 1)."""
+    """Write a classifier of :func:`fit_trees` as an ONNX file.
+
+    It gives the log odds of the share of true places that the trees expect, as "score" (N, 1), and none beyond those of
+    :data:`NEVER`.
+    """
     ensemble = helper.make_node(
         "TreeEnsembleRegressor", ["features"], ["share"], domain="ai.onnx.ml", n_targets=1, post_transform="NONE",
         aggregate_function="AVERAGE", **_attributes(trees),
