@@ -12,6 +12,7 @@ from scipy.sparse.csgraph import connected_components
 
 from ..geometry.arrays import Floats, Ints
 from ..geometry.boxes import Boxes, boxes_around, orthonormal_axes
+from ..geometry.grouped_ends import grouped_ends
 from ..scene.graph import SceneGraph
 from ..scene.hierarchy import world_matrices
 from ..scene.mesh import Mesh
@@ -67,11 +68,7 @@ def _find_parts(mesh: Mesh) -> Floats:
 
 def _boxes_by_group(points: NDArray[np.floating], group: NDArray[np.integer]) -> Floats:
     _, index = np.unique(group, return_inverse=True)
-    count = index.max() + 1
-    low, high = np.full((count, 3), np.inf), np.full((count, 3), -np.inf)
-    np.minimum.at(low, index, points)
-    np.maximum.at(high, index, points)
-    return np.stack([low, high], axis=1)
+    return np.stack(grouped_ends(index, index.max() + 1, points), axis=1)
 
 
 def part_boxes(graph: SceneGraph) -> PartBoxes:

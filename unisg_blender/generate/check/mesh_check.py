@@ -10,6 +10,7 @@ import numpy as np
 
 from ...geometry.arrays import Bools, Floats, Ints
 from ...geometry.boxes import Boxes, orthonormal_axes, world_bounds
+from ...geometry.grouped_ends import grouped_ends
 from ...geometry.polygon import inside
 from ...geometry.triangle_crossings import crossings, edges_of
 from ...scene import SceneGraph
@@ -62,10 +63,7 @@ class Surroundings:
     @cached_property
     def row_ends(self) -> tuple[Floats, Floats]:
         """Least and greatest coordinates (N, 3) of what each row shows; infinite, the wrong way round, for nothing."""
-        low, high = np.full((len(self.graph), 3), np.inf), np.full((len(self.graph), 3), -np.inf)
-        np.minimum.at(low, self.row, self.ends[0])
-        np.maximum.at(high, self.row, self.ends[1])
-        return low, high
+        return grouped_ends(self.row, len(self.graph), *self.ends)
 
     @staticmethod
     def of(graph: SceneGraph, before: SceneGraph) -> Surroundings:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...geometry.arrays import Bools, Floats, Ints
+from ...geometry.grouped_ends import grouped_ends
 
 SAME_WAY, SAME_LINE = 0.05, 0.15
 """Radians and metres within which segments lie along one line."""
@@ -61,9 +62,7 @@ def _uncarried(place: Floats, carried: Floats) -> Bools:
     reached = np.maximum.accumulate(place[order, 1])
     run = np.concatenate([[0], np.cumsum(place[order[1:], 0] > reached[:-1] + GAP)])
     count = run[-1] + 1
-    low, high = np.full(count, np.inf), np.full(count, -np.inf)
-    np.minimum.at(low, run, place[order, 0])
-    np.maximum.at(high, run, place[order, 1])
+    low, high = grouped_ends(run, count, place[order, 0], place[order, 1])
     beam = np.zeros(count, bool)
     for number in range(count):
         begin, end = carried.clip(low[number], high[number]).T

@@ -9,6 +9,7 @@ import numpy as np
 
 from ...geometry.arrays import Bools, Floats, Ints
 from ...geometry.column_raster import Crossings, Grid, columns, slice_at
+from ...geometry.grouped_ends import grouped_ends
 from ...geometry.surface_contact import STEEPEST, Triangles
 from ...scene.categories import FLOOR, STRUCTURE, has_category
 from ...scene.graph import SceneGraph
@@ -218,9 +219,7 @@ def _inside_out(scan: Scan) -> list[int]:
     found, (low, high) = [], scan.ends
     crossings = scan.all_columns
     owner = scan.row[crossings.triangle]
-    tall = np.full(int(scan.row.max()) + 1, np.inf), np.full(int(scan.row.max()) + 1, -np.inf)
-    np.minimum.at(tall[0], owner, crossings.height)
-    np.maximum.at(tall[1], owner, crossings.height)
+    tall = grouped_ends(owner, int(scan.row.max()) + 1, crossings.height)
     built = np.zeros(len(tall[0]), bool)
     built[scan.row[scan.building]] = True
     many = np.bincount(owner, minlength=len(built)) * scan.grid.cell**2 >= 2 * HOLLOW

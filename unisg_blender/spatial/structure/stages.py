@@ -11,6 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from ...geometry.column_raster import cells_on
+from ...geometry.grouped_ends import grouped_ends
 from ...geometry.mask_outline import grown
 from .region import Region
 from .scan import HEADROOM, Scan
@@ -65,9 +66,7 @@ def backdrop(scan: Scan) -> int:
     rows, place = np.unique(scan.row, return_inverse=True)
     if len(rows) < 2:
         return -1
-    least, most = np.full((len(rows), 2), np.inf), np.full((len(rows), 2), -np.inf)
-    np.minimum.at(least, place, low)
-    np.maximum.at(most, place, high)
+    least, most = grouped_ends(place, len(rows), low, high)
     largest = int((most - least).prod(axis=1).argmax())
     others = np.arange(len(rows)) != largest
     around = float((most[others].max(axis=0) - least[others].min(axis=0)).prod())

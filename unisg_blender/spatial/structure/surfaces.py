@@ -6,6 +6,7 @@ import numpy as np
 
 from ...geometry.arrays import Floats, Ints
 from ...geometry.column_raster import Crossings, Grid, columns
+from ...geometry.grouped_ends import grouped_ends
 from ...geometry.surface_contact import STEEPEST
 from ...geometry.traced_outlines import outlines_of, simplified_all
 from .region import Region
@@ -112,9 +113,7 @@ def _extents(part: Ints, cell: Ints, grid: Grid) -> Floats:
     count = int(part.max(initial=-1)) + 1
     longest = np.zeros(count)
     for place in np.divmod(cell, grid.shape[1]):
-        low, high = np.full(count, grid.size), np.full(count, -1)
-        np.minimum.at(low, part, place)
-        np.maximum.at(high, part, place)
+        low, high = grouped_ends(part, count, place)
         longest = np.maximum(longest, (high - low + 1) * grid.cell)
     return longest
 
