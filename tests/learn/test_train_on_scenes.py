@@ -92,6 +92,8 @@ def test_datasets_and_folders_are_learned_from_together(scenes: Path, trained: l
         (("cgvae", "--data", "rooms", "--devices", "2"), "several devices learn from datasets"),
         (("cgvae", "--data", "rooms", "--nodes", "2"), "several devices learn from datasets"),
         (("cgvae", "--data", "empty"), "empty holds neither a dataset nor a scene file"),
+        (("cgvae", "--data", "none"), "there is no file or folder none: check the path"),
+        pytest.param(("cgvae", "--data", "few"), "few has 1 scenes: a generator needs 4", marks=pytest.mark.slow),
         pytest.param(("cgvae", "--data", "broken"), "1 of 2 scene files cannot be read; ", marks=pytest.mark.slow),
         (("meshes", "--data", "rooms", "--mapping", "names.json"), "'train meshes' reads mesh files"),
         (("meshes", "--data", "rooms", "--assets", "rooms"), "'train meshes' reads mesh files"),
@@ -104,8 +106,10 @@ def test_what_would_change_nothing_or_cannot_be_read_is_refused_in_a_line(
     write_dataset([room(9)], scenes.parent / "made")
     for name in ("empty", "broken"):
         Path(name).mkdir()
-    Path("broken/0.json").write_text("{")
     write_scene_file(room(1), Path("broken/1.json"))
+    Path("broken/0.json").write_bytes(Path("broken/1.json").read_bytes()[:-9])
+    Path("few").mkdir()
+    write_scene_file(room(1), Path("few/1.json"))
     out = "out" if words[0] == "meshes" else "m.onnx"
     before = sorted(Path().rglob("*"))
     assert main(["train", *words, "--out", out, "-q"]) == 1

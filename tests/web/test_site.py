@@ -59,6 +59,22 @@ def test_one_page_holds_the_room_and_the_script(tmp_path: Path) -> None:
     assert (tmp_path / "player.js").read_text()[:1000] in page
 
 
+def test_a_page_without_a_lesson_says_so(tmp_path: Path) -> None:
+    write_page(cubes(1), tmp_path / "cubes.html")
+    write_page(living_room(1), tmp_path / "room.html")
+    told = ["has no lesson" in (tmp_path / name).read_text() for name in ("cubes.html", "room.html")]
+    assert told == [True, False]
+
+
+def test_a_folder_with_the_name_of_a_page_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    write_scene_file(cubes(1), tmp_path / "cubes.json")
+    words = ["web", str(tmp_path / "cubes.json"), "--out", str(tmp_path / "cubes.html")]
+    assert main(words) == 1
+    assert "add --single" in capsys.readouterr().err
+    assert not (tmp_path / "cubes.html").exists()
+    assert main([*words, "--single", "-q"]) == 0
+
+
 def test_names_are_text_whatever_they_are(tmp_path: Path) -> None:
     graph = scene(
         operation(stage("s", leaf("a"))), replace(insert("a", "thing", shifted(1.0)), name=EVIL), thing=shifted()

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import argparse
 import hashlib
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +13,6 @@ from ..dataset.export.batch_export import ExportOptions, export_steps
 from ..dataset.export.sources import SUFFIXES, find_sources
 from ..dataset.format.writer import MANIFEST
 from ..errors import UniSGError
-from ..runtime.file_endings import JSON
 from ..runtime.progress import Progress
 from ..runtime.steps import drain
 from ..words import read_mapping
@@ -79,6 +79,20 @@ def dataset_of(args: argparse.Namespace, given: Path, work: Path, jobs: int | No
     return out
 
 
+@contextmanager
+def named_as_given(given: Sequence[Path], datasets: Sequence[Path]) -> Iterator[None]:
+    """Errors speak of what was given, not of the datasets that were made of it."""
+    try:
+        yield
+    except UniSGError as error:
+        text = str(error)
+        for path, dataset in zip(given, datasets, strict=True):
+            text = text.replace(str(dataset), str(path))
+        if text == str(error):
+            raise
+        raise UniSGError(text) from error
+
+
 def _check_all_read(records: list[Record]) -> None:
     failed = [record for record in records if record["status"] == "failed"]
     if failed:
@@ -87,10 +101,9 @@ def _check_all_read(records: list[Record]) -> None:
 
 
 def _scene_files(given: Path) -> list[Path]:
-    """A scene file, or those below a folder; .json only where there are no others, for a .json may be anything."""
-    for kinds in (SUFFIXES, JSON):
-        try:
-            return find_sources([given], kinds)
-        except UniSGError:
-            continue
+    """A scene file, or those below a folder."""
+    if not given.exists():
+        raise UniSGError(f"there is no file or folder {given}: check the path")
+    with suppress(UniSGError):
+        return find_sources([given])
     raise UniSGError(f"{given} holds neither a dataset nor a scene file: the known kinds are {', '.join(SUFFIXES)}")

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from ..errors import UniSGError
 from ..runtime.atomic_files import made_folder
+from ..runtime.file_endings import WRITABLE, is_of
 from ..runtime.made_files import check_own
 
 
@@ -56,13 +57,15 @@ def check_results(option: str, path: Path | None, others: Iterable[Path | None] 
 
 
 def check_folder(option: str, path: Path | None, others: Iterable[Path | None] = ()) -> None:
-    """Refuse a folder that can be neither made nor written to, or is one of ``others``, as :func:`check_file` does."""
+    """Refuse a folder that can be neither made nor written to, has a file's name, or is one of ``others``."""
     if path is None:
         return
     try:
         _check_differs(option, path, others)
         if path.exists() and not path.is_dir():
             raise UniSGError(f"cannot write to {path}: it is no folder; give another {option}")
+        if is_of(path, WRITABLE) and not path.is_dir():
+            raise UniSGError(f"cannot write to {path}: that names a file, and a folder is made; give another {option}")
         with made_folder(path), tempfile.TemporaryFile(dir=path):
             pass
     except OSError as error:

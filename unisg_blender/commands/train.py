@@ -9,7 +9,7 @@ import sys
 import tempfile
 import time
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ..errors import DONE, UniSGError
 from ..learn import job_list
@@ -20,6 +20,9 @@ from . import given_scenes, train_meshes
 from .argument_types import PROCESSES, SEED, whole
 from .common import add_mapping, print_report
 from .outputs import check_file, check_folder
+
+if TYPE_CHECKING:
+    from ..dataset.format.reader import Dataset
 
 HELP = "Train a model on a dataset and write it as an ONNX file that runs without torch."
 
@@ -72,7 +75,12 @@ def run(args: argparse.Namespace) -> int:
 def _train(args: argparse.Namespace, work: Path) -> int:
     from ..dataset.format.reader import open_dataset
 
-    datasets = [open_dataset(given_scenes.dataset_of(args, path, work)) for path in args.data]
+    paths = [given_scenes.dataset_of(args, path, work) for path in args.data]
+    with given_scenes.named_as_given(args.data, paths):
+        return _trained(args, list(map(open_dataset, paths)))
+
+
+def _trained(args: argparse.Namespace, datasets: list[Dataset]) -> int:
     told = [] if JOBS[args.job].several else job_list.load("provenance").dataset_notes(datasets[0])
     if not args.quiet:
         for note in told:  # now, while stopping costs nothing

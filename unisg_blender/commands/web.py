@@ -16,6 +16,9 @@ from .outputs import check_file, check_folder
 HELP = "Make a page of a scene, in which a browser plays its lesson: a folder for any static host, or a single file."
 
 
+PAGES = (".html",)
+
+
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """What the verb takes."""
     add_scene(parser)
@@ -35,8 +38,10 @@ def run(args: argparse.Namespace) -> int:
 
     if args.single and args.serve:
         raise UniSGError("--serve shows a folder: leave out --single")
+    if args.out.suffix.lower() in PAGES and not (args.single or args.out.is_dir()):
+        raise UniSGError(f"{args.out} is the name of a page, and a folder is made: add --single, or give another --out")
     if args.single:
-        check_file("--out", args.out, (".html",), [args.file])
+        check_file("--out", args.out, PAGES, [args.file])
     else:
         check_folder("--out", args.out)
         check_made(args.out, NAMES)

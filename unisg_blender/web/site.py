@@ -28,6 +28,10 @@ ROOM, PAGE, SCRIPT, LICENCES = "room.glb", "index.html", "player.js", "player-li
 NAMES = (ROOM, PAGE, SCRIPT, LICENCES)
 """What a site's folder has."""
 
+TO_PLAY = "Drag a thing to its place, or use the buttons."
+TO_LOOK = "This scene has no lesson: drag to look around."
+"""What a page says first."""
+
 
 def write_site(graph: SceneGraph, folder: Path) -> ReadReport:
     """Write a site into a folder that is there; returns what the page cannot show or judge as UniSG does.
@@ -72,4 +76,6 @@ def _own(name: str) -> str:
 
 def _page(sheet: dict[str, Any], room: str, script: str) -> str:
     text = json.dumps(sheet, ensure_ascii=False).replace("<", "\\u003c")  # no name ends the element it stands in
-    return Template(_own("page.html")).substitute(sheet=text, room=room, script=script)
+    return Template(_own("page.html")).substitute(
+        sheet=text, room=room, script=script, message=TO_PLAY if "tasks" in sheet else TO_LOOK
+    )

@@ -8,14 +8,15 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from ...errors import UniSGError
+from ...formats.json_scenes import is_own_scene
 from ...formats.layout_scenes import holds_layout
-from ...runtime.file_endings import ANYTHING, BLENDER, JSON, LAYOUTS, MESHES, PARTS, USD, is_of
+from ...runtime.file_endings import ANYTHING, BLENDER, JSON, LAYOUTS, MESHES, PARTS, READABLE, USD, is_of
 
 SUFFIXES = (*BLENDER, *USD, *LAYOUTS, *MESHES)
 """Kinds of scene file that are looked for in folders, and those .json that hold a layout of another program.
 
-A scene that was saved as .json is read where it is named: it may stand beside the file that it was made of. Where a
-folder has layouts, files of meshes are what these are made of, and no scenes.
+A scene that was saved as .json is read where it is named, or where a folder has no others: it may stand beside the
+file that it was made of. Where a folder has layouts, files of meshes are what these are made of, and no scenes.
 """
 
 
@@ -74,12 +75,14 @@ def _files(item: Path, suffixes: tuple[str, ...]) -> Iterator[Path]:
         for match in matches:
             if Path(match).is_dir():
                 yield from _below(Path(match), suffixes)
-            elif is_of(Path(match), suffixes):
-                yield Path(match)
+            elif is_of(Path(match), READABLE) if is_of(item, READABLE) else _is_scene(Path(match), suffixes):
+                yield Path(match)  # a glob that says its ending names the files
 
 
 def _below(folder: Path, suffixes: tuple[str, ...]) -> list[Path]:
     found = list(_found(folder, suffixes))
+    if suffixes == SUFFIXES and not found:
+        return [path for path in _found(folder, JSON) if is_own_scene(path)]
     if suffixes == SUFFIXES and any(is_of(path, (*LAYOUTS, *JSON)) for path in found):
         return [path for path in found if not is_of(path, PARTS)]
     return found
@@ -89,7 +92,10 @@ def _found(folder: Path, suffixes: tuple[str, ...]) -> Iterator[Path]:
     for root, folders, names in os.walk(folder):
         folders[:] = [name for name in folders if not name.startswith(".")]
         for name in names:
-            path = Path(root, name)
-            asked = suffixes == SUFFIXES and is_of(path, ANYTHING)
-            if not name.startswith(".") and (holds_layout(path) if asked else is_of(path, suffixes)):
-                yield path
+            if not name.startswith(".") and _is_scene(Path(root, name), suffixes):
+                yield Path(root, name)
+
+
+def _is_scene(path: Path, suffixes: tuple[str, ...]) -> bool:
+    """Whether a file counts that nobody has named: by its ending, or by what it holds where that may be anything."""
+    return holds_layout(path) if suffixes == SUFFIXES and is_of(path, ANYTHING) else is_of(path, suffixes)
