@@ -36,8 +36,9 @@ class UNISG_OT_add_room(Operator):
 
     kind: bpy.props.EnumProperty(name="Room", items=ROOMS)
     seed: bpy.props.IntProperty(
-        name="Seed", description="The same seed gives the same room; -1 gives another one each time", default=-1, min=-1
-    )
+        name="Seed", description="The same seed gives the same room; -1 gives another one each time",
+        default=-1, min=-1, options={"SKIP_SAVE"},
+    )  # fmt: skip
     with_view: bpy.props.BoolProperty(
         name="Camera and Light", description="Add a camera that looks into the room, and a light", default=True
     )
