@@ -10,7 +10,9 @@ import mathutils
 import numpy as np
 
 from ..base import Operator
+from ..room.checking import check_again
 from .generation_settings import choose_model
+from .suggest import suggest_again
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -75,6 +77,8 @@ class UNISG_OT_add_room(Operator):
         for item in context.selected_objects:
             item.select_set(False)
         choose_model(context, self.kind.replace("-", "_"))
+        check_again()
+        suggest_again()
         self.report({"INFO"}, f"{label}: {len(items)} objects (seed {self.seed})")
 
 
