@@ -154,7 +154,7 @@ class UNISG_OT_generate(GenerationChoices, SteppedOperator):
             return ""  # nobody asked for a lesson
         if load_generator(self.model).behaviour is None:
             return " (this model knows no actions)"
-        return f" with {_number(count, 'action')}" if count else " (the lesson needs no actions with them)"
+        return f" with {_number(count, 'action')}" if count else " (the lesson needs no further actions)"
 
 
 def _number(count: int, word: str) -> str:

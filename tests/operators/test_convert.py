@@ -56,6 +56,22 @@ def test_json(tmp_path: Path) -> None:
     assert sorted(item.name for item in bpy.data.scenes[-1].objects) == names
 
 
+def test_a_name_without_an_ending_gets_the_usual_one(tmp_path: Path, extension: ModuleType) -> None:
+    moving_room()
+    ending = ".json" if missing_pxr() else ".usdc"
+    assert bpy.ops.unisg.convert(filepath=str(tmp_path / "room")) == {"FINISHED"}
+    assert [path.name for path in tmp_path.iterdir()] == [f"room{ending}"]
+    assert extension.operators.convert._with_ending("//") == "//"
+    typed = SimpleNamespace(filepath="//a")
+    check = extension.operators.convert.UNISG_OT_convert.check
+    assert check(typed, bpy.context), "the file browser shows what will be written, and warns of a file of that name"
+    assert typed.filepath == f"//a{ending}"
+    assert not check(typed, bpy.context)
+    assert "check_existing" in bpy.ops.unisg.convert.get_rna_type().properties, (
+        "by this Blender knows that it is to warn"
+    )
+
+
 @pytest.mark.parametrize(
     ("name", "reason"), [("room.blend", "Save a Copy"), ("room.txt", "ends in"), ("no/r.json", "does not exist")]
 )
