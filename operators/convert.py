@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import bpy
+from bpy.app.handlers import persistent
 
 from ..unisg_blender.errors import UniSGError
 from ..unisg_blender.runtime.file_endings import JSON, USD, is_of
@@ -23,6 +24,9 @@ DRAWN = 0.1
 
 _waiting: list[tuple[str, int, str]] = []
 """Scenes by name, the windows that are to show them, and what the undo step is called."""
+
+_shown: set[str] = set()
+"""Scenes by name that were shown behind a file browser."""
 
 
 def show_scene(operator: FileOperator, context: bpy.types.Context, graph: SceneGraph, lost: ReadReport) -> None:
@@ -47,7 +51,9 @@ def _look_at(scene: bpy.types.Scene, window: bpy.types.Window | None, step: str,
     _waiting[:] = [(scene.name, window.as_pointer(), step)] if window is not None else []
     if not later:
         _look_now()
-    elif not bpy.app.timers.is_registered(_look_then):
+        return
+    _shown.add(scene.name)
+    if not bpy.app.timers.is_registered(_look_then):
         bpy.app.timers.register(_look_then, first_interval=0.01)
 
 
@@ -80,6 +86,13 @@ def _look_then() -> float | None:
         window.screen.show_statusbar = not shown
         window.screen.show_statusbar = shown
     return None
+
+
+@persistent
+def _undone(*_: object) -> None:
+    """A step back or forth may show a scene with a longer name: the same as behind the file browser."""
+    if _shown and not bpy.app.timers.is_registered(_look_then):
+        bpy.app.timers.register(_look_then, first_interval=DRAWN)
 
 
 class UNISG_OT_convert(FileOperator):
@@ -160,9 +173,12 @@ class UNISG_OT_open_master_file(FileOperator):
 
 
 CLASSES = (UNISG_OT_convert, UNISG_OT_open_master_file)
+HANDLERS = (("undo_post", _undone), ("redo_post", _undone))
 
 
 def unregister() -> None:
     """Forget what was to be shown."""
+    _waiting.clear()
+    _shown.clear()
     if bpy.app.timers.is_registered(_look_then):
         bpy.app.timers.unregister(_look_then)

@@ -99,6 +99,10 @@ def test_a_scene_is_shown_after_the_file_browser_has_closed(extension: ModuleTyp
     bpy.app.timers.unregister(module._look_then)
     assert module._look_then() == module.DRAWN
     assert module._look_then() is None
+    module._undone()
+    assert bpy.app.timers.is_registered(module._look_then), "the scene before, or after, may have a longer name"
     module._look_at(scene, SimpleNamespace(as_pointer=lambda: 1), "Import", later=True)
     module.unregister()
+    assert not bpy.app.timers.is_registered(module._look_then)
+    module._undone()
     assert not bpy.app.timers.is_registered(module._look_then)
