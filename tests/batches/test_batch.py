@@ -134,7 +134,34 @@ def test_a_finished_batch_is_resumed_without_work(tmp_path: Path, options: Batch
     assert len(attempts(options)) == 6
     assert contents(tmp_path / "out") == before
     make_batch(ROOMS[:2], tmp_path / "out", options, overwrite=True)
-    assert len((tmp_path / "out" / REPORT).read_text().splitlines()) == 2
+    assert len((tmp_path / "out" / REPORT).read_text().splitlines()) == (2 if kind == "dataset" else 6)
+
+
+def test_several_batches_in_one_folder(tmp_path: Path, options: BatchOptions) -> None:
+    """The report has a line for each room that is there; only what would be replaced is refused."""
+    rooms = plan_rooms([], 2, 3, "halls")
+    bad = replace(troubled(options, s1="refuse"), here=True)
+    first = make_batch(ROOMS[:2], tmp_path, bad)
+    second = make_batch(rooms, tmp_path, options)
+    assert [json.loads(line) for line in (tmp_path / REPORT).read_text().splitlines()] == [*first, *second]
+    with pytest.raises(UniSGError, match="halls-00004"):
+        make_batch(rooms[1:], tmp_path, options)
+    again = make_batch(ROOMS[:2], tmp_path, options, resume=True)
+    assert [json.loads(line) for line in (tmp_path / REPORT).read_text().splitlines()] == [*second, *again]
+    (tmp_path / "halls-00003.json").unlink()
+    make_batch(ROOMS[2:3], tmp_path, options)
+    sources = [json.loads(line)["source"] for line in (tmp_path / REPORT).read_text().splitlines()]
+    assert sources == ["halls-00004", "cubes-00000", "cubes-00001", "cubes-00002"]
+
+
+@pytest.mark.parametrize("text", ["3\n", '{"source": "x"}\n', "{\n", "\udcff"])
+def test_a_damaged_report_is_one_line(tmp_path: Path, options: BatchOptions, text: str) -> None:
+    make_batch(ROOMS[:1], tmp_path, options)
+    (tmp_path / REPORT).write_text(text, errors="surrogateescape")
+    with pytest.raises(UniSGError, match=REPORT) as caught:
+        make_batch(ROOMS[1:2], tmp_path, options)
+    assert "\n" not in str(caught.value)
+    assert not (tmp_path / "cubes-00001.json").exists()
 
 
 def test_files_of_others_are_not_replaced(tmp_path: Path, options: BatchOptions) -> None:
@@ -158,6 +185,10 @@ def test_no_room_at_all_is_an_error(tmp_path: Path, options: BatchOptions) -> No
     refused = replace(troubled(options, **{f"s{seed}": "refuse" for seed in range(6)}), here=True)
     with pytest.raises(UniSGError, match="none of 6 rooms could be made; cubes-00000: there is no room"):
         make_batch(ROOMS, tmp_path / "out", refused)
+    assert not (tmp_path / "out").exists()  # so that the same call can be made again
+    with pytest.raises(UniSGError, match=r"^cubes-00000: there is no room$"):
+        make_batch(ROOMS[:1], tmp_path / "out", refused)
+    assert not (tmp_path / "out").exists()
 
 
 def test_a_full_disk_stops_the_batch(tmp_path: Path, options: BatchOptions, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -11,7 +11,7 @@ from ..dataset.format.writer import PARTS, dataset_folder
 from ..errors import UniSGError
 from ..runtime.atomic_files import UNFINISHED, made_folder
 from ..runtime.folder_lock import folder_lock
-from ..runtime.made_files import check_made, mark_made
+from ..runtime.made_files import check_made, mark_made, marked_folder
 from .batch_plan import PICTURES, Task
 from .batch_report import REPORT
 from .pictures.coco_files import INSTANCES, PANOPTIC
@@ -36,15 +36,15 @@ def batch_folder(out: Path, tasks: Sequence[Task], kind: str, resume: bool, over
             yield folder
         return
     pictures = (*FOLDERS, GRAPHS, INSTANCES, PANOPTIC)
-    names = [REPORT, *(pictures if kind == PICTURES else (f"{task['room']}.{kind}" for task in tasks))]
-    with made_folder(out), folder_lock(out):
+    names = pictures if kind == PICTURES else [f"{task['room']}.{kind}" for task in tasks]
+    with made_folder(out), folder_lock(out), marked_folder(out):
         if not (resume or overwrite):
             taken = next((name for name in (PARTS, *names) if (out / name).exists()), None)
             if taken is not None:
                 what = f"{out} holds an unfinished batch" if taken == PARTS else f"{out / taken} exists already"
                 raise UniSGError(f"{what}: choose another folder, or use --resume or --overwrite")
-        check_made(out, names)
-        mark_made(out, names)
+        check_made(out, (REPORT, *names))
+        mark_made(out, (REPORT, *names))
         for name in FOLDERS if kind == PICTURES else ():
             if overwrite:
                 shutil.rmtree(out / name, ignore_errors=True)

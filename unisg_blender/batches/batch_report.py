@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from ..dataset.format.writer import MANIFEST
+from ..errors import UniSGError
 from ..runtime.atomic_files import replacing
 from ..runtime.json_records import parse_json
+from .batch_plan import PICTURES, Task
 from .pictures.picture_worker import FOLDERS
 
 REPORT = "report.jsonl"
@@ -33,8 +35,27 @@ def read_report(folder: Path) -> list[dict[str, Any]]:
     path = folder / REPORT
     if not path.is_file():
         return []
-    with open(path, encoding="utf-8") as file:
-        return [parse_json(line, str(path)) for line in file]
+    with open(path, encoding="utf-8", errors="replace") as file:
+        records = [parse_json(line, str(path)) for line in file]
+    for record in records:
+        if not (isinstance(record, dict) and {"source", "status"} <= record.keys()):
+            raise UniSGError(f"{path} is no report of a batch: choose another folder")
+    return records
+
+
+def other_records(folder: Path, tasks: Sequence[Task], kind: str) -> list[dict[str, Any]]:
+    """The records of what earlier batches made in a folder, and a batch of these tasks and this format does not.
+
+    A dataset, and pictures, are in place of what was there of their kind; files stand beside others.
+    """
+    files, rooms = {f"{task['room']}.{kind}" for task in tasks}, {task["room"] for task in tasks}
+
+    def other(record: Mapping[str, Any]) -> bool:
+        if "file" in record:
+            return record["file"] not in files and (folder / record["file"]).is_file()
+        return kind not in ("dataset", PICTURES) and record["source"] not in rooms
+
+    return list(filter(other, read_report(folder)))
 
 
 class MadeBefore:

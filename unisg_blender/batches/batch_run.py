@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures import Executor
 from functools import partial
@@ -18,7 +19,7 @@ from ..runtime.job_pool import Record, borrowed, own_executor, run_jobs
 from ..runtime.steps import at_once
 from .batch_folder import GRAPHS, batch_folder, parts_folder
 from .batch_plan import PICTURES, BatchOptions, Task, chunk_jobs
-from .batch_report import MadeBefore, write_report
+from .batch_report import MadeBefore, other_records, write_report
 from .chunk_work import make_chunk
 from .pictures.coco_files import write_coco
 from .task_records import failed
@@ -67,6 +68,7 @@ def batch_steps(
     ):
         all_jobs = partial(chunk_jobs, tasks, options, folder, parts)
         yield [], len(tasks)
+        others = other_records(folder, tasks, options.format)
         before = MadeBefore(folder, resume)
         answers = before.all_answers(all_jobs())
         if answers is not None:
@@ -78,8 +80,9 @@ def batch_steps(
             answers += [] if answer is None else [_checked(answer)]
             yield ([] if answer is None else answer["records"]), len(tasks)
         answers.sort(key=lambda answer: answer["number"])
-        _check_some_made(_records(answers))
+        _check_some_made(_records(answers), parts)
         _finish(folder, parts, options, answers)
+        write_report(folder, [*others, *_records(answers)])
         return _records(answers)
 
 
@@ -129,13 +132,16 @@ def _checked(answer: Record) -> Record:
     return answer
 
 
-def _check_some_made(records: Sequence[Record]) -> None:
+def _check_some_made(records: Sequence[Record], parts: Path) -> None:
+    """Refuse a batch of which nothing came; nothing stays of it that another call would have to go on with."""
     if all(record["status"] == "failed" for record in records):
-        raise UniSGError(f"none of {len(records)} rooms could be made; {records[0]['source']}: {records[0]['reason']}")
+        shutil.rmtree(parts, ignore_errors=True)
+        many = f"none of {len(records)} rooms could be made; " if len(records) > 1 else ""
+        raise UniSGError(f"{many}{records[0]['source']}: {records[0]['reason']}")
 
 
 def _finish(folder: Path, parts: Path, options: BatchOptions, answers: Sequence[Record]) -> None:
-    """Write what is of all rooms together: the report, and a dataset, or the labels and scenegraphs of all pictures."""
+    """Write what is of all rooms together: a dataset, or the labels and scenegraphs of all pictures."""
     if options.format == "dataset":
         _write_dataset(folder, parts, options, answers)
     if options.format == PICTURES:
@@ -143,7 +149,6 @@ def _finish(folder: Path, parts: Path, options: BatchOptions, answers: Sequence[
             _write_dataset(graphs, parts, options, answers)
         names = [name for record in _records(answers) for name in record.get("pictures", ())]
         write_coco(folder, names, (options.vocabulary or {}).get("categories", ()))
-    write_report(folder, _records(answers))
 
 
 def _write_dataset(folder: Path, parts: Path, options: BatchOptions, answers: Sequence[Record]) -> None:

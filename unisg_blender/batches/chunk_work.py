@@ -12,6 +12,7 @@ from ..dataset.export.supervisor import read_part
 from ..runtime.asked_process import ask
 from ..runtime.atomic_files import DamagedError, checksum_of
 from ..runtime.serving_process import handle
+from .task_records import failed
 
 TRIES = 2
 """Times that a process may end over a room before the room is left out: the first may be somebody's kill."""
@@ -44,9 +45,7 @@ def _new_answer(job: dict[str, Any]) -> dict[str, Any]:
             return answer
         number = answer["how_far"][0] if answer["how_far"] else 0
         if number >= len(job["tasks"]):  # all are made, and cannot be written
-            records = [
-                {"source": task["room"], "status": "failed", "reason": answer["reason"]} for task in job["tasks"]
-            ]
+            records = [failed(task, answer["reason"]) for task in job["tasks"]]
             return {"status": "ok", "records": records, "part": ""}
         ended[number] = ended.get(number, 0) + 1
         if ended[number] == TRIES:

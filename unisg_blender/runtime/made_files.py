@@ -74,14 +74,20 @@ def own_folder(option: str, folder: Path) -> Iterator[None]:
         As :func:`check_own`, or if the folder cannot be made.
     """
     check_own(option, folder)
-    with made_folder(folder):
+    with made_folder(folder), marked_folder(folder):
         mark_made(folder, ())
-        try:
-            yield
-        finally:
-            if [path.name for path in folder.iterdir()] == [MARKER] and not made_in(folder):
-                with contextlib.suppress(OSError):
-                    (folder / MARKER).unlink()
+        yield
+
+
+@contextmanager
+def marked_folder(folder: Path) -> Iterator[None]:
+    """A folder whose marker is taken away in the end where it is all that is left."""
+    try:
+        yield
+    finally:
+        if [path.name for path in folder.iterdir()] == [MARKER]:
+            with contextlib.suppress(OSError):
+                (folder / MARKER).unlink()
 
 
 @contextmanager
