@@ -71,7 +71,7 @@ class Operator(bpy.types.Operator):
 class FileOperator(Operator):
     """An operator that asks for a file first; whether it did so is ``browsed``."""
 
-    filepath: bpy.props.StringProperty(name="File", subtype="FILE_PATH")
+    filepath: bpy.props.StringProperty(name="File", subtype="FILE_PATH", options={"SKIP_SAVE"})
     browsed = False
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:

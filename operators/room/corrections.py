@@ -73,11 +73,12 @@ class UNISG_OT_mark_room(Operator):
 
     kind: bpy.props.StringProperty(
         name="Room", description='What it is, such as "kitchen"; "none": it is no room; empty: what its things tell',
-        search=_kinds, search_options={"SUGGESTION"},
+        search=_kinds, search_options={"SUGGESTION"}, options={"SKIP_SAVE"},
     )  # fmt: skip
     number: bpy.props.IntProperty(
-        name="Number", description="Of the room; -1 for the one of the active object", default=-1, min=-1
-    )
+        name="Number", description="Of the room; -1 for the one of the active object", default=-1, min=-1,
+        options={"SKIP_SAVE"},
+    )  # fmt: skip
 
     @classmethod
     def why_grey(cls, context: bpy.types.Context) -> str:

@@ -110,6 +110,32 @@ def test_background_work_is_taken_or_told(extension: ModuleType) -> None:
     work.end()
 
 
+def test_what_was_looked_at_is_looked_at_anew_once(extension: ModuleType) -> None:
+    module = sys.modules[f"{extension.__name__}.operators.room.background"]
+    errors = sys.modules[f"{extension.__name__}.unisg_blender.errors"]
+    work, started, failed = module.Background(), [], []
+
+    def refuse() -> None:
+        raise errors.UniSGError("no room")
+
+    work.start_soon(lambda: started.append(1), failed.append)
+    begin = work._soon
+    work.start_soon(lambda: started.append(2), failed.append)
+    assert work._soon is begin, "it is to come already"
+    assert begin() is None
+    assert started == [1]
+    work.start_soon(refuse, failed.append)
+    work.start(lambda: (), list, list)
+    assert work._soon() == module.SOON, "it waits for what goes on"
+    taken(work)
+    work._soon()
+    assert failed == ["no room"]
+    work.start_soon(list, list)
+    begin = work._soon
+    work.end()
+    assert not bpy.app.timers.is_registered(begin)
+
+
 def test_the_end_of_the_extension_does_not_wait_for_work(extension: ModuleType) -> None:
     """What comes of it later is dropped, and the next work is not taken for it."""
     module = sys.modules[f"{extension.__name__}.operators.room.background"]
