@@ -18,14 +18,15 @@ from unisg_blender.batches.pictures.coco_files import coco_categories, run_lengt
 from unisg_blender.batches.pictures.panoptic_image import write_panoptic
 from unisg_blender.batches.pictures.picture_labels import labelled
 from unisg_blender.batches.pictures.silhouette import silhouette
-from unisg_blender.batches.pictures.view_choice import choose_views
+from unisg_blender.batches.pictures.surround import FROM_THING, Surround
+from unisg_blender.batches.pictures.view_choice import choose_views, parse_views
 from unisg_blender.cli import main
 from unisg_blender.commands.render import picture_size
 from unisg_blender.dataset import open_dataset
 from unisg_blender.errors import UniSGError
 from unisg_blender.formats.scene_files import write_scene_file
 from unisg_blender.geometry.camera_view import looking
-from unisg_blender.scene import SceneBuilder
+from unisg_blender.scene import SceneBuilder, SceneGraph
 from unisg_blender.spatial.structure import recognise_structure
 from unisg_blender.worlds import cubes, living_room
 
@@ -159,6 +160,44 @@ def test_views_that_there_are_not() -> None:
         choose_views(graph, {"scene": 1}, (64, 48), rng)
     with pytest.raises(UniSGError, match="shows nothing"):
         choose_views(SceneBuilder("x").build(), {"eye": 1}, (64, 48), rng)
+
+
+def boxes(*sizes: tuple[float, float, float]) -> SceneGraph:
+    """Boxes around one place of the floor."""
+    builder, mesh = SceneBuilder("boxes"), cubes(0).meshes[0]
+    low, high = mesh.points.min(axis=0), mesh.points.max(axis=0)
+    for number, size in enumerate(sizes):
+        local = np.diag([*(np.array(size) / (high - low)), 1.0])
+        local[:3, 3] = [0, 0, size[2] / 2] - local[:3, :3] @ (low + high) / 2
+        builder.add(f"Box {number}", uid=f"box{number}", mesh=mesh, local=local)
+    return builder.build()
+
+
+def test_what_is_around_a_room_is_not_in_the_way() -> None:
+    """Of a room that is a single mesh the faces are in the way, not the box."""
+    size = np.array([6.0, 5.0, 3.0])
+    for sizes, taken in (([size], 0.0), ([size, (2.0, 1.0, 0.8)], 1.0)):
+        places = Surround.of(labelled(boxes(*sizes))).standing_places(np.random.default_rng(0))
+        assert len(places) > 20
+        assert (np.abs(places) <= size[:2] / 2 - FROM_THING).all()
+        assert ((np.abs(places) > [taken * 1.25, taken * 0.75]).any(axis=1)).all()
+
+
+def test_views_that_nobody_asked_for() -> None:
+    """Eyes where somebody can stand, else looks from outside, which see as far as a scene in millimetres is large."""
+    rng = np.random.default_rng(0)
+    room = choose_views(labelled(boxes((6, 5, 3))), None, (64, 48), rng)
+    assert [chosen.view.name for chosen in room] == ["eye 0", "eye 1"]
+    tight = choose_views(labelled(boxes((0.5, 0.5, 3))), None, (64, 48), rng)
+    assert [chosen.view.name for chosen in tight] == ["dollhouse 0", "dollhouse 1"]
+    for chosen in choose_views(labelled(boxes((6000, 5000, 3000))), {"dollhouse": 1}, (64, 48), rng):
+        assert chosen.view.project(np.zeros((1, 3)))[1] < chosen.view.clip[1]
+
+
+@pytest.mark.parametrize("text", ["eye=x", "eye=0", "", "=2", "eye=-1"])
+def test_views_that_are_none(text: str) -> None:
+    with pytest.raises(UniSGError, match="--views must look like"):
+        parse_views(text)
 
 
 @pytest.mark.parametrize("text", ["0", "12x", "axb", "99999", "-3", ""])

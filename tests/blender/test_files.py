@@ -200,3 +200,23 @@ def test_what_stumbles_over_a_file_is_told_in_one_line(tmp_path: Path, monkeypat
     monkeypatch.setattr(blend_files, "read_scene", stumbles)
     with pytest.raises(UniSGError, match=r"box\.blend: is it damaged\? .*report this: KeyError: 'colour'"):
         read_file(tmp_path / "box.blend")
+
+
+def test_names_that_are_no_unicode_are_read(tmp_path: Path) -> None:
+    """As in files that were saved before Blender 2.5."""
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    mesh = bpy.data.meshes.new("Seinaet mesh")
+    mesh.from_pydata([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [], [(0, 1, 2)])
+    mesh.uv_layers.new(name="Seinaet uv")
+    mesh.materials.append(bpy.data.materials.new("Seinaet paint"))
+    thing = bpy.data.objects.new("Seinaet", mesh)
+    thing.vertex_groups.new(name="Seinaet group")
+    bpy.context.scene.collection.objects.link(thing)
+    path = tmp_path / "old.blend"
+    bpy.ops.wm.save_as_mainfile(filepath=str(path), copy=True, compress=False)
+    path.write_bytes(path.read_bytes().replace(b"Seinaet", b"Sein\xe4et"))
+    graph, _ = read_file(path)
+    assert graph.name == ("Sein\xe4et",)
+    assert graph.meshes[0].materials == ("Sein\xe4et paint",)
+    assert [layer.name for layer in bpy.data.meshes[0].uv_layers] == ["Sein\xe4et uv"]
+    assert [group.name for group in bpy.data.objects[0].vertex_groups] == ["Sein\xe4et group"]

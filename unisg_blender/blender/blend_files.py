@@ -20,6 +20,7 @@ from ..runtime.read_report import ReadReport
 from ..runtime.wording import some_of
 from ..scene.graph import SceneGraph
 from .read.scene_reader import Geometry, read_scene, read_scenes
+from .readable_names import make_names_readable
 from .scene_frames import cover_keys, set_frame_range
 from .write.scene_writer import write_scene
 
@@ -196,6 +197,7 @@ def _open_quietly(path: Path) -> str | None:
     try:
         if path.suffix.lower() == ".blend":
             bpy.ops.wm.open_mainfile(filepath=str(path), use_scripts=False, load_ui=False)
+            make_names_readable()
             return None
         new_file()
         result = _importer(path.suffix.lower())(filepath=str(path))

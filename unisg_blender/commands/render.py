@@ -31,7 +31,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--views", metavar="WHAT",
         help=f'such as "eye=4,corners=2,Chair=1": {", ".join(KINDS)}, or a category to look at (default: the cameras '
-        "of the scene, or eye=2)",
+        "of the scene, or eye=2, or dollhouse=2 where nobody can stand)",
     )  # fmt: skip
     parser.add_argument("--size", metavar="WxH", default="512", help="pixels of a picture (512)")
     parser.add_argument("--engine", choices=ENGINES, default="cycles", help="what renders the pictures (cycles)")

@@ -95,4 +95,4 @@ def looking(
     world[:3, :3] = np.column_stack([right, np.cross(back, right), back])
     world[:3, 3] = place
     focal = max(size) / (2 * np.tan(angle / 2))
-    return CameraView(name, world, size, float(focal), (size[0] / 2, size[1] / 2))
+    return CameraView(name, world, size, float(focal), (size[0] / 2, size[1] / 2), clip)

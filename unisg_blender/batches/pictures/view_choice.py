@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from copy import deepcopy
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 
@@ -12,26 +13,24 @@ from ...errors import UniSGError
 from ...generate.counts import parse_counts
 from ...geometry.arrays import Bools, Floats
 from ...geometry.camera_view import CameraView, looking
-from ...geometry.polygon import inside, to_edges
 from ...scene import SceneGraph
 from ...scene.categories import STRUCTURE, has_category
-from ...spatial.object_rows import Objects, find_objects
-from ...spatial.structure import recognise_structure
+from .surround import EYE_HEIGHT, Surround
 
 SCENE, EYE, CORNERS, DOLLHOUSE, TURNTABLE = KINDS = ("scene", "eye", "corners", "dollhouse", "turntable")
 """Kinds of views; any other word is a category of things to look at."""
 
-EYE_HEIGHT, HIGH, BELOW_CEILING = 1.6, 2.3, 0.25
-"""Metres over the floor of eyes and of cameras in corners, and below the ceiling at least."""
+HIGH = 2.3
+"""Metres over the floor of cameras in corners."""
 
 WIDE, NARROW = 1.2, 0.7
 """Angles of view in radians: within a room, and from outside."""
 
-FROM_WALL, FROM_THING, FROM_CORNER = 0.35, 0.25, 0.4
-"""Metres that a person keeps from walls and things, and a camera from both walls of a corner."""
+FROM_CORNER = 0.4
+"""Metres that a camera keeps from both walls of a corner."""
 
-TRIED, WAYS = 60, 12
-"""Places that are looked at for eyes, and ways to look from each."""
+WAYS = 12
+"""Ways to look from each place of eyes."""
 
 ABOVE = {DOLLHOUSE: 0.95, TURNTABLE: 0.5}
 """By how many radians views from outside look down."""
@@ -45,58 +44,15 @@ class ChosenView:
     hidden: Bools
 
 
-@dataclass(frozen=True, eq=False)
-class Surround:
-    """The place that is looked at: its ``outline`` (K, 2), heights of floor and ceiling in metres, and its things."""
-
-    graph: SceneGraph
-    outline: Floats
-    floor: float
-    ceiling: float
-    objects: Objects
-    things: Bools
-
-    @staticmethod
-    def of(graph: SceneGraph) -> Surround:
-        """The largest room of a scene, or the box around all that it shows; UniSGError if that is nothing."""
-        objects = find_objects(graph, empty=False)
-        if not len(objects):
-            raise UniSGError("the scene shows nothing: there is no object with a mesh")
-        rooms = recognise_structure(graph).rooms
-        things = ~has_category(graph, STRUCTURE)[objects.rows]
-        if rooms:
-            room = max(rooms, key=lambda room: (room.indoors, room.area))
-            return Surround(graph, room.outline, room.floor, room.ceiling, objects, things)
-        low, high = objects.low.min(axis=0), objects.high.max(axis=0)
-        corners = np.array([[low[0], low[1]], [high[0], low[1]], [high[0], high[1]], [low[0], high[1]]])
-        return Surround(graph, corners, float(low[2]), np.inf, objects, things)
-
-    @property
-    def middles(self) -> Floats:
-        """Middles (T, 3) of the things; of all that is shown where there are none."""
-        chosen = self.things if self.things.any() else np.ones(len(self.objects), bool)
-        return np.asarray((self.objects.low[chosen] + self.objects.high[chosen]) / 2)
-
-    def height(self, wanted: float) -> float:
-        """A height so far over the floor, or under the ceiling."""
-        return max(min(self.floor + wanted, self.ceiling - BELOW_CEILING), self.floor + 0.3)
-
-    def standing_places(self, rng: np.random.Generator) -> Floats:
-        """Places (P, 2) where a person could stand."""
-        low, high = self.outline.min(axis=0), self.outline.max(axis=0)
-        places = rng.uniform(low, high, (TRIED, 2))
-        places = places[inside(self.outline, places)]
-        places = places[np.linalg.norm(to_edges(self.outline, places), axis=2).min(axis=1, initial=np.inf) > FROM_WALL]
-        least, most = self.objects.low[self.things], self.objects.high[self.things]
-        tall = (most[:, 2] > self.floor + 0.15) & (least[:, 2] < self.floor + 1.8)
-        least, most = least[tall, :2] - FROM_THING, most[tall, :2] + FROM_THING
-        taken = ((places[:, None] > least) & (places[:, None] < most)).all(axis=2).any(axis=1)
-        return np.asarray(places[~taken])
-
-
 def parse_views(text: str) -> dict[str, int]:
     """Kinds of views and numbers out of "eye=4,corners=2,Chair=3"; UniSGError if the text is not of that form."""
-    return parse_counts(text)
+    try:
+        views = parse_counts(text)
+    except UniSGError:
+        views = {}
+    if not views or 0 in views.values():
+        raise UniSGError(f'--views must look like "eye=4,corners=2,Chair=1", each from 1 on, not {text[:100]!r}')
+    return views
 
 
 def choose_views(
@@ -109,8 +65,8 @@ def choose_views(
     graph
         The scene, what is building with its category.
     wanted
-        How many of which of :data:`KINDS`, or of looks at which category; where None, the scene's own cameras, or two
-        eyes where it has none.
+        How many of which of :data:`KINDS`, or of looks at which category; where None, the scene's own cameras, two
+        eyes where it has none, or two looks from outside where nobody can stand.
     size
         Width and height in pixels.
 
@@ -120,9 +76,11 @@ def choose_views(
         If there is nothing to look at, nowhere to stand, or no such thing or camera.
     """
     own = scene_cameras(graph, size)
-    if wanted is None:
-        wanted = {SCENE: len(own)} if own else {EYE: 2}
     around, found = Surround.of(graph), list[ChosenView]()
+    if wanted is None and own:
+        wanted = {SCENE: len(own)}
+    elif wanted is None:
+        wanted = {EYE if len(around.standing_places(deepcopy(rng))) else DOLLHOUSE: 2}
     for kind, count in wanted.items():
         if kind == SCENE:
             if not own:
@@ -201,7 +159,7 @@ def _corners(
 
 
 def _within(name: str, eye: Floats, target: Floats, size: tuple[int, int], around: Surround) -> ChosenView:
-    return ChosenView(looking(name, eye, target, size, WIDE), np.zeros(len(around.graph), bool))
+    return ChosenView(looking(name, eye, target, size, WIDE, around.clip()), np.zeros(len(around.graph), bool))
 
 
 def _from_outside(
@@ -223,7 +181,8 @@ def _from_outside(
         hidden = built & ~floor
         if kind == DOLLHOUSE:
             hidden &= has_category(around.graph, ("Ceiling",)) | _in_front(around, middle, way)
-        found.append(ChosenView(looking(f"{kind} {number}", middle + way * back, middle, size, NARROW), hidden))
+        eye = middle + way * back
+        found.append(ChosenView(looking(f"{kind} {number}", eye, middle, size, NARROW, around.clip(back)), hidden))
     return found
 
 
@@ -260,7 +219,8 @@ def _looks_at(
         else:
             eye = middle + np.array([0.3, -0.8, 0.8]) * max(long, 0.5)
         angle = float(np.clip(2.5 * long / max(float(np.linalg.norm(eye - middle)), 0.1), 0.35, WIDE))
-        found.append(ChosenView(looking(f"{kind} {number}", eye, middle, size, angle), np.zeros(len(graph), bool)))
+        view = looking(f"{kind} {number}", eye, middle, size, angle, around.clip())
+        found.append(ChosenView(view, np.zeros(len(graph), bool)))
     return found
 
 
