@@ -66,14 +66,12 @@ def suggesting() -> bool:
 def suggest_again() -> None:
     """Look at what was suggested anew, when Blender has finished what it does; without a window it is emptied."""
     listed = bpy.context.window_manager.unisg_suggested
-    if not listed.scene or listed.scene != bpy.context.scene.name:
+    if not listed.scene:
         return
     if bpy.app.background:
         _say("", "", "")
     else:
-        _background.start_soon(
-            lambda: _start(bpy.context.scene), lambda text: _say(bpy.context.scene.name, _model(), text)
-        )  # fmt: skip
+        _background.start_soon(listed.scene, _start, lambda scene, text: _say(scene, _model(), text))
 
 
 def _model() -> str:

@@ -69,18 +69,28 @@ class Background(Generic[Result]):
         atexit.register(thread.join, PATIENCE)  # Python must not be taken down under it
         bpy.app.timers.register(take, first_interval=POLL)
 
-    def start_soon(self, start: Callable[[], object], failed: Callable[[str], None]) -> None:
-        """Have work started when Blender has finished what it does, and what goes on here has ended."""
+    def start_soon(
+        self, name: str, start: Callable[[bpy.types.Scene], object], failed: Callable[[str, str], None]
+    ) -> None:
+        """Have work on a scene started when Blender has finished what it does, and what goes on here has ended.
+
+        The scene is named: a timer does not know in which window a user is. If it is gone by then, nothing is
+        started, and nothing is to be said of it: ``failed("", "")``. Else that gets its name and what to mend.
+        """
 
         def begin() -> float | None:
             """Start it, or wait."""
             if self.busy:
                 return SOON
             self._soon = None
+            scene = bpy.data.scenes.get(name)
+            if scene is None:
+                failed("", "")
+                return None
             try:
-                start()
+                start(scene)
             except UniSGError as error:
-                failed(in_window(str(error)))
+                failed(name, in_window(str(error)))
             return None
 
         if self._soon is None:

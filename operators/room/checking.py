@@ -91,14 +91,12 @@ class UNISG_OT_check(Operator):
 def check_again() -> None:
     """Look at what is listed anew, when Blender has finished what it does; without a window the list is emptied."""
     listed = bpy.context.window_manager.unisg_check
-    if not listed.summary or listed.scene != bpy.context.scene.name:
+    if not listed.summary:
         return
     if bpy.app.background:
         _say("", "")
     else:
-        _background.start_soon(
-            lambda: _start(bpy.context.scene), lambda text: _say(bpy.context.scene.name, text)
-        )  # fmt: skip
+        _background.start_soon(listed.scene, _start, _say)
 
 
 def _start(checked: bpy.types.Scene) -> set[str]:

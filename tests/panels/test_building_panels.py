@@ -115,22 +115,31 @@ def test_what_was_looked_at_is_looked_at_anew_once(extension: ModuleType) -> Non
     errors = sys.modules[f"{extension.__name__}.unisg_blender.errors"]
     work, started, failed = module.Background(), [], []
 
-    def refuse() -> None:
+    def refuse(scene: bpy.types.Scene) -> None:
         raise errors.UniSGError("no room")
 
-    work.start_soon(lambda: started.append(1), failed.append)
+    def tell(scene: str, text: str) -> None:
+        failed.append((scene, text))
+
+    other = bpy.data.scenes.new("Other")  # of another window; a timer does not know which one a user is in
+    work.start_soon("Other", lambda scene: started.append(scene.name), tell)
     begin = work._soon
-    work.start_soon(lambda: started.append(2), failed.append)
+    work.start_soon("Other", refuse, tell)
     assert work._soon is begin, "it is to come already"
     assert begin() is None
-    assert started == [1]
-    work.start_soon(refuse, failed.append)
+    assert started == ["Other"]
+    work.start_soon("Other", refuse, tell)
     work.start(lambda: (), list, list)
     assert work._soon() == module.SOON, "it waits for what goes on"
     taken(work)
     work._soon()
-    assert failed == ["no room"]
-    work.start_soon(list, list)
+    assert failed == [("Other", "no room")]
+    bpy.data.scenes.remove(other)
+    work.start_soon("Other", refuse, tell)
+    begin = work._soon
+    begin()
+    assert failed[1:] == [("", "")], "there is nothing to say of a scene that is gone"
+    work.start_soon("Other", refuse, tell)
     begin = work._soon
     work.end()
     assert not bpy.app.timers.is_registered(begin)
