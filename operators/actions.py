@@ -153,7 +153,9 @@ class UNISG_OT_action_link(ActionOperator):
     bl_label = "Use Selected"
 
     slot: bpy.props.EnumProperty(name="As", items=SLOT_ITEMS)
-    name: bpy.props.StringProperty(name="Object", description="An object; the other selected ones if empty")
+    name: bpy.props.StringProperty(
+        name="Object", description="An object; the other selected ones if empty", options={"SKIP_SAVE"}
+    )
 
     def act(self, context: bpy.types.Context, item: bpy.types.Object, place: int) -> None:
         from ..unisg_blender.blender.authoring.authoring import link_objects, set_frame

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import time
 from collections.abc import Callable, Generator, Sequence
 from typing import TypeAlias
@@ -69,13 +70,19 @@ class Operator(bpy.types.Operator):
 
 
 class FileOperator(Operator):
-    """An operator that asks for a file first; whether it did so is ``browsed``."""
+    """An operator that asks for a file first, in the folder of the last one; whether it did so is ``browsed``."""
 
-    filepath: bpy.props.StringProperty(name="File", subtype="FILE_PATH")
+    filepath: bpy.props.StringProperty(name="File", subtype="FILE_PATH", options={"SKIP_SAVE"})
     browsed = False
+    last_folder = ""
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        type(self).last_folder = os.path.join(os.path.dirname(bpy.path.abspath(self.filepath)), "")
+        return super().execute(context)
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         self.browsed = True
+        self.filepath = self.filepath or type(self).last_folder
         context.window_manager.fileselect_add(self)
         return {"RUNNING_MODAL"}
 

@@ -14,7 +14,9 @@ class UNISG_OT_assign_category(Operator):
     bl_label = "Assign Category"
     bl_options = {"REGISTER", "UNDO"}
 
-    category: bpy.props.StringProperty(name="Category", description='What the objects are, for example "Scalpel"')
+    category: bpy.props.StringProperty(
+        name="Category", description='What the objects are, for example "Scalpel"', options={"SKIP_SAVE"}
+    )
 
     @classmethod
     def why_grey(cls, context: bpy.types.Context) -> str:

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import bpy
+from bpy.app.handlers import persistent
 
 from ..unisg_blender.errors import UniSGError
 from ..unisg_blender.runtime.file_endings import JSON, USD, is_of
@@ -23,6 +24,9 @@ DRAWN = 0.1
 
 _waiting: list[tuple[str, int, str]] = []
 """Scenes by name, the windows that are to show them, and what the undo step is called."""
+
+_shown: set[str] = set()
+"""Scenes by name that were shown behind a file browser."""
 
 
 def show_scene(operator: FileOperator, context: bpy.types.Context, graph: SceneGraph, lost: ReadReport) -> None:
@@ -47,7 +51,9 @@ def _look_at(scene: bpy.types.Scene, window: bpy.types.Window | None, step: str,
     _waiting[:] = [(scene.name, window.as_pointer(), step)] if window is not None else []
     if not later:
         _look_now()
-    elif not bpy.app.timers.is_registered(_look_then):
+        return
+    _shown.add(scene.name)
+    if not bpy.app.timers.is_registered(_look_then):
         bpy.app.timers.register(_look_then, first_interval=0.01)
 
 
@@ -56,8 +62,18 @@ def _look_now() -> None:
         for window in bpy.context.window_manager.windows:
             if window.as_pointer() == pointer and name in bpy.data.scenes:
                 window.scene = bpy.data.scenes[name]
+                _bring_into_view(window)
                 bpy.ops.ed.undo_push(message=step)
     _waiting.clear()
+
+
+def _bring_into_view(window: bpy.types.Window) -> None:
+    """Have the viewports of a window show all of its scene: it may lie where nobody looks, or be much larger."""
+    for area in window.screen.areas:
+        region = next((each for each in area.regions if each.type == "WINDOW"), None)
+        if area.type == "VIEW_3D" and region is not None:
+            with bpy.context.temp_override(window=window, area=area, region=region):
+                bpy.ops.view3d.view_all()
 
 
 def _look_then() -> float | None:
@@ -72,6 +88,13 @@ def _look_then() -> float | None:
     return None
 
 
+@persistent
+def _undone(*_: object) -> None:
+    """A step back or forth may show a scene with a longer name: the same as behind the file browser."""
+    if _shown and not bpy.app.timers.is_registered(_look_then):
+        bpy.app.timers.register(_look_then, first_interval=DRAWN)
+
+
 class UNISG_OT_convert(FileOperator):
     """Save the scene through the scenegraph: as a USD master file (.usda, .usdc, .usdz) or as .json"""
 
@@ -81,22 +104,28 @@ class UNISG_OT_convert(FileOperator):
 
     filepath: bpy.props.StringProperty(name="File", subtype="FILE_PATH", default="//scene.usdc")
     filter_glob: bpy.props.StringProperty(default=";".join(f"*{ending}" for ending in ENDINGS), options={"HIDDEN"})
+    check_existing: bpy.props.BoolProperty(
+        name="Check Existing", description="Warn before a file is replaced", default=True, options={"HIDDEN"}
+    )
     animation: bpy.props.BoolProperty(
         name="Animation", description="Step through the scene's frames and keep how its objects move", default=True
     )
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        from ..unisg_blender.usd.pxr_library import missing_pxr
-
-        if missing_pxr() and is_of(Path(self.filepath), USD):
-            self.filepath = str(Path(self.filepath).with_suffix(".json"))
+        if not self.properties.is_property_set("filepath"):
+            self.filepath = f"//{Path(bpy.data.filepath).stem or 'scene'}{_usual_ending()}"
         return super().invoke(context, event)
+
+    def check(self, context: bpy.types.Context) -> bool:
+        """Blender asks this whenever a name was typed, and warns of the file that would be replaced."""
+        typed, self.filepath = self.filepath, _with_ending(self.filepath)
+        return typed != self.filepath
 
     def run(self, context: bpy.types.Context) -> None:
         from ..unisg_blender.blender import ReadReport, read_scene
         from ..unisg_blender.formats.scene_files import write_scene_file
 
-        path = Path(bpy.path.abspath(self.filepath))
+        path = Path(bpy.path.abspath(_with_ending(self.filepath)))
         report, manager = ReadReport(), context.window_manager
         if path.suffix.lower() == ".blend":
             raise UniSGError("what is open is a .blend already: File > Save a Copy; here a file ends in .usdc, ...")
@@ -111,6 +140,18 @@ class UNISG_OT_convert(FileOperator):
         if len(report):
             self.report({"WARNING"}, in_window(f"Not represented: {report.summary(most=3)}"))
         self.report({"INFO"}, f"Saved {path.name}")
+
+
+def _usual_ending() -> str:
+    """The ending of a master file: JSON where this Blender offers no USD."""
+    from ..unisg_blender.usd.pxr_library import missing_pxr
+
+    return ".json" if missing_pxr() else ".usdc"
+
+
+def _with_ending(path: str) -> str:
+    """A path with the usual ending where its name has none; a mere folder stays as it is."""
+    return path if bpy.path.basename(path) == "" or Path(path).suffix else f"{path}{_usual_ending()}"
 
 
 class UNISG_OT_open_master_file(FileOperator):
@@ -132,9 +173,12 @@ class UNISG_OT_open_master_file(FileOperator):
 
 
 CLASSES = (UNISG_OT_convert, UNISG_OT_open_master_file)
+HANDLERS = (("undo_post", _undone), ("redo_post", _undone))
 
 
 def unregister() -> None:
     """Forget what was to be shown."""
+    _waiting.clear()
+    _shown.clear()
     if bpy.app.timers.is_registered(_look_then):
         bpy.app.timers.unregister(_look_then)

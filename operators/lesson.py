@@ -56,7 +56,7 @@ class UNISG_OT_lesson_new(Operator):
     bl_label = "New Lesson"
     bl_options = {"REGISTER", "UNDO"}
 
-    name: bpy.props.StringProperty(name="Name", default="Lesson")
+    name: bpy.props.StringProperty(name="Name", default="Lesson", options={"SKIP_SAVE"})
 
     @classmethod
     def why_grey(cls, context: bpy.types.Context) -> str:

@@ -74,8 +74,9 @@ class UNISG_OT_record(Operator):
     bl_options = {"UNDO"}  # no REGISTER: to adjust it afterwards would record the playback in its place
 
     filepath: bpy.props.StringProperty(
-        name="File", subtype="FILE_PATH", description="A USD file to write as well; the scene alone keeps it when empty"
-    )
+        name="File", subtype="FILE_PATH", options={"SKIP_SAVE"},
+        description="A USD file to write as well; the scene alone keeps it when empty",
+    )  # fmt: skip
     millimetres: bpy.props.FloatProperty(
         name="Millimetres", description="How far a sample may be off", default=0.5, min=0
     )
@@ -197,8 +198,9 @@ class UNISG_OT_replay(Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     filepath: bpy.props.StringProperty(
-        name="File", subtype="FILE_PATH", description="A USD file; the scene's own recording when empty"
-    )
+        name="File", subtype="FILE_PATH", description="A USD file; the scene's own recording when empty",
+        options={"SKIP_SAVE"},
+    )  # fmt: skip
 
     @classmethod
     def why_grey(cls, context: bpy.types.Context) -> str:

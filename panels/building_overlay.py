@@ -7,7 +7,7 @@ from typing import Any
 
 import bpy
 
-from ..operators.room.recognised import Recognised, recognised
+from ..operators.room.recognised import Recognised, looking, problem, recognise_soon, recognised
 from ..operators.room.structure_shapes import LEGEND, StructureShapes
 
 TEXT, MARGIN = 13, 22
@@ -33,6 +33,8 @@ def _prepared(context: bpy.types.Context) -> StructureShapes | None:
     found = recognised(context.scene)
     if not context.window_manager.unisg_structure_shown or not context.space_data.overlay.show_overlays:
         return None
+    if found is None and not looking() and not problem(context.scene):
+        recognise_soon(context.scene)  # another scene is shown now
     if found is not _drawn.found:
         _drawn.found, _drawn.batches = found, []
     return None if found is None else found.shapes

@@ -32,9 +32,11 @@ class UNISG_PT_check(ClosedPanel):
 
     def draw(self, context: bpy.types.Context) -> None:
         layout, found = self.layout, context.window_manager.unisg_check
-        text = "Checking ..." if checking() else "Check Scene"
-        layout.operator("unisg.check", text=text, icon="VIEWZOOM")
-        if found.scene != context.scene.name or checking():
+        if checking():  # no grey button: it would stay grey as long as the mouse is on it
+            layout.label(text="Checking ...", icon="SORTTIME")
+            return
+        layout.operator("unisg.check", icon="VIEWZOOM")
+        if found.scene != context.scene.name:
             return
         draw_text(layout, found.summary, context.region.width)
         if found.old:

@@ -91,26 +91,12 @@ def _known(layout: bpy.types.UILayout, settings: UNISG_GenerationSettings, conte
 
 def _button(layout: bpy.types.UILayout, settings: UNISG_GenerationSettings, active: bpy.types.Object | None) -> None:
     """The button that generates; its text says why if it is grey."""
-    wanted, placed = settings.wanted(), settings.where in ("ON", "BESIDE")
-    nowhere = settings.where == "IN" and not settings.room.strip()
-    total = sum(wanted.values())
-    text = f"Generate {total} object{'s' * (total != 1)}"
-    if not wanted:
-        text = "Set a count above to generate"
-    elif placed and active is None:
-        text = "Select an object first"
-    elif nowhere:
-        text = "Choose a room first"
+    total, lacks = sum(settings.wanted().values()), settings.lacks(active)
     column = layout.column()
-    column.enabled = bool(wanted) and (not placed or active is not None) and not nowhere
+    column.enabled = not lacks
     column.scale_y = 1.4
-    button = column.operator("unisg.generate", text=text, icon="ADD")
-    button.model, button.seed, button.bulk = settings.model_file(), settings.seed, settings.bulk
-    button.behaviour, button.words = settings.behaviour, settings.words
-    button.on = active.name if active and settings.where == "ON" else ""
-    button.beside = active.name if active and settings.where == "BESIDE" else ""
-    button.within = settings.room if settings.where == "IN" else ""
-    button.add = ",".join(f"{name}={count}" for name, count in wanted.items())
+    text = f"{lacks} to generate" if lacks else f"Generate {total} object{'s' * (total != 1)}"
+    settings.hand_over(column.operator("unisg.generate", text=text, icon="ADD"), active)
 
 
 CLASSES = (UNISG_UL_categories, UNISG_PT_generate, UNISG_PT_known)

@@ -17,6 +17,9 @@ if TYPE_CHECKING:
     from ..unisg_blender.scene.lesson_node import LessonNode
 
 KIND_ICONS = {"operation": "SCENE_DATA", "lesson": "BOOKMARKS", "stage": "SEQUENCE", "action": "DOT"}
+INSET = 24
+"""Pixels of a sidebar's width that a box and an icon take."""
+
 GREEN, ORANGE = "COLORSET_03_VEC", "COLORSET_02_VEC"
 STATUS_ICONS = {"waiting": "RADIOBUT_OFF", "open": "PLAY", "done": "CHECKMARK", "skipped": "REMOVE"}
 
@@ -39,7 +42,7 @@ class UNISG_PT_play(LessonPanel):
         if current.state.finished:
             layout.label(text="Played to the end", icon="CHECKMARK")
         for action, holds in current.open_actions():
-            _open_action(layout, current, action, holds)
+            _open_action(layout, current, action, holds, context.region.width)
         told = current.message()
         if told is not None:
             text = told.why if told.kind != "done" else f"Done: {told.name}"
@@ -48,9 +51,10 @@ class UNISG_PT_play(LessonPanel):
             draw_text(column, text, context.region.width)
 
 
-def _open_action(layout: bpy.types.UILayout, current: Session, action: ActionData, holds: bool) -> None:
+def _open_action(layout: bpy.types.UILayout, current: Session, action: ActionData, holds: bool, width: int) -> None:
+    """What is to be done, in full, with buttons for what is not done by moving things."""
     box = layout.box().column(align=True)
-    box.label(text=action.name or action.type, icon=GREEN if holds else ORANGE)
+    draw_text(box, action.name or action.type, width - INSET, GREEN if holds else ORANGE)
     graph = current.lesson.graph
     if action.type == "Question":
         several = len(action.correct) > 1

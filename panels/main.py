@@ -6,6 +6,9 @@ import textwrap
 
 import bpy
 
+LETTER = 8
+"""Pixels that a letter takes, at a resolution scale of 1."""
+
 
 class SidebarPanel(bpy.types.Panel):
     """Where all our panels live."""
@@ -40,12 +43,13 @@ class DataPanel(SidebarPanel):
     bl_options = {"DEFAULT_CLOSED"}
 
 
-def draw_text(layout: bpy.types.UILayout, text: str, width: int) -> None:
-    """A long text in lines that fit a sidebar of some pixels."""
+def draw_text(layout: bpy.types.UILayout, text: str, width: int, icon: str = "INFO") -> None:
+    """A long text in lines that fit a sidebar of some pixels, with an icon before the first one."""
     column = layout.column()
     column.scale_y = 0.7
-    for number, line in enumerate(textwrap.wrap(text, max(20, width // 8))):
-        column.label(text=line, icon="INFO" if number == 0 else "BLANK1")
+    letter = LETTER * (bpy.context.preferences.system.ui_scale or 1.0)  # 0 without a window
+    for number, line in enumerate(textwrap.wrap(text, max(20, int(width / letter)))):
+        column.label(text=line, icon=icon if number == 0 else "BLANK1")
 
 
 class UNISG_PT_main(SidebarPanel):

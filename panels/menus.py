@@ -17,6 +17,7 @@ class UNISG_MT_add(bpy.types.Menu):
 
     def draw(self, context: bpy.types.Context) -> None:
         layout = self.layout
+        layout.operator_context = "INVOKE_DEFAULT"  # Blender's own menu Add asks for no settings
         for key, label, _ in ROOMS:
             layout.operator("unisg.add_room", text=label, icon="HOME").kind = key
         layout.separator()

@@ -15,9 +15,14 @@ class UNISG_PT_suggest(SubPanel):
 
     def draw(self, context: bpy.types.Context) -> None:
         layout, found, settings = self.layout, context.window_manager.unisg_suggested, context.window_manager.unisg
-        layout.operator("unisg.suggest", text="Looking ..." if suggesting() else "What Is Missing?", icon="LIGHT")
-        if found.scene != context.scene.name or suggesting():
+        if suggesting():
+            layout.label(text="Looking at the scene ...", icon="SORTTIME")
             return
+        layout.operator("unisg.suggest", icon="LIGHT")
+        if (found.scene, found.model) != (context.scene.name, settings.model_file()):
+            return  # of another scene, or another model's
+        if found.objects != len(context.scene.objects):
+            layout.label(text="Changed since: look again", icon="FILE_REFRESH")
         if found.text:
             draw_text(layout, found.text, context.region.width)
         column = layout.column(align=True)

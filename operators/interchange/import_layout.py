@@ -22,7 +22,7 @@ class UNISG_OT_import_layout(FileOperator):
     """Import a room of ProcTHOR, Holodeck, AI2-THOR, Habitat, SceneEval, SAGE, 3D-FRONT, Gazebo, MuJoCo and others"""
 
     bl_idname = "unisg.import_layout"
-    bl_label = "Import Rooms of Other Programs"
+    bl_label = "Import Rooms"
     bl_options = {"REGISTER"}  # the undo step is made when the scene is shown
 
     filter_glob: bpy.props.StringProperty(default=";".join(f"*{ending}" for ending in ENDINGS), options={"HIDDEN"})
@@ -30,8 +30,9 @@ class UNISG_OT_import_layout(FileOperator):
         name="Meshes", description="Folder with the meshes of what the room places; boxes without", subtype="DIR_PATH"
     )
     scene: bpy.props.StringProperty(
-        name="Scene", description="Of a file with several rooms: name or number of one, from 0; the first when empty"
-    )
+        name="Scene", description="Of a file with several rooms: name or number of one, from 0; the first when empty",
+        options={"SKIP_SAVE"},
+    )  # fmt: skip
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         if self.filepath and Path(self.filepath).is_file():  # it was dropped

@@ -10,7 +10,9 @@ import mathutils
 import numpy as np
 
 from ..base import Operator
+from ..room.checking import check_again
 from .generation_settings import choose_model
+from .suggest import suggest_again
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -36,8 +38,9 @@ class UNISG_OT_add_room(Operator):
 
     kind: bpy.props.EnumProperty(name="Room", items=ROOMS)
     seed: bpy.props.IntProperty(
-        name="Seed", description="The same seed gives the same room; -1 gives another one each time", default=-1, min=-1
-    )
+        name="Seed", description="The same seed gives the same room; -1 gives another one each time",
+        default=-1, min=-1, options={"SKIP_SAVE"},
+    )  # fmt: skip
     with_view: bpy.props.BoolProperty(
         name="Camera and Light", description="Add a camera that looks into the room, and a light", default=True
     )
@@ -74,6 +77,8 @@ class UNISG_OT_add_room(Operator):
         for item in context.selected_objects:
             item.select_set(False)
         choose_model(context, self.kind.replace("-", "_"))
+        check_again()
+        suggest_again()
         self.report({"INFO"}, f"{label}: {len(items)} objects (seed {self.seed})")
 
 

@@ -25,17 +25,23 @@ class UNISG_OT_generate(GenerationChoices, SteppedOperator):
     bl_options = {"REGISTER", "UNDO"}
 
     model: bpy.props.StringProperty(
-        name="Model", description="ONNX file or name of a shipped model; that of operating rooms when empty"
+        name="Model", description="ONNX file or name of a shipped model; that of operating rooms when empty",
+        options={"SKIP_SAVE"},
+    )  # fmt: skip
+    add: bpy.props.StringProperty(
+        name="Add", description='Categories and numbers, such as "Scalpel=2,Monitor=1"', options={"SKIP_SAVE"}
     )
-    add: bpy.props.StringProperty(name="Add", description='Categories and numbers, such as "Scalpel=2,Monitor=1"')
-    on: bpy.props.StringProperty(name="On", description="Name of an object on which all are wanted; empty: anywhere")
+    on: bpy.props.StringProperty(
+        name="On", description="Name of an object on which all are wanted; empty: anywhere", options={"SKIP_SAVE"}
+    )
     beside: bpy.props.StringProperty(
-        name="Beside", description="Name of an object beside which all are wanted; empty: anywhere"
-    )
-
+        name="Beside", description="Name of an object beside which all are wanted; empty: anywhere",
+        options={"SKIP_SAVE"},
+    )  # fmt: skip
     within: bpy.props.StringProperty(
-        name="In", description='The room in which all are wanted: "kitchen", or its number; empty: anywhere'
-    )
+        name="In", description='The room in which all are wanted: "kitchen", or its number; empty: anywhere',
+        options={"SKIP_SAVE"},
+    )  # fmt: skip
 
     @classmethod
     def description(cls, context: bpy.types.Context, properties: UNISG_OT_generate) -> str:
@@ -55,11 +61,10 @@ class UNISG_OT_generate(GenerationChoices, SteppedOperator):
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         if not self.add:  # from a menu: what is chosen in the panel
             settings = context.window_manager.unisg
-            self.add = ",".join(f"{name}={count}" for name, count in settings.wanted().items())
-            self.model, self.behaviour, self.words = settings.model_file(), settings.behaviour, settings.words
-            if not self.add:
-                self.report({"ERROR"}, "Nothing is chosen: set counts in the sidebar (N), tab UniSG, Generate")
+            if lacks := settings.lacks(context.active_object):
+                self.report({"ERROR"}, f"{lacks} in the sidebar (N), tab UniSG, Generate")
                 return {"CANCELLED"}
+            settings.hand_over(self, context.active_object)
         return super().invoke(context, event)
 
     def steps(self, context: bpy.types.Context) -> Steps:
@@ -149,7 +154,7 @@ class UNISG_OT_generate(GenerationChoices, SteppedOperator):
             return ""  # nobody asked for a lesson
         if load_generator(self.model).behaviour is None:
             return " (this model knows no actions)"
-        return f" with {_number(count, 'action')}" if count else " (the lesson needs no actions with them)"
+        return f" with {_number(count, 'action')}" if count else " (the lesson needs no further actions)"
 
 
 def _number(count: int, word: str) -> str:

@@ -87,26 +87,34 @@ class UNISG_CategoryCount(bpy.types.PropertyGroup):
 
 
 class GenerationChoices:
-    """What the operator and the panel both ask for."""
+    """What the operator and the panel both ask for.
+
+    An operator must not take what a button leaves out from the time before: hence ``SKIP_SAVE``.
+    """
 
     seed: bpy.props.IntProperty(
         name="Seed",
         description="The same seed gives the same result; -1 gives another one each time",
         default=-1,
         min=-1,
+        options={"SKIP_SAVE"},
     )
     bulk: bpy.props.BoolProperty(
-        name="All at once", description="Propose all places together instead of one after another: faster, less tidy"
+        name="All at once",
+        description="Propose all places together instead of one after another: faster, less tidy",
+        options={"SKIP_SAVE"},
     )
     words: bpy.props.StringProperty(
         name="Words",
         description="A mapping file, JSON or TOML: what names and words for things mean, where the table of words errs",
         subtype="FILE_PATH",
+        options={"SKIP_SAVE"},
     )
     behaviour: bpy.props.BoolProperty(
         name="With actions",
         description="Give the objects the actions that the lesson lacks, and extend it by them; spare things get none",
         default=True,
+        options={"SKIP_SAVE"},
     )
 
 
@@ -145,6 +153,24 @@ class UNISG_GenerationSettings(GenerationChoices, bpy.types.PropertyGroup):
     def wanted(self) -> dict[str, int]:
         """The categories of which at least one is wanted."""
         return {item.name: item.count for item in self.counts if item.count}
+
+    def lacks(self, active: bpy.types.Object | None) -> str:
+        """What a user has to do before the choices can be followed, "" for nothing."""
+        if not self.wanted():
+            return "Set a count"
+        if self.where in ("ON", "BESIDE") and active is None:
+            return "Select an object"
+        return "Choose a room" if self.where == "IN" and not self.room.strip() else ""
+
+    def hand_over(self, generate: bpy.types.OperatorProperties, active: bpy.types.Object | None) -> None:
+        """Write the choices into a button's, or the operator's own, properties."""
+        for name in ("seed", "bulk", "behaviour", "words"):
+            setattr(generate, name, getattr(self, name))
+        generate.model = self.model_file()
+        generate.add = ",".join(f"{name}={count}" for name, count in self.wanted().items())
+        generate.on = active.name if active and self.where == "ON" else ""
+        generate.beside = active.name if active and self.where == "BESIDE" else ""
+        generate.within = self.room if self.where == "IN" else ""
 
 
 def list_categories(settings: UNISG_GenerationSettings) -> None:

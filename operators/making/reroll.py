@@ -30,9 +30,9 @@ class UNISG_OT_reroll(SteppedOperator):
     model: bpy.props.StringProperty(
         name="Model",
         description="ONNX file or name of a shipped model; the panel's when empty",
-        options={"HIDDEN"},
+        options={"HIDDEN", "SKIP_SAVE"},
     )
-    words: bpy.props.StringProperty(name="Words", description="A mapping file", options={"HIDDEN"})
+    words: bpy.props.StringProperty(name="Words", description="A mapping file", options={"HIDDEN", "SKIP_SAVE"})
 
     @classmethod
     def why_grey(cls, context: bpy.types.Context) -> str:

@@ -8,17 +8,15 @@ from typing import TYPE_CHECKING
 import bpy
 from bpy.app.handlers import persistent
 
-from ...unisg_blender.errors import UniSGError
 from ..base import Operator, redraw_views
 from ..room.background import Background
-from ..window_wording import in_window
 from .generation_settings import load_generator, read_words, scene_in_words
 
 if TYPE_CHECKING:
     from ...unisg_blender.generate.observe.missing_things import Suggestion
 
-MOST, SOON = 8, 0.1
-"""How many things are suggested, and seconds until what was suggested is looked at anew."""
+MOST = 8
+"""How many things are suggested."""
 
 _background: Background[tuple[Suggestion, ...]] = Background()
 
@@ -31,10 +29,11 @@ class UNISG_Suggestion(bpy.types.PropertyGroup):
 
 
 class UNISG_Suggestions(bpy.types.PropertyGroup):
-    """What was suggested for a scene by a model; ``text`` says what else is to be said."""
+    """What was suggested for a scene of so many ``objects`` by a model; ``text`` says what else is to be said."""
 
     scene: bpy.props.StringProperty()
     model: bpy.props.StringProperty()
+    objects: bpy.props.IntProperty()
     text: bpy.props.StringProperty()
     things: bpy.props.CollectionProperty(type=UNISG_Suggestion)
 
@@ -54,7 +53,7 @@ class UNISG_OT_suggest(Operator):
         return self.reporting(_start, context.scene)
 
     def run(self, context: bpy.types.Context) -> None:
-        model = context.window_manager.unisg.model_file()
+        model = _model()
         _list(context.scene.name, model, _work(context.scene, model)())
         self.report({"INFO"}, context.window_manager.unisg_suggested.text or "See the panel Suggest")
 
@@ -67,27 +66,21 @@ def suggesting() -> bool:
 def suggest_again() -> None:
     """Look at what was suggested anew, when Blender has finished what it does; without a window it is emptied."""
     listed = bpy.context.window_manager.unisg_suggested
-    if not listed.scene or listed.scene != bpy.context.scene.name:
+    if not listed.scene:
         return
     if bpy.app.background:
         _say("", "", "")
-    elif not bpy.app.timers.is_registered(_again):
-        bpy.app.timers.register(_again, first_interval=SOON)
+    else:
+        _background.start_soon(listed.scene, _start, lambda scene, text: _say(scene, _model(), text))
 
 
-def _again() -> float | None:
-    if suggesting():
-        return SOON
-    scene = bpy.context.scene
-    try:
-        _start(scene)
-    except UniSGError as error:
-        _say(scene.name, "", in_window(str(error)))
-    return None
+def _model() -> str:
+    """The model that is chosen in the panel."""
+    return str(bpy.context.window_manager.unisg.model_file())
 
 
 def _start(scene: bpy.types.Scene) -> set[str]:
-    name, model = scene.name, bpy.context.window_manager.unisg.model_file()
+    name, model = scene.name, _model()
     work = _work(scene, model)
     _background.start(
         work, lambda found: _list(name, model, found), lambda text: _say(name, model, text)
@@ -108,6 +101,7 @@ def _say(scene: str, model: str, text: str) -> None:
     listed = bpy.context.window_manager.unisg_suggested
     listed.things.clear()
     listed.scene, listed.model, listed.text = scene, model, text
+    listed.objects = len(bpy.data.scenes[scene].objects) if scene in bpy.data.scenes else 0
 
 
 def _list(scene: str, model: str, found: tuple[Suggestion, ...]) -> None:
@@ -136,6 +130,4 @@ PROPERTIES = ((bpy.types.WindowManager, "unisg_suggested", bpy.props.PointerProp
 
 def unregister() -> None:
     """Let go what is being looked at."""
-    if bpy.app.timers.is_registered(_again):
-        bpy.app.timers.unregister(_again)
     _background.end()

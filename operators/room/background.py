@@ -16,6 +16,9 @@ from ..window_wording import in_window
 POLL, PATIENCE = 0.1, 10.0
 """Seconds between two looks whether work is done, and that the end of Blender waits for it."""
 
+SOON = 0.1
+"""Seconds until what was looked at is looked at anew."""
+
 Result = TypeVar("Result")
 
 
@@ -24,6 +27,7 @@ class Background(Generic[Result]):
 
     def __init__(self) -> None:
         self._timer: Callable[[], float | None] | None = None
+        self._soon: Callable[[], float | None] | None = None
 
     @property
     def busy(self) -> bool:
@@ -65,8 +69,37 @@ class Background(Generic[Result]):
         atexit.register(thread.join, PATIENCE)  # Python must not be taken down under it
         bpy.app.timers.register(take, first_interval=POLL)
 
+    def start_soon(
+        self, name: str, start: Callable[[bpy.types.Scene], object], failed: Callable[[str, str], None]
+    ) -> None:
+        """Have work on a scene started when Blender has finished what it does, and what goes on here has ended.
+
+        The scene is named: a timer does not know in which window a user is. If it is gone by then, nothing is
+        started, and nothing is to be said of it: ``failed("", "")``. Else that gets its name and what to mend.
+        """
+
+        def begin() -> float | None:
+            """Start it, or wait."""
+            if self.busy:
+                return SOON
+            self._soon = None
+            scene = bpy.data.scenes.get(name)
+            if scene is None:
+                failed("", "")
+                return None
+            try:
+                start(scene)
+            except UniSGError as error:
+                failed(name, in_window(str(error)))
+            return None
+
+        if self._soon is None:
+            self._soon = begin
+            bpy.app.timers.register(begin, first_interval=SOON)
+
     def end(self) -> None:
-        """Forget what is going on, without waiting for it: nothing is done with what comes of it."""
-        if self._timer is not None and bpy.app.timers.is_registered(self._timer):
-            bpy.app.timers.unregister(self._timer)
-        self._timer = None
+        """Forget what is going on and what is to come, without waiting: nothing is done with what comes of it."""
+        for timer in (self._timer, self._soon):
+            if timer is not None and bpy.app.timers.is_registered(timer):
+                bpy.app.timers.unregister(timer)
+        self._timer = self._soon = None

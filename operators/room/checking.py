@@ -8,17 +8,12 @@ import bpy
 import mathutils
 from bpy.app.handlers import persistent
 
-from ...unisg_blender.errors import UniSGError
 from ..base import Operator, redraw_views, select_only
-from ..window_wording import in_window
 from .background import Background
 
 if TYPE_CHECKING:
     from ...unisg_blender.generate.check.scene_check import SceneCheck
     from ...unisg_blender.scene import SceneGraph
-
-SOON = 0.1
-"""Seconds until what was listed is looked at anew."""
 
 SEEN, AROUND = 2.0, 2.0
 """From how far an object is looked at: so many times its diagonal, and so many metres more."""
@@ -26,6 +21,10 @@ SEEN, AROUND = 2.0, 2.0
 _background: Background[tuple[SceneGraph, SceneCheck]] = (
     Background()
 )  # `Background[...]()` would be kept by typing, see there
+
+
+_stood: dict[str, mathutils.Matrix] = {}
+"""Where each object stood when the scene was last looked at."""
 
 
 class UNISG_Fault(bpy.types.PropertyGroup):
@@ -92,22 +91,12 @@ class UNISG_OT_check(Operator):
 def check_again() -> None:
     """Look at what is listed anew, when Blender has finished what it does; without a window the list is emptied."""
     listed = bpy.context.window_manager.unisg_check
-    if not listed.summary or listed.scene != bpy.context.scene.name:
+    if not listed.summary:
         return
     if bpy.app.background:
         _say("", "")
-    elif not bpy.app.timers.is_registered(_again):
-        bpy.app.timers.register(_again, first_interval=SOON)
-
-
-def _again() -> float | None:
-    if checking():
-        return SOON
-    try:
-        _start(bpy.context.scene)
-    except UniSGError as error:
-        _say(bpy.context.scene.name, in_window(str(error)))
-    return None
+    else:
+        _background.start_soon(listed.scene, _start, _say)
 
 
 def _start(checked: bpy.types.Scene) -> set[str]:
@@ -123,7 +112,10 @@ def _start(checked: bpy.types.Scene) -> set[str]:
 def _read(scene: bpy.types.Scene) -> SceneGraph:
     from ...unisg_blender.blender import read_scene
 
-    return read_scene(scene, details=False)
+    graph = read_scene(scene, details=False)
+    _stood.clear()
+    _stood.update((item.name, item.matrix_world.copy()) for item in scene.objects)
+    return graph
 
 
 def _checked(graph: SceneGraph) -> tuple[SceneGraph, SceneCheck]:
@@ -207,8 +199,16 @@ def _changed(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph | None = Non
     listed = bpy.context.window_manager.unisg_check
     if not listed.summary or listed.old or listed.scene != scene.name or depsgraph is None:
         return
-    if any(update.is_updated_geometry or update.is_updated_transform for update in depsgraph.updates):
+    if len(scene.objects) != len(_stood) or any(map(_is_changed, depsgraph.updates)):
         listed.old = True
+
+
+def _is_changed(update: bpy.types.DepsgraphUpdate) -> bool:
+    """Whether something has another shape or place; Blender tells of what was given an action or a name as well."""
+    item = update.id
+    if update.is_updated_geometry or not (update.is_updated_transform and isinstance(item, bpy.types.Object)):
+        return bool(update.is_updated_geometry)
+    return _stood.get(item.name) != item.matrix_world
 
 
 @persistent
@@ -231,6 +231,5 @@ PROPERTIES = ((bpy.types.WindowManager, "unisg_check", bpy.props.PointerProperty
 
 def unregister() -> None:
     """Let a check go that is going on."""
-    if bpy.app.timers.is_registered(_again):
-        bpy.app.timers.unregister(_again)
     _background.end()
+    _stood.clear()

@@ -53,7 +53,7 @@ class UNISG_OT_mark_part(Operator):
         count = mark_parts(context.selected_objects, part)
         name = next(label for key, label, _ in PARTS if key == part)
         self.report({"INFO"}, f"{count} object{'s' * (count != 1)}: {name}")
-        recognise_soon()
+        recognise_soon(context.scene)
 
 
 def _kinds(operator: object, context: bpy.types.Context, text: str) -> Iterator[str]:
@@ -73,11 +73,12 @@ class UNISG_OT_mark_room(Operator):
 
     kind: bpy.props.StringProperty(
         name="Room", description='What it is, such as "kitchen"; "none": it is no room; empty: what its things tell',
-        search=_kinds, search_options={"SUGGESTION"},
+        search=_kinds, search_options={"SUGGESTION"}, options={"SKIP_SAVE"},
     )  # fmt: skip
     number: bpy.props.IntProperty(
-        name="Number", description="Of the room; -1 for the one of the active object", default=-1, min=-1
-    )
+        name="Number", description="Of the room; -1 for the one of the active object", default=-1, min=-1,
+        options={"SKIP_SAVE"},
+    )  # fmt: skip
 
     @classmethod
     def why_grey(cls, context: bpy.types.Context) -> str:
@@ -97,7 +98,7 @@ class UNISG_OT_mark_room(Operator):
         kind, floor_point = self.kind.strip(), np.append(room.inner_point, room.floor)
         mark_room(context.scene, kind, floor_point, found.units, objects_by_uid(context.scene).get(uid))
         self.report({"INFO"}, f"Room {number}: {kind or 'what its things tell'}")
-        recognise_soon()
+        recognise_soon(context.scene)
 
     def _number(self, context: bpy.types.Context, found: Recognised) -> int:
         from ...unisg_blender.spatial.objects import middle_of
@@ -135,7 +136,7 @@ class UNISG_OT_recognise(Operator):
         return "" if len(context.scene.objects) else "The scene has no objects"
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        recognise_soon()
+        recognise_soon(context.scene)
         return {"FINISHED"}
 
     def run(self, context: bpy.types.Context) -> None:
@@ -146,7 +147,7 @@ def rooms_to_choose(settings: object, context: bpy.types.Context, text: str) -> 
     """Rooms of the current scene for a search field: what each is, or its number where that is not enough."""
     found = recognised(context.scene)
     if found is None:
-        recognise_soon()
+        recognise_soon(context.scene)
         return []
     pairs = zip(_told_apart(found.names), found.room_lines(), strict=True)
     return [(said, line) for names, line in pairs for said in names if text.casefold() in f"{said} {line}".casefold()]

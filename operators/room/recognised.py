@@ -71,11 +71,11 @@ def _many(count: int, word: str) -> str:
 
 @dataclass
 class Known:
-    """What is known of scenes, by name, why nothing is, and whether to look once more after the look that goes on."""
+    """What is known of scenes, by name, why nothing is, and which ones are to be looked at, first come first."""
 
     scenes: dict[str, Recognised] = field(default_factory=dict)
     problems: dict[str, str] = field(default_factory=dict)
-    again: bool = False
+    asked: dict[str, None] = field(default_factory=dict)
 
 
 _known = Known()
@@ -110,10 +110,11 @@ def _keep(name: str, found: Recognised) -> None:
     _known.problems.pop(name, None)
 
 
-def recognise_soon(delay: float = 0.01) -> None:
-    """Look at the current scene in the background, when nothing has changed for so many seconds."""
+def recognise_soon(scene: bpy.types.Scene, delay: float = 0.01) -> None:
+    """Look at a scene in the background, when nothing has changed for so many seconds."""
     if bpy.app.background:
         return
+    _known.asked[scene.name] = None
     if bpy.app.timers.is_registered(_begin):
         bpy.app.timers.unregister(_begin)
     bpy.app.timers.register(_begin, first_interval=delay)
@@ -140,26 +141,29 @@ def _look(graph: SceneGraph, units: float) -> Recognised:
 
 
 def _begin() -> None:
-    if _background.busy:
-        _known.again = True
+    """Look at the first scene that waits, unless one is being looked at: a timer does not know in which window."""
+    scenes = [bpy.data.scenes[name] for name in _known.asked if name in bpy.data.scenes]
+    if _background.busy or not scenes:
         return
-    scene = bpy.context.scene
-    if scene is None:
-        return
-    name, _known.again = scene.name, False
-    try:
-        graph, units = _read(scene), _units(scene)
-    except UniSGError as error:
-        _known.problems[name] = in_window(str(error))
-        return
+    name = scenes[0].name
+    del _known.asked[name]
 
     def done(found: Recognised) -> None:
-        """Keep it, and look once more if something has changed meanwhile."""
+        """Keep it, and go on with what waits."""
         _keep(name, found)
-        if _known.again:
-            recognise_soon()
+        _begin()
 
-    _background.start(lambda: _look(graph, units), done, lambda text: _known.problems.update({name: text}))
+    def failed(text: str) -> None:
+        """Tell it, and go on with what waits."""
+        _known.problems[name] = text
+        _begin()
+
+    try:
+        graph, units = _read(scenes[0]), _units(scenes[0])
+    except UniSGError as error:
+        failed(in_window(str(error)))
+    else:
+        _background.start(lambda: _look(graph, units), done, failed)
 
 
 def wanted() -> bool:
@@ -172,26 +176,30 @@ def _changed(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph | None = Non
     if not wanted() or depsgraph is None:
         return
     if any(update.is_updated_geometry or update.is_updated_transform for update in depsgraph.updates):
-        recognise_soon(QUIET)
+        recognise_soon(scene, QUIET)
 
 
 @persistent
 def _undone(*_: object) -> None:
     if wanted():
-        recognise_soon(QUIET)
+        recognise_soon(bpy.context.scene, QUIET)
 
 
 @persistent
 def _loaded(*_: object) -> None:
-    _background.end()
-    _known.scenes.clear()
-    _known.problems.clear()
+    _forget()
     _undone()
+
+
+def _forget() -> None:
+    _background.end()
+    for known in (_known.scenes, _known.problems, _known.asked):
+        known.clear()
 
 
 def _switched(manager: bpy.types.WindowManager, context: bpy.types.Context) -> None:
     if manager.unisg_structure_shown:
-        recognise_soon()
+        recognise_soon(context.scene)
     redraw_views(context)
 
 
@@ -211,6 +219,4 @@ def unregister() -> None:
     """Forget what is known."""
     if bpy.app.timers.is_registered(_begin):
         bpy.app.timers.unregister(_begin)
-    _background.end()
-    _known.scenes.clear()
-    _known.problems.clear()
+    _forget()

@@ -418,6 +418,22 @@ def test_copies_are_told_apart_at_once():
     assert actions_of(copy)[0].targets == (copy["unisg_uid"],)
 
 
+def test_copies_of_another_windows_scene_are_told_apart():
+    from unisg_extension.operators import copy_repair
+
+    shown, other = bpy.context.scene, bpy.data.scenes.new("Other")
+    mug = bpy.data.objects.new("Mug", bpy.data.meshes.new("Mug"))
+    mug["unisg_uid"] = "mug"
+    other.collection.objects.link(mug)
+    for scene in (other, shown):
+        copy_repair._after_update(scene, None)
+    copy = mug.copy()
+    other.collection.objects.link(copy)
+    copy_repair._after_update(other, None)
+    copy_repair._repair()
+    assert copy["unisg_uid"] != mug["unisg_uid"]
+
+
 def test_a_stage_for_the_operation_goes_into_its_last_lesson():
     bpy.ops.unisg.lesson_new(name="Surgery")
     item = bpy.data.objects["Surgery"]

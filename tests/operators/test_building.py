@@ -50,6 +50,28 @@ def test_rooms_are_told(recognised: ModuleType) -> None:
     assert any(line.endswith(": kitchen, 20.0 m2") for line in found.room_lines())
 
 
+def test_the_scene_that_is_asked_for_is_looked_at_and_then_the_next(
+    recognised: ModuleType, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Each window may show another one; none is lost while one is looked at."""
+    other, house = bpy.data.scenes.new("Other"), bpy.context.scene
+    write_scene(read_scene(house), other)
+    done = []
+    monkeypatch.setattr(recognised._background, "start", lambda work, take, failed: done.append((work, take, failed)))
+    recognised._known.asked.update(dict.fromkeys(("Gone", "Other", house.name)))
+    recognised._begin()
+    assert recognised.recognised(other) is None
+    work, take, _ = done.pop()
+    take(work())
+    assert recognised.recognised(other) is not None
+    _, _, failed = done.pop()
+    failed("no room")
+    assert recognised.problem(house) == "no room"
+    assert not done
+    recognised._forget()
+    assert recognised.recognised(other) is None
+
+
 def test_a_part_is_corrected_undone_and_kept(recognised: ModuleType, tmp_path: Path) -> None:
     select("wardrobe", "Spüle")
     assert bpy.ops.unisg.mark_part(part="WALL") == {"FINISHED"}

@@ -62,6 +62,26 @@ def test_what_is_gone_is_told(listed) -> None:
     assert not bpy.context.selected_objects
 
 
+def test_what_moves_nothing_leaves_the_list_as_it_is(listed) -> None:
+    bpy.context.view_layer.update()
+    bpy.ops.unisg.check()
+    crate = bpy.data.objects["High"]
+    listed.active = [item.name for item in listed.faults].index("High")
+    assert bpy.ops.unisg.lock() == {"FINISHED"}
+    bpy.context.view_layer.update()
+    assert not listed.old
+    assert bpy.ops.unisg.action_add(type="Remove") == {"FINISHED"}
+    bpy.context.view_layer.update()
+    assert not listed.old
+    crate.location.z += 1
+    bpy.context.view_layer.update()
+    assert listed.old
+    bpy.ops.unisg.check()
+    bpy.data.objects.remove(crate)
+    bpy.context.view_layer.update()
+    assert listed.old
+
+
 def test_another_file_empties_the_list(listed) -> None:
     bpy.ops.unisg.check()
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)

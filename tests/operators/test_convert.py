@@ -56,6 +56,22 @@ def test_json(tmp_path: Path) -> None:
     assert sorted(item.name for item in bpy.data.scenes[-1].objects) == names
 
 
+def test_a_name_without_an_ending_gets_the_usual_one(tmp_path: Path, extension: ModuleType) -> None:
+    moving_room()
+    ending = ".json" if missing_pxr() else ".usdc"
+    assert bpy.ops.unisg.convert(filepath=str(tmp_path / "room")) == {"FINISHED"}
+    assert [path.name for path in tmp_path.iterdir()] == [f"room{ending}"]
+    assert extension.operators.convert._with_ending("//") == "//"
+    typed = SimpleNamespace(filepath="//a")
+    check = extension.operators.convert.UNISG_OT_convert.check
+    assert check(typed, bpy.context), "the file browser shows what will be written, and warns of a file of that name"
+    assert typed.filepath == f"//a{ending}"
+    assert not check(typed, bpy.context)
+    assert "check_existing" in bpy.ops.unisg.convert.get_rna_type().properties, (
+        "by this Blender knows that it is to warn"
+    )
+
+
 @pytest.mark.parametrize(
     ("name", "reason"), [("room.blend", "Save a Copy"), ("room.txt", "ends in"), ("no/r.json", "does not exist")]
 )
@@ -83,6 +99,10 @@ def test_a_scene_is_shown_after_the_file_browser_has_closed(extension: ModuleTyp
     bpy.app.timers.unregister(module._look_then)
     assert module._look_then() == module.DRAWN
     assert module._look_then() is None
+    module._undone()
+    assert bpy.app.timers.is_registered(module._look_then), "the scene before, or after, may have a longer name"
     module._look_at(scene, SimpleNamespace(as_pointer=lambda: 1), "Import", later=True)
     module.unregister()
+    assert not bpy.app.timers.is_registered(module._look_then)
+    module._undone()
     assert not bpy.app.timers.is_registered(module._look_then)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from types import ModuleType, SimpleNamespace
 
 import bpy
 import numpy as np
@@ -24,6 +25,16 @@ def test_a_room_is_imported_as_a_scene_of_its_own(tmp_path: Path) -> None:
     assert chair["unisg_category"] == "chair"
     assert tuple(round(each, 4) for each in chair.dimensions) == (0.4, 0.6, 1.0)
     np.testing.assert_allclose(read_scene(scene)["chair"].world[:3, 0], (0, 1, 0), atol=1e-6)
+
+
+def test_the_next_file_is_asked_for_in_the_folder_of_the_last_one(tmp_path: Path, extension: ModuleType) -> None:
+    operator = extension.operators.interchange.import_layout.UNISG_OT_import_layout
+    path = write(tmp_path / "layout.json", internscenes())
+    bpy.ops.unisg.import_layout(filepath=str(path))
+    manager = SimpleNamespace(fileselect_add=lambda _: None)
+    asked = type("Asked", (), {"filepath": "", "last_folder": operator.last_folder})()
+    extension.operators.base.FileOperator.invoke(asked, SimpleNamespace(window_manager=manager), None)
+    assert asked.filepath == f"{tmp_path}/"
 
 
 def test_one_of_several_rooms_is_asked_for(tmp_path: Path) -> None:

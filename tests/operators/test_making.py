@@ -129,6 +129,21 @@ def test_what_is_missing_is_listed_and_a_click_places_it(extension: ModuleType, 
     assert not found.things or found.things[0].name != "Sofa"
 
 
+def test_suggestions_are_for_the_chosen_model_and_for_what_is_there(extension: ModuleType, room: None) -> None:
+    settings = extension.operators.making.generation_settings
+    settings.choose_model(bpy.context, "living_room")
+    bpy.ops.unisg.suggest()
+    assert drawn(extension)
+    settings.choose_model(bpy.context, "operating_room")
+    assert not drawn(extension), "they were another model's"
+    settings.choose_model(bpy.context, "living_room")
+    assert drawn(extension)
+    found = bpy.context.window_manager.unisg_suggested
+    assert found.objects == len(bpy.context.scene.objects)
+    bpy.ops.unisg.add_room(kind="living-room", seed=4)
+    assert not drawn(extension), "what was suggested is old"
+
+
 def test_another_file_empties_the_suggestions(extension: ModuleType, room: None) -> None:
     extension.operators.making.generation_settings.choose_model(bpy.context, "living_room")
     bpy.ops.unisg.suggest()

@@ -110,6 +110,41 @@ def test_background_work_is_taken_or_told(extension: ModuleType) -> None:
     work.end()
 
 
+def test_what_was_looked_at_is_looked_at_anew_once(extension: ModuleType) -> None:
+    module = sys.modules[f"{extension.__name__}.operators.room.background"]
+    errors = sys.modules[f"{extension.__name__}.unisg_blender.errors"]
+    work, started, failed = module.Background(), [], []
+
+    def refuse(scene: bpy.types.Scene) -> None:
+        raise errors.UniSGError("no room")
+
+    def tell(scene: str, text: str) -> None:
+        failed.append((scene, text))
+
+    other = bpy.data.scenes.new("Other")  # of another window; a timer does not know which one a user is in
+    work.start_soon("Other", lambda scene: started.append(scene.name), tell)
+    begin = work._soon
+    work.start_soon("Other", refuse, tell)
+    assert work._soon is begin, "it is to come already"
+    assert begin() is None
+    assert started == ["Other"]
+    work.start_soon("Other", refuse, tell)
+    work.start(lambda: (), list, list)
+    assert work._soon() == module.SOON, "it waits for what goes on"
+    taken(work)
+    work._soon()
+    assert failed == [("Other", "no room")]
+    bpy.data.scenes.remove(other)
+    work.start_soon("Other", refuse, tell)
+    begin = work._soon
+    begin()
+    assert failed[1:] == [("", "")], "there is nothing to say of a scene that is gone"
+    work.start_soon("Other", refuse, tell)
+    begin = work._soon
+    work.end()
+    assert not bpy.app.timers.is_registered(begin)
+
+
 def test_the_end_of_the_extension_does_not_wait_for_work(extension: ModuleType) -> None:
     """What comes of it later is dropped, and the next work is not taken for it."""
     module = sys.modules[f"{extension.__name__}.operators.room.background"]

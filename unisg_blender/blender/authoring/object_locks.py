@@ -22,5 +22,4 @@ def set_locked(objects: Iterable[bpy.types.Object], locked: bool) -> int:
             item[LOCK] = "yes"
         else:
             del item[LOCK]
-        item.update_tag()
     return len(changed)

@@ -73,7 +73,7 @@ def _store(item: bpy.types.Object, key: str, text: str | None) -> None:
     reason = why_fixed(item, key)
     if reason:
         raise UniSGError(reason)
-    item.update_tag()  # custom properties alone do not tell Blender that something has changed
+    item.update_tag(refresh={"OBJECT"})  # custom properties alone do not tell Blender that something has changed
     if text is None:
         item.pop(key, None)
         return

@@ -145,7 +145,7 @@ def _summary(found: Sequence[tuple[OwnRoomsRun, dict[str, Floats]]]) -> Iterator
         mine = [(run, measured) for run, measured in found if kind in ("every", run.kind)]
         group = np.array([item.group for run, _ in mine for item in run.items])
         room = np.array([f"{run.kind} {item.room}" for run, _ in mine for item in run.items])
-        for way in set.intersection(*(set(measured) for _, measured in mine)):
+        for way in [way for way in mine[0][1] if all(way in measured for _, measured in mine)]:
             scores, base, ours = (
                 np.concatenate([measured[name] for _, measured in mine]) for name in (way, BOOTSTRAP, MODEL)
             )

@@ -20,7 +20,7 @@ TREES, FEWEST, SEEN = 100, 10, 0.3
 are split at random knows less of the training rooms by heart than trees that correct each other (boosted ones)."""
 
 NEVER = 1e-4
-"""Share of true places in a leaf that stands for none."""
+"""Share of true places, as the trees expect it, that stands for none."""
 
 OPSET, TREES_OPSET, IR_VERSION = 20, 3, 10
 
