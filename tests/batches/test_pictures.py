@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
@@ -18,17 +18,14 @@ from unisg_blender.batches.pictures.coco_files import coco_categories, run_lengt
 from unisg_blender.batches.pictures.panoptic_image import write_panoptic
 from unisg_blender.batches.pictures.picture_labels import labelled
 from unisg_blender.batches.pictures.silhouette import silhouette
-from unisg_blender.batches.pictures.surround import FROM_THING, Surround
-from unisg_blender.batches.pictures.view_choice import choose_views, parse_views
 from unisg_blender.cli import main
 from unisg_blender.commands.render import picture_size
 from unisg_blender.dataset import open_dataset
 from unisg_blender.errors import UniSGError
 from unisg_blender.formats.scene_files import write_scene_file
 from unisg_blender.geometry.camera_view import looking
-from unisg_blender.scene import SceneBuilder, SceneGraph
-from unisg_blender.spatial.structure import recognise_structure
-from unisg_blender.worlds import cubes, living_room
+from unisg_blender.scene import SceneBuilder
+from unisg_blender.worlds import cubes
 
 VIEW = looking("x", np.array([3.0, 0, 1]), np.zeros(3), (64, 48), 1.0)
 
@@ -126,78 +123,6 @@ def test_copies_are_of_one_category_and_nothing_vanishes() -> None:
 def test_numbers_of_categories_are_stable_and_0_is_none() -> None:
     assert coco_categories(["Wall", "Chair", "Chair"]) == {"Chair": 1, "Wall": 2}
     assert coco_categories(["Wall", "Apple"], ["Chair", "Wall"]) == {"Chair": 1, "Wall": 2, "Apple": 3}
-
-
-@pytest.mark.slow
-@settings(max_examples=5, deadline=None)
-@given(seed=st.integers(0, 100))
-def test_eyes_are_in_the_room_and_see_something(seed: int) -> None:
-    graph = labelled(living_room(seed))
-    room = recognise_structure(graph).rooms[0]
-    rng = np.random.default_rng(seed)
-    views = choose_views(graph, {"eye": 2, "corners": 1, "dollhouse": 1, "turntable": 2, "Sofa": 1}, (64, 48), rng)
-    assert [chosen.view.name for chosen in views] == [
-        "eye 0", "eye 1", "corners 0", "dollhouse 0", "turntable 0", "turntable 1", "Sofa 0",
-    ]  # fmt: skip
-    for chosen in (*views[:3], views[-1]):
-        assert room.contains(chosen.view.world[None, :2, 3])[0]
-        assert room.floor + 0.5 < chosen.view.world[2, 3] < room.ceiling
-        assert not chosen.hidden.any()
-    walls = [row for row in range(len(graph)) if graph.category_name(row) == "Wall"]
-    assert 0 < views[3].hidden[walls].sum() < len(walls)
-    assert views[4].hidden[walls].all()
-    for chosen in views:
-        pixels, depth = chosen.view.project(graph.world[:, :3, 3])
-        assert ((depth > 0) & (pixels > 0).all(axis=1) & (pixels < (64, 48)).all(axis=1)).sum() > 3
-
-
-def test_views_that_there_are_not() -> None:
-    graph = labelled(living_room(1))
-    rng = np.random.default_rng(0)
-    with pytest.raises(UniSGError, match="there is no 'Elephant' in the scene"):
-        choose_views(graph, {"Elephant": 1}, (64, 48), rng)
-    with pytest.raises(UniSGError, match="no camera"):
-        choose_views(graph, {"scene": 1}, (64, 48), rng)
-    with pytest.raises(UniSGError, match="shows nothing"):
-        choose_views(SceneBuilder("x").build(), {"eye": 1}, (64, 48), rng)
-
-
-def boxes(*sizes: tuple[float, float, float]) -> SceneGraph:
-    """Boxes around one place of the floor."""
-    builder, mesh = SceneBuilder("boxes"), cubes(0).meshes[0]
-    low, high = mesh.points.min(axis=0), mesh.points.max(axis=0)
-    for number, size in enumerate(sizes):
-        local = np.diag([*(np.array(size) / (high - low)), 1.0])
-        local[:3, 3] = [0, 0, size[2] / 2] - local[:3, :3] @ (low + high) / 2
-        builder.add(f"Box {number}", uid=f"box{number}", mesh=mesh, local=local)
-    return builder.build()
-
-
-def test_what_is_around_a_room_is_not_in_the_way() -> None:
-    """Of a room that is a single mesh the faces are in the way, not the box."""
-    size = np.array([6.0, 5.0, 3.0])
-    for sizes, taken in (([size], 0.0), ([size, (2.0, 1.0, 0.8)], 1.0)):
-        places = Surround.of(labelled(boxes(*sizes))).standing_places(np.random.default_rng(0))
-        assert len(places) > 20
-        assert (np.abs(places) <= size[:2] / 2 - FROM_THING).all()
-        assert ((np.abs(places) > [taken * 1.25, taken * 0.75]).any(axis=1)).all()
-
-
-def test_views_that_nobody_asked_for() -> None:
-    """Eyes where somebody can stand, else looks from outside, which see as far as a scene in millimetres is large."""
-    rng = np.random.default_rng(0)
-    room = choose_views(labelled(boxes((6, 5, 3))), None, (64, 48), rng)
-    assert [chosen.view.name for chosen in room] == ["eye 0", "eye 1"]
-    tight = choose_views(labelled(boxes((0.5, 0.5, 3))), None, (64, 48), rng)
-    assert [chosen.view.name for chosen in tight] == ["dollhouse 0", "dollhouse 1"]
-    for chosen in choose_views(labelled(boxes((6000, 5000, 3000))), {"dollhouse": 1}, (64, 48), rng):
-        assert chosen.view.project(np.zeros((1, 3)))[1] < chosen.view.clip[1]
-
-
-@pytest.mark.parametrize("text", ["eye=x", "eye=0", "", "=2", "eye=-1"])
-def test_views_that_are_none(text: str) -> None:
-    with pytest.raises(UniSGError, match="--views must look like"):
-        parse_views(text)
 
 
 @pytest.mark.parametrize("text", ["0", "12x", "axb", "99999", "-3", ""])

@@ -58,10 +58,11 @@ class _Pictures:
         from ...blender.render.photograph import Photographer
         from ...blender.render.truth import truth_stage
 
-        graph, shown = self._opened(task)
+        source, shown = self._opened(task)
+        graph = labelled(source)
         rng = np.random.default_rng([task["seed"], 2])
         size = self.settings["size"]
-        views = choose_views(graph, self.settings["views"], (size[0], size[1]), rng)
+        views = choose_views(graph, self.settings["views"], (size[0], size[1]), rng, source)
         scene = LabelledScene.of(graph, shown)
         photographer = Photographer(current_scene(), self.settings["engine"], self.settings["samples"], self.threads)
         names, objects = [], 0
@@ -73,7 +74,7 @@ class _Pictures:
         return {"entities": len(graph), "pictures": names, "objects": objects, "scenes": len(names), **note}
 
     def _opened(self, task: Mapping[str, Any]) -> tuple[SceneGraph, Bools]:
-        """Open a scene in Blender as it is rendered: its scenegraph with categories, and which rows are shown."""
+        """Open a scene in Blender as it is rendered: its scenegraph, and which rows are shown."""
         from ...blender import SUFFIXES, open_file, read_scene
         from ...blender.blend_files import current_scene, new_scene
         from ...blender.render.photograph import rendered_rows, show_as_rendered
@@ -87,7 +88,7 @@ class _Pictures:
         graph = read_scene(current_scene(), geometry="evaluated")
         if self.settings["mapping"] is not None:
             graph = apply_mapping(graph, self.settings["mapping"])
-        graph = labelled(realize_objects(graph)[0])
+        graph = realize_objects(graph)[0]
         return graph, rendered_rows(graph, current_scene())
 
     def _one(

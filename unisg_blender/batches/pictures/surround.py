@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from ...errors import UniSGError
 from ...geometry.arrays import Bools, Floats, Ints
+from ...geometry.camera_view import CameraView
 from ...geometry.polygon import inside, to_edges
 from ...scene import SceneGraph
-from ...scene.categories import STRUCTURE, has_category
+from ...scene.categories import STRUCTURE
 from ...spatial.object_rows import Objects, find_objects
 from ...spatial.structure import recognise_structure
 from ...spatial.structure.scan import world_triangles
@@ -32,38 +34,79 @@ FAR = 200.0
 TRIED = 60
 """Places that are looked at for eyes."""
 
+ALONG: Floats = np.linspace(0.05, 0.95, 10)
+"""Where on the way from an eye to what it looks at no wall may be."""
+
+
+@dataclass(frozen=True, eq=False)
+class ChosenView:
+    """A camera, and the rows (N,) of the scene that its picture leaves out."""
+
+    view: CameraView
+    hidden: Bools
+
 
 @dataclass(frozen=True, eq=False)
 class Surround:
-    """The place that is looked at: its ``outline`` (K, 2), heights of floor and ceiling in metres, and its things."""
+    """The place that is looked at: its ``outline`` (K, 2), heights of floor and ceiling, a point (2,) well within it.
+
+    ``parts`` says by row what is building, by its category or as was recognised; ``things`` which objects are none.
+    """
 
     graph: SceneGraph
     outline: Floats
     floor: float
     ceiling: float
+    inner: Floats
     objects: Objects
+    parts: dict[int, tuple[str, ...]]
     things: Bools
 
     @staticmethod
-    def of(graph: SceneGraph) -> Surround:
-        """The largest room of a scene, or the box around all that it shows; UniSGError if that is nothing."""
+    def of(graph: SceneGraph, source: SceneGraph) -> Surround:
+        """The largest room of a scene, or the box around all that it shows; UniSGError if that is nothing.
+
+        ``source`` is the same scene as it was read: what is building is recognised there.
+        """
         objects = find_objects(graph, empty=False)
         if not len(objects):
             raise UniSGError("the scene shows nothing: there is no object with a mesh")
-        rooms = recognise_structure(graph).rooms
-        things = ~has_category(graph, STRUCTURE)[objects.rows]
-        if rooms:
-            room = max(rooms, key=lambda room: (room.indoors, room.area))
-            return Surround(graph, room.outline, room.floor, room.ceiling, objects, things)
+        structure = recognise_structure(source)
+        named = {row: (name,) for row in range(len(graph)) if (name := graph.category_name(row)) in STRUCTURE}
+        parts = structure.parts | named
+        things = np.array([int(row) not in parts for row in objects.rows])
+        if structure.rooms:
+            room = max(structure.rooms, key=lambda room: (room.indoors, room.area))
+            inner = room.inner_point
+            return Surround(graph, room.outline, room.floor, room.ceiling, inner, objects, parts, things)
         low, high = objects.low.min(axis=0), objects.high.max(axis=0)
         corners = np.array([[low[0], low[1]], [high[0], low[1]], [high[0], high[1]], [low[0], high[1]]])
-        return Surround(graph, corners, float(low[2]), np.inf, objects, things)
+        inner = (low + high)[:2] / 2
+        return Surround(graph, corners, float(low[2]), np.inf, inner, objects, parts, things)
+
+    @cached_property
+    def middles(self) -> Floats:
+        """Middles (T, 3) of the things in the place; where there are none, a point within it."""
+        middle = (self.objects.low + self.objects.high) / 2
+        here = self.things & inside(self.outline, middle[:, :2]) & (middle[:, 2] > self.floor)
+        here &= middle[:, 2] < self.ceiling
+        return middle[here] if here.any() else np.array([[*self.inner, self.floor + 1.0]])
 
     @property
-    def middles(self) -> Floats:
-        """Middles (T, 3) of the things; of all that is shown where there are none."""
-        chosen = self.things if self.things.any() else np.ones(len(self.objects), bool)
-        return np.asarray((self.objects.low[chosen] + self.objects.high[chosen]) / 2)
+    def built(self) -> Bools:
+        """Which rows (N,) are building, of any kind."""
+        return np.array([row in self.parts for row in range(len(self.graph))])
+
+    def are(self, kind: str) -> Bools:
+        """Which rows (N,) are a kind of building, "Wall" or another, whatever else they are."""
+        return np.array([kind in self.parts.get(row, ()) for row in range(len(self.graph))])
+
+    def sees(self, places: Floats, targets: Floats) -> Bools:
+        """From which places (P, 2) the way to which targets (T, 2) stays within the outline, (P, T)."""
+        starts = places[:, None, None]
+        ways = starts + (targets[None, :, None] - starts) * ALONG[:, None]
+        within: Bools = inside(self.outline, ways.reshape(-1, 2))
+        return np.asarray(within.reshape(ways.shape[:3]).all(axis=2))
 
     def clip(self, back: float = 0.0) -> tuple[float, float]:
         """Between which metres a camera sees all of it that is ``back`` metres from its middle, or within it."""

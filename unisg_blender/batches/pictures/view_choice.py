@@ -4,44 +4,34 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from copy import deepcopy
-from dataclasses import dataclass
 from fnmatch import fnmatchcase
 
 import numpy as np
 
 from ...errors import UniSGError
 from ...generate.counts import parse_counts
-from ...geometry.arrays import Bools, Floats
+from ...geometry.arrays import Floats
 from ...geometry.camera_view import CameraView, looking
+from ...geometry.polygon import inside
 from ...scene import SceneGraph
-from ...scene.categories import STRUCTURE, has_category
-from .surround import EYE_HEIGHT, Surround
+from .outside_views import DOLLHOUSE, TURNTABLE, from_outside
+from .surround import EYE_HEIGHT, ChosenView, Surround
 
-SCENE, EYE, CORNERS, DOLLHOUSE, TURNTABLE = KINDS = ("scene", "eye", "corners", "dollhouse", "turntable")
+SCENE, EYE, CORNERS = "scene", "eye", "corners"
+KINDS = (SCENE, EYE, CORNERS, DOLLHOUSE, TURNTABLE)
 """Kinds of views; any other word is a category of things to look at."""
 
 HIGH = 2.3
 """Metres over the floor of cameras in corners."""
 
-WIDE, NARROW = 1.2, 0.7
-"""Angles of view in radians: within a room, and from outside."""
+WIDE = 1.2
+"""Angle of view in radians within a room."""
 
 FROM_CORNER = 0.4
 """Metres that a camera keeps from both walls of a corner."""
 
 WAYS = 12
 """Ways to look from each place of eyes."""
-
-ABOVE = {DOLLHOUSE: 0.95, TURNTABLE: 0.5}
-"""By how many radians views from outside look down."""
-
-
-@dataclass(frozen=True, eq=False)
-class ChosenView:
-    """A camera, and the rows (N,) of the scene that its picture leaves out."""
-
-    view: CameraView
-    hidden: Bools
 
 
 def parse_views(text: str) -> dict[str, int]:
@@ -56,19 +46,26 @@ def parse_views(text: str) -> dict[str, int]:
 
 
 def choose_views(
-    graph: SceneGraph, wanted: Mapping[str, int] | None, size: tuple[int, int], rng: np.random.Generator
+    graph: SceneGraph,
+    wanted: Mapping[str, int] | None,
+    size: tuple[int, int],
+    rng: np.random.Generator,
+    source: SceneGraph | None = None,
 ) -> list[ChosenView]:
     """Cameras for a scene.
 
     Parameters
     ----------
     graph
-        The scene, what is building with its category.
+        The scene, with the categories that may be looked at.
     wanted
         How many of which of :data:`KINDS`, or of looks at which category; where None, the scene's own cameras, two
         eyes where it has none, or two looks from outside where nobody can stand.
     size
         Width and height in pixels.
+    source
+        The same scene as it was read, where ``graph`` has categories that were made up: a house that is called "Cube"
+        for its name is none of a user's things.
 
     Raises
     ------
@@ -76,7 +73,7 @@ def choose_views(
         If there is nothing to look at, nowhere to stand, or no such thing or camera.
     """
     own = scene_cameras(graph, size)
-    around, found = Surround.of(graph), list[ChosenView]()
+    around, found = Surround.of(graph, source or graph), list[ChosenView]()
     if wanted is None and own:
         wanted = {SCENE: len(own)}
     elif wanted is None:
@@ -127,6 +124,7 @@ def _eyes(around: Surround, kind: str, count: int, size: tuple[int, int], rng: n
     offset = middles[None, :, :2] - places[:, None]
     far = np.maximum(np.linalg.norm(offset, axis=2), 1e-9)
     ahead = np.einsum("ptk,wk->pwt", offset / far[..., None], ways) > np.cos(0.45 * WIDE)
+    ahead &= around.sees(places, middles[:, :2])[:, None, :]
     value = (ahead / np.maximum(far, 0.5)[:, None, :]).sum(axis=2)
     chosen = np.argsort(-value.max(axis=1), kind="stable")[: max(count, len(places) // 3)]
     chosen = rng.permutation(chosen)
@@ -145,55 +143,33 @@ def _eyes(around: Surround, kind: str, count: int, size: tuple[int, int], rng: n
 def _corners(
     around: Surround, kind: str, count: int, size: tuple[int, int], rng: np.random.Generator
 ) -> list[ChosenView]:
-    """From the corners of the room that are farthest from its middle."""
-    middle = around.middles.mean(axis=0)
-    order = np.argsort(-np.linalg.norm(around.outline - middle[:2], axis=1), kind="stable")
-    found = []
-    for number in range(count):
-        corner = around.outline[order[number % len(order)]]
-        way = middle[:2] - corner
-        place = corner + way / max(float(np.linalg.norm(way)), 1e-9) * FROM_CORNER * np.sqrt(2)
-        eye = np.array([*place, around.height(HIGH)])
-        found.append(_within(f"{kind} {number}", eye, np.array([*middle[:2], around.floor + 0.7]), size, around))
-    return found
+    """From the corners of the room that are farthest from its things and see them."""
+    target = around.middles[:, :2].mean(axis=0)
+    if not inside(around.outline, target[None])[0]:
+        target = around.inner
+    places = _in_corners(around.outline)
+    places = places[inside(around.outline, places)]
+    clear = around.sees(places, target[None])[:, 0] if len(places) else np.zeros(0, bool)
+    places = places[clear] if clear.any() else around.inner[None]
+    order = np.argsort(-np.linalg.norm(places - target, axis=1), kind="stable")
+    look = np.array([*target, around.floor + 0.7])
+    return [
+        _within(
+            f"{kind} {number}", np.array([*places[order[number % len(order)]], around.height(HIGH)]), look, size, around
+        )
+        for number in range(count)
+    ]
+
+
+def _in_corners(outline: Floats) -> Floats:
+    """Places (K, 2) within the corners of an outline, as far from both walls."""
+    before, after = np.roll(outline, 1, axis=0) - outline, np.roll(outline, -1, axis=0) - outline
+    ways = [way / np.maximum(np.linalg.norm(way, axis=1, keepdims=True), 1e-9) for way in (before, after)]
+    return outline + FROM_CORNER * (ways[0] + ways[1])
 
 
 def _within(name: str, eye: Floats, target: Floats, size: tuple[int, int], around: Surround) -> ChosenView:
     return ChosenView(looking(name, eye, target, size, WIDE, around.clip()), np.zeros(len(around.graph), bool))
-
-
-def _from_outside(
-    around: Surround, kind: str, count: int, size: tuple[int, int], rng: np.random.Generator
-) -> list[ChosenView]:
-    """From outside and above, without ceilings and the walls in front; a turntable goes around, without any wall."""
-    low, high = around.objects.low.min(axis=0), around.objects.high.max(axis=0)
-    if np.isfinite(around.ceiling) or len(around.outline) > 4:
-        low[:2], high[:2] = around.outline.min(axis=0), around.outline.max(axis=0)
-        low[2], high[2] = around.floor, min(around.ceiling, high[2])
-    middle, radius = (low + high) / 2, float(np.linalg.norm(high - low)) / 2
-    small = NARROW * min(size) / max(size)
-    back, built = radius / np.sin(small / 2), has_category(around.graph, STRUCTURE)
-    floor = has_category(around.graph, ("Floor",))
-    found = []
-    for number in range(count):
-        turn = (number / count if kind == TURNTABLE else 0.125 + number / max(count, 4)) * 2 * np.pi
-        way = np.array([np.cos(turn) * np.cos(ABOVE[kind]), np.sin(turn) * np.cos(ABOVE[kind]), np.sin(ABOVE[kind])])
-        hidden = built & ~floor
-        if kind == DOLLHOUSE:
-            hidden &= has_category(around.graph, ("Ceiling",)) | _in_front(around, middle, way)
-        eye = middle + way * back
-        found.append(ChosenView(looking(f"{kind} {number}", eye, middle, size, NARROW, around.clip(back)), hidden))
-    return found
-
-
-def _in_front(around: Surround, middle: Floats, way: Floats) -> Bools:
-    """Which rows (N,) are on the side of the middle from which one looks."""
-    found = np.zeros(len(around.graph), bool)
-    center = (around.objects.low + around.objects.high) / 2
-    toward = (center[:, :2] - middle[:2]) @ way[:2]
-    found[around.objects.rows] = toward > 0.1
-    owner = around.objects.of_row
-    return np.where(owner >= 0, found[around.objects.rows][owner], False)
 
 
 def _looks_at(
@@ -225,4 +201,4 @@ def _looks_at(
 
 
 Maker = Callable[[Surround, str, int, tuple[int, int], np.random.Generator], list[ChosenView]]
-_MAKERS: dict[str, Maker] = {EYE: _eyes, CORNERS: _corners, DOLLHOUSE: _from_outside, TURNTABLE: _from_outside}
+_MAKERS: dict[str, Maker] = {EYE: _eyes, CORNERS: _corners, DOLLHOUSE: from_outside, TURNTABLE: from_outside}

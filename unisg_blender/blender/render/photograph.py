@@ -17,6 +17,7 @@ from ...runtime.output_capture import captured_output
 from ...scene.graph import SceneGraph
 from ..lookup import objects_by_uid
 from ..scene_units import metres_per_unit
+from .picture_faults import BLACK, picture_fault
 from .png_chunks import remove_words
 from .truth import camera_for, use_threads
 
@@ -25,6 +26,9 @@ ENGINES = {"cycles": ("CYCLES",), "workbench": ("BLENDER_WORKBENCH",), "eevee": 
 
 SKY, LAMP, BESIDE = 0.7, 120.0, (0.3, 0.3, 0.2)
 """Where a scene has no light: strength of the sky, watts of the lamp, and where that is beside the camera."""
+
+DIM = 0.1
+"""A plain sky up to this bright lights no room: Blender gives every new scene one of 0.05."""
 
 
 def show_as_rendered(scene: bpy.types.Scene) -> None:
@@ -73,12 +77,17 @@ def _owner_shows(graph: SceneGraph, row: int, items: dict[str, bpy.types.Object]
 
 
 class Photographer:
-    """Takes pictures of the open scene with an engine; a scene without light gets some, which ``note`` says."""
+    """Takes pictures of the open scene with an engine.
+
+    A scene without light gets some, and what its own light leaves black is taken again with a lamp; ``note`` says so.
+    """
 
     def __init__(self, scene: bpy.types.Scene, engine: str, samples: int, threads: int) -> None:
         self.scene = scene
         lit = engine == "workbench" or _has_light(scene)
-        self.note = "" if lit else "the scene has no light: it got a sky, and a lamp beside each camera"
+        self._unlit = "" if lit else "the scene has no light: it got a sky, and a lamp beside each camera"
+        self._dark: list[str] = []
+        self._blank: list[str] = []
         use_threads(scene, threads)
         self._set_up(engine, samples)
         self._lamp = None if lit else _add_light(scene)
@@ -95,23 +104,45 @@ class Photographer:
         left_out = [items[uid] for uid in hidden if uid in items and not items[uid].hide_render]
         camera = camera_for(view, self.scene, metres_per_unit(self.scene))
         if self._lamp is not None:
-            self._lamp.matrix_world = camera.matrix_world @ mathutils.Matrix.Translation(BESIDE)
+            _place_beside(self._lamp, camera)
         render = self.scene.render
         render.resolution_x, render.resolution_y = view.size
         try:
             for item in left_out:
                 item.hide_render = True
             with replacing(path) as unfinished:
-                render.filepath = str(unfinished)
-                with captured_output():
-                    bpy.ops.render.render(write_still=True, scene=self.scene.name)
+                self._render(unfinished)
+                fault = picture_fault(unfinished)
+                if fault == BLACK and self._lamp is None:
+                    lamp = _add_lamp(self.scene)
+                    _place_beside(lamp, camera)
+                    self._render(unfinished)
+                    bpy.data.lights.remove(lamp.data)
+                    self._dark.append(view.name)
+                    fault = picture_fault(unfinished)
                 remove_words(unfinished)
+            self._blank += [view.name] if fault else []
         except RuntimeError as error:
             raise UniSGError(f"Blender cannot render {path.name}: {str(error).strip()}; try another --engine") from None
         finally:
             for item in left_out:
                 item.hide_render = False
             bpy.data.cameras.remove(camera.data)
+
+    @property
+    def note(self) -> str:
+        """What is to be said of the pictures, "" for nothing."""
+        notes = [self._unlit] if self._unlit else []
+        if self._dark:
+            notes.append(f"black by the scene's own light, and taken with a lamp: {', '.join(self._dark)}")
+        if self._blank:
+            notes.append(f"nothing is to be seen in {', '.join(self._blank)}")
+        return "; ".join(notes)
+
+    def _render(self, path: Path) -> None:
+        self.scene.render.filepath = str(path)
+        with captured_output():
+            bpy.ops.render.render(write_still=True, scene=self.scene.name)
 
     def _set_up(self, engine: str, samples: int) -> None:
         render = self.scene.render
@@ -146,17 +177,17 @@ def _set_engine(render: bpy.types.RenderSettings, name: str) -> None:
 def _has_light(scene: bpy.types.Scene) -> bool:
     """Whether a scene has a lamp, a sky that shines, or a material that does."""
     lamps = any(item.type == "LIGHT" and not item.hide_render for item in scene.objects)
-    return lamps or _shines(scene.world) or any(_shines(material) for material in bpy.data.materials)
+    return lamps or _brightness(scene.world) > DIM or any(_brightness(material) > 0 for material in bpy.data.materials)
 
 
-def _shines(owner: bpy.types.World | bpy.types.Material | None) -> bool:
-    """Whether the nodes of a world or a material give light."""
+def _brightness(owner: bpy.types.World | bpy.types.Material | None) -> float:
+    """How bright the brightest node of a world or a material is; infinite where an image or other nodes say it."""
     if owner is None:
-        return False
+        return 0.0
     if isinstance(owner, bpy.types.World) and not owner.use_nodes:
-        return max(owner.color) > 0.02
+        return max(owner.color)
     nodes = owner.node_tree.nodes if owner.use_nodes and owner.node_tree else ()
-    return any(_strength(node) > 0 for node in nodes)
+    return max(map(_strength, nodes), default=0.0)
 
 
 def _strength(node: bpy.types.Node) -> float:
@@ -168,8 +199,13 @@ def _strength(node: bpy.types.Node) -> float:
     strength, color = (node.inputs.get(name) for name in names[node.type])
     if strength is None or color is None:
         return 0.0
-    dark = not color.is_linked and max(list(color.default_value)[:3]) < 0.02
-    return 0.0 if dark else float(strength.default_value) or float(strength.is_linked)
+    bright = np.inf if color.is_linked else max(list(color.default_value)[:3])
+    power = np.inf if strength.is_linked else strength.default_value
+    return float(bright * power) if bright and power else 0.0
+
+
+def _place_beside(lamp: bpy.types.Object, camera: bpy.types.Object) -> None:
+    lamp.matrix_world = camera.matrix_world @ mathutils.Matrix.Translation(BESIDE)
 
 
 def _add_light(scene: bpy.types.Scene) -> bpy.types.Object:
@@ -180,6 +216,10 @@ def _add_light(scene: bpy.types.Scene) -> bpy.types.Object:
     background.inputs["Color"].default_value = (1, 1, 1, 1)
     background.inputs["Strength"].default_value = SKY
     scene.world = world
+    return _add_lamp(scene)
+
+
+def _add_lamp(scene: bpy.types.Scene) -> bpy.types.Object:
     data = bpy.data.lights.new("unisg lamp", "POINT")
     data.energy, data.shadow_soft_size = LAMP, 0.3
     lamp = bpy.data.objects.new("unisg lamp", data)

@@ -21,6 +21,7 @@ from ...scene.categories import STRUCTURE
 from ...scene.properties import CATEGORY
 from ..depsgraph import updated_depsgraph
 from ..scene_units import metres_per_unit
+from .picture_faults import picture_fault
 from .room_view import FROM_THE_RIGHT, RoomView, opened
 from .surface_colors import shader_colors
 
@@ -31,7 +32,6 @@ GREY: Color = (0.55, 0.55, 0.55, 1.0)
 PALE = (*(name.casefold() for name in STRUCTURE), "room")  # what stands in the room is what matters
 GOLDEN = 0.61803398875  # steps of this around the colour circle keep neighbours apart
 SHOWN = ("MESH", "CURVE", "SURFACE", "FONT", "META", "EMPTY")
-BLANK = 0.004  # share of the picture's range by which the pixels of a blank one differ
 ROUNDS = 12  # in which the camera is moved to where the points fill the picture
 
 
@@ -94,7 +94,7 @@ def render_picture(
         _aim(stage.camera, points, toward, size)
         _set_output(stage, unfinished, size, engine, by_category)
         _render(stage, path)
-        return _what_is_wrong(unfinished)
+        return picture_fault(unfinished)
 
 
 def _render(stage: bpy.types.Scene, path: Path) -> None:
@@ -108,24 +108,6 @@ def _render(stage: bpy.types.Scene, path: Path) -> None:
 def _drawn(scene: bpy.types.Scene, leave_out: Collection[str]) -> list[bpy.types.Object]:
     shown = (item for item in scene.objects if item.type in SHOWN and not item.hide_render)
     return [item for item in shown if category_of(item) not in leave_out]
-
-
-def _what_is_wrong(path: Path) -> str:
-    """That a picture shows nothing, "" if it shows something."""
-    image = bpy.data.images.load(str(path))
-    try:
-        pixels = np.empty(len(image.pixels), np.float32)
-        image.pixels.foreach_get(pixels)
-    finally:
-        bpy.data.images.remove(image)
-    seen = pixels.reshape(-1, 4)[:, :3]
-    if float(seen.std(axis=0).max()) > BLANK:
-        return ""
-    return (
-        "the picture is black"
-        if float(seen.mean()) < 10 * BLANK
-        else "the picture is blank: nothing is seen from there"
-    )
 
 
 def _all_points(scene: bpy.types.Scene, items: Sequence[bpy.types.Object]) -> NDArray[np.float64]:
