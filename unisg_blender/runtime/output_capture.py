@@ -8,8 +8,9 @@ import os
 import sys
 import tempfile
 from collections.abc import Callable, Iterator
+from typing import Any
 
-_kept: list[list[int]] = []  # true stdout and stderr, while they are caught
+_kept: list[tuple[list[int], Any]] = []  # true stdout and stderr, and Python's stderr, while they are caught
 
 
 @contextlib.contextmanager
@@ -22,11 +23,12 @@ def captured_output() -> Iterator[list[str]]:
     with tempfile.TemporaryFile() as catch:
         _flush()
         kept = [os.dup(number) for number in (1, 2)]
-        _kept.append(kept)
+        _kept.append((kept, sys.stderr))
         try:
             for number in (1, 2):
                 os.dup2(catch.fileno(), number)
-            yield lines
+            with _instead_of_python_streams(catch.fileno()):
+                yield lines
         finally:
             _flush()
             _kept.pop()
@@ -37,6 +39,14 @@ def captured_output() -> Iterator[list[str]]:
             lines += catch.read().decode("utf-8", "replace").splitlines()
 
 
+@contextlib.contextmanager
+def _instead_of_python_streams(number: int) -> Iterator[None]:
+    """Let Python print to a file, for in a notebook its streams are no files: Blender says there what it has saved."""
+    words = open(number, "w", buffering=1, encoding="utf-8", errors="replace", closefd=False)  # noqa: SIM115
+    with words, contextlib.redirect_stdout(words), contextlib.redirect_stderr(words):
+        yield
+
+
 def heard(tell: Callable[[int, int], None]) -> Callable[[int, int], None]:
     """The same function of progress, whose words on stderr are not caught with all the rest."""
 
@@ -45,12 +55,14 @@ def heard(tell: Callable[[int, int], None]) -> Callable[[int, int], None]:
         if not _kept:
             return tell(done, total)
         _flush()
+        (_, true), stream = _kept[-1]
         catch = os.dup(2)
-        os.dup2(_kept[-1][1], 2)
+        os.dup2(true, 2)
         try:
-            tell(done, total)
+            with contextlib.redirect_stderr(stream):
+                tell(done, total)
+                _flush()
         finally:
-            _flush()
             os.dup2(catch, 2)
             os.close(catch)
 
