@@ -8,7 +8,7 @@ WORKERS ?= 2
 BENCH ?= poses
 PYTEST := $(BIN)/python -m pytest -n $(WORKERS) --dist loadfile
 
-.PHONY: help demo test test-fast test-zip coverage lint extension bench bench-all docs hooks player test-web clean
+.PHONY: help demo test test-fast test-zip coverage lint extension bench bench-all docs notebooks hooks player test-web clean
 
 help:  ## say what can be made
 	@grep -E '^[a-z-]+:.*##' $(firstword $(MAKEFILE_LIST)) | sed -E 's/:[^#]*## */\t/' | expand -t 14
@@ -47,6 +47,9 @@ docs: $(READY)  ## the picture of the rooms, the page of public names, and the m
 	$(BIN)/python packaging/draw_architecture.py
 	$(BIN)/python packaging/write_api_page.py
 	$(BIN)/python packaging/page_numbers.py
+
+notebooks: $(READY)  ## run the notebooks, and write what they print and draw into them -> docs/notebooks/
+	$(BIN)/python packaging/run_notebooks.py
 
 hooks: $(READY)  ## let git run what `make lint` runs before each commit
 	$(BIN)/pre-commit install

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from unisg_blender.behaviour import begin, check_lesson, check_scene, moment, play, prepare
-from unisg_blender.behaviour.lesson.lesson_progress import DONE, OPEN, SKIPPED, advance, first_status
+from unisg_blender.behaviour.lesson.lesson_progress import DONE, OPEN, SKIPPED, advance, blockers, first_status
 from unisg_blender.behaviour.lesson.lesson_tree import outline
 from unisg_blender.behaviour.playing.deadlock import circles, unreached
 from unisg_blender.errors import UniSGError
@@ -425,3 +425,12 @@ def test_states_are_never_changed_in_place():
     assert not first.actions.done.any()
     again, _ = play(lesson, first, places(graph, 0, 1, 2))
     assert again.actions.done.any()
+
+
+def test_what_comes_before_and_is_required_is_waited_for_once():
+    """And what the node above waits for, too, is named once."""
+    first = stage("s1", leaf("a"))
+    second = stage("s2", leaf("b"), leaf("c", requires=("b", "s1")), requires=("s1",))
+    tree = outline(operation(first, second))
+    place = next(place for place, node in enumerate(tree.nodes) if node.uid == "c")
+    assert [tree.nodes[each].uid for each in blockers(tree, first_status(tree), place)] == ["b", "s1"]

@@ -102,7 +102,6 @@ def blockers(outline: Outline, status: NDArray[np.int8], place: int) -> list[int
     """What a waiting node waits for: undone requirements and earlier siblings, its own and those of the nodes above."""
     found: list[int] = []
     for node in (place, *outline.above(place)):
-        waited = [wanted for wanted in outline.requires[node] if status[wanted] != DONE]
-        waited += [other for other in outline.earlier(node) if outline.mandatory[other] and status[other] != DONE]
-        found += [other for other in waited if other not in found]
-    return found
+        found += [wanted for wanted in outline.requires[node] if status[wanted] != DONE]
+        found += [other for other in outline.earlier(node) if outline.mandatory[other] and status[other] != DONE]
+    return list(dict.fromkeys(found))
