@@ -1,4 +1,4 @@
-"""The Blender extension's entry: registers the operators and panels, nothing else."""
+"""The Blender extension's entry: registers the operators and panels, and takes part in glTF exports."""
 
 from __future__ import annotations
 
@@ -17,3 +17,17 @@ def unregister() -> None:
 
     panels.unregister()
     operators.unregister()
+
+
+def glTF2ExportUserExtension() -> object:
+    """What takes part when Blender exports glTF."""
+    from .operators.interchange.gltf_lesson import LessonExtension
+
+    return LessonExtension()
+
+
+def draw_export(context: object, layout: object) -> None:
+    """Our box among the settings of Blender's glTF exporter."""
+    from .panels.gltf_export_box import draw_box
+
+    draw_box(context, layout)

@@ -27,7 +27,7 @@ from . import (
     relations,
     scene_lookup,
 )
-from .interchange import import_layout
+from .interchange import gltf_lesson, import_layout, play_in_browser
 from .making import add_room, generate, generation_settings, lock, reroll, settle, suggest, understand
 from .registration import register_modules, unregister_modules
 from .room import checking, corrections, recognised
@@ -61,6 +61,8 @@ MODULES = (
     copy_repair,
     convert,
     import_layout,
+    gltf_lesson,
+    play_in_browser,
     relations,
     classify,
     recording,

@@ -39,7 +39,7 @@ ARROWS: dict[str, set[str]] = {
     room: set(targets.split())
     for room, targets in {
         "panels": "operators blender scene",
-        "operators": "cli generate predict dataset formats blender usd worlds meshes spatial behaviour words scene"
+        "operators": "cli web generate predict dataset formats blender usd worlds meshes spatial behaviour words scene"
         " poses",
         "cli": "",
         "commands": "web batches experiments learn metrics generate predict dataset formats blender worlds meshes"

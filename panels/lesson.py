@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import bpy
 
+from ..operators.interchange.play_in_browser import served_address
 from ..operators.lesson_properties import active_node, lesson_object, shown_top
 from ..operators.play import session
 from ..operators.scene_lookup import looked_up
@@ -36,7 +37,13 @@ class UNISG_PT_play(LessonPanel):
         if current is None:
             item = lesson_object(context)
             root = None if item is None else lesson_of(item)
-            layout.operator("unisg.play", icon="PLAY").operation = "" if root is None else root.uid
+            row = layout.row(align=True)
+            row.operator("unisg.play", icon="PLAY").operation = "" if root is None else root.uid
+            row.operator("unisg.play_in_browser", icon="WORLD")
+            if served_address():
+                row = layout.row()
+                row.label(text=served_address(), icon="INFO")
+                row.operator("unisg.browser_stop", text="", icon="X")
             return
         layout.operator("unisg.play_stop", icon="SNAP_FACE")
         if current.state.finished:

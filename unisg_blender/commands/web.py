@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from contextlib import suppress
-from functools import partial
-from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
+from contextlib import closing, suppress
 from pathlib import Path
 
 from ..errors import DONE, UniSGError
@@ -61,11 +59,10 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _serve(folder: Path, port: int, quiet: bool) -> None:
-    try:
-        server = ThreadingHTTPServer(("127.0.0.1", port), partial(SimpleHTTPRequestHandler, directory=str(folder)))
-    except OSError as error:
-        raise UniSGError(f"cannot show {folder} on port {port}: {error.strerror}; give another --port") from None
+    from ..web.local_server import LocalServer
+
+    server = LocalServer(folder, port)
     if not quiet:
-        print(f"http://127.0.0.1:{server.server_port}/ (Ctrl+C ends it)", flush=True)
-    with server, suppress(KeyboardInterrupt):
-        server.serve_forever()
+        print(f"{server.address} (Ctrl+C ends it)", flush=True)
+    with closing(server), suppress(KeyboardInterrupt):
+        server.wait()

@@ -7,7 +7,7 @@ variables, send events, branch and repeat. A block may be used in several places
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import TypeAlias
 
@@ -27,7 +27,7 @@ class Expression:
     inputs
         Values by the names of the operation's sockets.
     configuration
-        Of the operation; a type stands by its name.
+        Of the operation; a type stands by its name, a pointer by an entity's row ("node") and what is meant of it.
     socket
         Which of the operation's outputs it is.
     constant
@@ -201,6 +201,8 @@ class Program:
     variables: tuple[GraphVariable, ...]
     events: tuple[GraphEvent, ...]
     starts: tuple[Start, ...]
+    node_of: Callable[[int], int]
+    """The node of an entity in the asset, by its row."""
 
 
 TIME = Expression("float", "event/onTick", socket="timeSinceStart")

@@ -60,7 +60,7 @@ class _Writer:
         if start.event is not None:
             record["configuration"] = {"event": {"value": [self._events[start.event.id]]}}
         if start.node is not None:
-            record["configuration"] = {"nodeIndex": {"value": [start.node]}}
+            record["configuration"] = {"nodeIndex": {"value": [self._program.node_of(start.node)]}}
         self._nodes.append(record)
         self._known[start.op, start.event.id if start.event else "", ()] = len(self._nodes) - 1
         return len(self._nodes) - 1
@@ -114,12 +114,17 @@ class _Writer:
         sources = {name: self._source(each) for name, each in value.inputs.items()}
         key = (value.op, str(sorted(value.configuration.items())), str(sorted(sources.items())))
         if key not in self._known:
-            record = self._node(
-                value.op, {name: self._setting(name, each) for name, each in value.configuration.items()}
-            )
+            record = self._node(value.op, self._settings(value))
             self._nodes.append(record | ({"values": sources} if sources else {}))
             self._known[key] = len(self._nodes) - 1
         return self._known[key]
+
+    def _settings(self, value: Expression) -> dict[str, Any]:
+        """What configures an operation; a pointer is put together."""
+        given = dict(value.configuration)
+        if "pointer" in given:
+            given["pointer"] = f"/nodes/{self._program.node_of(int(given.pop('node')))}/{given['pointer']}"
+        return {name: self._setting(name, each) for name, each in given.items()}
 
     def _setting(self, name: str, value: str | int) -> dict[str, Any]:
         if name == "variable":

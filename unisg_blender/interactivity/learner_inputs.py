@@ -6,6 +6,8 @@ node); ``unisg:answer`` {task, chosen} (bit k: answer k) and ``unisg:confirm`` {
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from ..behaviour.playing.player import Lesson
 from ..scene.action_data import TYPES
 from .behaviour_program import (
@@ -34,8 +36,8 @@ CONFIRM = GraphEvent("unisg:confirm", {"task": "int"})
 class LearnerInputs:
     """Inputs of those entities and actions that a lesson asks for."""
 
-    def __init__(self, lesson: Lesson) -> None:
-        self._actions = lesson.checks.actions
+    def __init__(self, lesson: Lesson, node_of: Callable[[int], int]) -> None:
+        self._actions, self._node_of = lesson.checks.actions, node_of
         self._pressed: dict[int, GraphVariable] = {}
         self._force: dict[int, GraphVariable] = {}
         self._chosen: dict[str, GraphVariable] = {}
@@ -90,9 +92,11 @@ class LearnerInputs:
         """What happens when an event comes."""
         handlers: dict[str, list[Step]] = {}
         for entity, variable in self._pressed.items():
-            handlers.setdefault(TRIGGER.id, []).append(_when(TRIGGER, "entity", entity, variable, "pressed"))
+            handlers.setdefault(TRIGGER.id, []).append(
+                _when(TRIGGER, "entity", self._node_of(entity), variable, "pressed")
+            )
         for entity, variable in self._force.items():
-            handlers.setdefault(FORCE.id, []).append(_when(FORCE, "entity", entity, variable, "newtons"))
+            handlers.setdefault(FORCE.id, []).append(_when(FORCE, "entity", self._node_of(entity), variable, "newtons"))
         for task, action in enumerate(self._actions):
             if action.type == "Question":
                 handlers.setdefault(ANSWER.id, []).append(

@@ -2,12 +2,12 @@
 
 On every tick the graph does what :func:`~..behaviour.playing.player.play` does in a moment: looks which conditions
 hold, tells what was done too early and which answers were wrong, makes performed leaves done and moves the lesson on.
-Node k of the asset is the entity in row k of the scene.
+Node k of the asset is the entity in row k of the scene, unless another numbering is given.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -66,8 +66,10 @@ class LessonGraph:
         return next(leaf for leaf in _leaves(self.lesson) if task in _tasks_of(self.lesson, leaf))
 
 
-def lesson_graph(scene: SceneGraph, operation: LessonNode | None = None) -> LessonGraph:
-    """Compile a lesson of the scene, the only one when none is given.
+def lesson_graph(
+    scene: SceneGraph, operation: LessonNode | None = None, node_of: Callable[[int], int] = int
+) -> LessonGraph:
+    """Compile a lesson of the scene, the only one when none is given; ``node_of`` a row is its node in the asset.
 
     Raises
     ------
@@ -75,18 +77,18 @@ def lesson_graph(scene: SceneGraph, operation: LessonNode | None = None) -> Less
         If there is no lesson, or several, or it is not sound (as :func:`~..behaviour.playing.player.prepare`).
     """
     lesson = prepare(scene, operation)
-    compiler = _Compiler(lesson)
+    compiler = _Compiler(lesson, node_of)
     return LessonGraph(graph_json(compiler.program()), lesson, tuple(compiler.conditions.lost))
 
 
 class _Compiler:
-    def __init__(self, lesson: Lesson) -> None:
-        self._lesson = lesson
+    def __init__(self, lesson: Lesson, node_of: Callable[[int], int]) -> None:
+        self._lesson, self._node_of = lesson, node_of
         self._tree = LessonSteps(lesson.outline, begin(lesson).status)
         self._first, self._stirred = GraphVariable("first tick", YES), GraphVariable("stirred", NO)
         self._was_open = {leaf: GraphVariable(f"was open {leaf}", NO) for leaf in _leaves(lesson)}
         self._leaf_of = {task: leaf for leaf in _leaves(lesson) for task in _tasks_of(lesson, leaf)}
-        self._inputs = LearnerInputs(lesson)
+        self._inputs = LearnerInputs(lesson, node_of)
         self.conditions = ActionConditions(lesson, self._inputs)
         self._steps: dict[int, ActionSteps | GroupSteps] = {}
         members = {group.index: group for group in lesson.checks.groups}
@@ -129,6 +131,7 @@ class _Compiler:
             (*self._tree.variables, *ours, *own, *self._inputs.variables, *self.conditions.variables),
             (STARTED, PERFORMED, MISSED, EARLY, FAILED, *self._inputs.events),
             (Start("event/onTick", StepBlock(tick)), *self._inputs.starts()),
+            self._node_of,
         )
 
     def _action(self, task: int) -> ActionSteps:

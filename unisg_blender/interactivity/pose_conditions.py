@@ -24,7 +24,7 @@ MIRRORED = -1.0
 def world_matrix(node: int) -> Expression:
     """The matrix of a node to the world."""
     return Expression(
-        "float4x4", "pointer/get", configuration={"pointer": f"/nodes/{node}/globalMatrix", "type": "float4x4"}
+        "float4x4", "pointer/get", configuration={"node": node, "pointer": "globalMatrix", "type": "float4x4"}
     )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 from ...errors import UniSGError
@@ -13,16 +14,22 @@ from ...scene import SceneGraph
 
 def add_lessons(graph: SceneGraph, document: dict[str, Any], report: ReadReport) -> None:
     """Add the graphs of a scene's lessons to its document; what cannot be played, or is told otherwise, is noted."""
+    lessons = playable_lessons(graph, report)
+    if lessons:
+        document["extensionsUsed"] = [*document.get("extensionsUsed", []), *lessons]
+        document["extensions"] = {**document.get("extensions", {}), **lessons}
+
+
+def playable_lessons(graph: SceneGraph, report: ReadReport, node_of: Callable[[int], int] = int) -> dict[str, Any]:
+    """The extensions that hold a scene's lessons, {} for none; ``node_of`` a row is its node in the file."""
     graphs = []
     for row, operation in graph.entries("lsa", "data"):
         try:
-            compiled = lesson_graph(graph, operation)
+            compiled = lesson_graph(graph, operation, node_of)
         except UniSGError as error:
             report.add(graph.name[row], f"not playable in other programs: {error}")
             continue
         graphs.append({"name": operation.name or operation.uid, **compiled.graph})
         for name, text in compiled.lost:
             report.add(name, text)
-    if graphs:
-        document["extensionsUsed"] = [*document.get("extensionsUsed", []), EXTENSION]
-        document["extensions"] = {**document.get("extensions", {}), EXTENSION: {"graphs": graphs, "graph": 0}}
+    return {EXTENSION: {"graphs": graphs, "graph": 0}} if graphs else {}
