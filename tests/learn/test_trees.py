@@ -24,11 +24,11 @@ from unisg_blender.generate.observe.prior_tables import PriorTables
 from unisg_blender.generate.observe.room_walls import RoomWalls
 from unisg_blender.generate.observe.seen_places import ABOVE, GAP, ROOM, WIDTH, SeenPlaces
 from unisg_blender.generate.observe.support_priors import CategoryPriors, learn_priors
-from unisg_blender.generate.propose.plain_proposals import TriedRoom, plain_proposals
-from unisg_blender.generate.propose.trees_proposer import BOOTSTRAP
+from unisg_blender.generate.propose.plain_proposals import PLAINEST, TriedRoom, plain_proposals
 from unisg_blender.learn import job_list
 from unisg_blender.learn.hyperparameters import Settings
 from unisg_blender.learn.provenance import dataset_notes
+from unisg_blender.learn.trees.completion_pictures import DRAWN, Asked, Completion, completion_svg
 from unisg_blender.learn.trees.fitting import NEVER, fit_trees, write_trees
 from unisg_blender.learn.trees.held_out import GROUPS, POWERS, HeldOut, choices
 from unisg_blender.learn.trees.training_report import report_lines, write_report
@@ -178,7 +178,7 @@ def test_seen_places_come_back_where_they_were_and_survive_json() -> None:
         allowed = np.zeros(len(scene.category), bool)
         allowed[scene.support[mine[scene.support[mine] >= 0]]] = True
         rng = np.random.default_rng(0)
-        tried = plain_proposals(TriedRoom.of(scene, tables), rows, scene.half[mine[0]], allowed, 40, rng, BOOTSTRAP)
+        tried = plain_proposals(TriedRoom.of(scene, tables), rows, scene.half[mine[0]], allowed, 40, rng, PLAINEST)
         off = np.linalg.norm(tried.places[:, None, :2] - scene.center[mine, :2], axis=2).min(axis=1)
         if len(np.unique(scene.support[mine])) == 1:
             assert off.max() < 2e-3
@@ -215,3 +215,22 @@ def test_what_hangs_without_touching_anything_keeps_its_height() -> None:
         TriedRoom.of(scene, tables), rows, np.array([0.1, 0.1, 0.1]), none, 30, np.random.default_rng(0)
     )
     np.testing.assert_allclose(tried.places[:, 2], scene.room.ground + 1.7)
+
+
+@pytest.mark.slow
+def test_the_page_shows_rooms_that_were_held_out(few_rooms_model: Path) -> None:
+    page = few_rooms_model.with_suffix(".report.html").read_text()
+    pictures = page.split("<svg")[1:]
+    assert len(pictures) == 4  # of twelve rooms a third
+    for picture in pictures:
+        dashed = picture.count("stroke-dasharray")
+        assert 1 <= dashed <= 5
+        assert picture.count("fill-opacity") == DRAWN * dashed
+
+
+def test_names_on_pictures_are_text() -> None:
+    square = np.array([[0, 0], [1, 0], [1, 1], [0, 1.0]])
+    asked = Asked("<script>", square + 0.2, square[None] + 0.3)
+    picture = completion_svg(Completion(square[None] * 4, np.array([True]), (asked,)))
+    assert "&lt;script&gt;" in picture
+    assert "<script>" not in picture

@@ -3,15 +3,22 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
-from ...geometry.arrays import Floats, Ints
+from ...geometry.arrays import Bools, Floats, Ints
 from ...geometry.planar import rotate, turned_reach
 from .observed_scene import ObservedScene
 from .prior_tables import PriorTables
 
 QUARTER = np.pi / 2
+
+WITHIN = 0.1
+"""Metres that a door may stand out of its wall."""
+
+RAYS = np.array([[np.cos(a), np.sin(a)] for a in 0.3 + 2 * np.pi * np.arange(7) / 7])
+"""Ways (7, 2) in which one looks from a place, along no wall of a room that is drawn at a right angle."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,3 +81,29 @@ class RoomWalls:
         beyond = np.abs(local) - self.half - reach
         gap = np.where(beyond[..., 0] > 0, np.hypot(beyond[..., 0], np.maximum(beyond[..., 1], 0)), beyond[..., 1])
         return gap, self.yaw + side * QUARTER
+
+    def inside(self, places: Floats) -> Bools:
+        """Which places (T, 2) the walls enclose: most ways from there cross an odd number of walls."""
+        start, edge = self._edges
+        across = RAYS[:, None, 0] * edge[:, 1] - RAYS[:, None, 1] * edge[:, 0]
+        offset = start - places[:, None]
+        cross = offset[..., 0] * edge[:, 1] - offset[..., 1] * edge[:, 0]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            far = cross[:, None] / across
+            share = (offset[:, None, :, 0] * RAYS[:, None, 1] - offset[:, None, :, 1] * RAYS[:, None, 0]) / across
+        met = (far > 0) & (share >= 0) & (share < 1)
+        return np.asarray((met.sum(axis=2) % 2).sum(axis=1) > len(RAYS) / 2)
+
+    @cached_property
+    def _edges(self) -> tuple[Floats, Floats]:
+        """Starts and ways (E, 2) along the middles of the walls, up to those around their corners; doors and windows,
+        which lie within another wall, are left out."""
+        local = np.abs(
+            rotate(self.middle[None] - self.middle[:, None], np.broadcast_to(-self.yaw[:, None], (len(self.yaw),) * 2))
+        )
+        reach = self.half[:, None] - np.array([1, -1]) * self.half[None] + WITHIN
+        held = (local <= reach).all(axis=2) & (self.half[:, None, 0] > self.half[None, :, 0])
+        walls = ~held.any(axis=0)
+        along = np.column_stack([np.cos(self.yaw), np.sin(self.yaw)])[walls]
+        reach = self.half[walls].sum(axis=1, keepdims=True)
+        return self.middle[walls] - along * reach, 2 * along * reach

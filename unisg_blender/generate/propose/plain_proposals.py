@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -30,6 +31,12 @@ FRACTION, AT_WALL, BESIDE, ANYWHERE = range(4)
 SHARES = (0.3, 0.3, 0.25, 0.15)
 """How often a place is tried at the same fraction of a support, at a wall, beside a neighbour, anywhere."""
 
+PLAINEST = (1.0, 0.0, 0.0, 0.0)
+"""Only the simplest way, and also where there is no room: what learning is measured against."""
+
+MOSTLY = 0.8
+"""Share of the things on the floor that walls enclose if they are those of a room, and not of several or of none."""
+
 
 @dataclass(frozen=True, eq=False)
 class TriedRoom:
@@ -45,6 +52,12 @@ class TriedRoom:
         """Of a scene, all of which is there unless ``seen`` says otherwise."""
         there = np.ones(len(scene.category), bool) if seen is None else seen
         return TriedRoom(scene, there, RoomWalls.of(scene, tables), tables.structural[scene.category])
+
+    @cached_property
+    def enclosed(self) -> bool:
+        """Whether the walls enclose what stands on the floor."""
+        things = ~self.structural & (self.scene.room.level <= 1)
+        return bool(things.any()) and float(self.walls.inside(self.scene.center[things, :2]).mean()) >= MOSTLY
 
 
 def plain_proposals(
@@ -71,8 +84,21 @@ def plain_proposals(
     _anywhere(scene, support, result, way == ANYWHERE, base, rng)
     _at_walls(room.walls, result, drawn, half, way == AT_WALL, rng)
     _beside(room, result, support, drawn, way == BESIDE, on_floor, rng)
+    if ways is not PLAINEST:
+        again = _instead(room, result, on_floor, rng)
+        support, result, drawn = support[again], result[again], drawn[again]
     result[:, 2] = _bottoms(scene, support, drawn)
     return Proposals(support, result)
+
+
+def _instead(room: TriedRoom, places: Floats, on_floor: Bools, rng: np.random.Generator) -> Ints:
+    """Which proposal stands for each (T,): itself, or, of one on the floor outside the walls, another one."""
+    again = np.arange(len(places))
+    if room.enclosed:
+        outside = on_floor & ~room.walls.inside(places[:, :2])
+        if outside.any() and not outside.all():
+            again[outside] = rng.choice(np.flatnonzero(~outside), size=int(outside.sum()))
+    return again
 
 
 def _supports(room: TriedRoom, drawn: Floats, allowed: Bools, rng: np.random.Generator) -> Ints:

@@ -9,7 +9,7 @@ import numpy as np
 from ...geometry.arrays import Floats
 from ..observe.seen_places import SeenPlaces
 from .place_features import CategoryKinds, place_features
-from .plain_proposals import TriedRoom, plain_proposals
+from .plain_proposals import PLAINEST, TriedRoom, plain_proposals
 from .proposer import Proposals, Proposer, Query
 from .trained_model import TrainedModel
 
@@ -18,9 +18,6 @@ MANY = 1500
 
 SHARPNESS = 1.5
 """Exponent of the odds with which they are drawn: 1 would draw as the trees believe, more the likelier ones."""
-
-BOOTSTRAP = (1.0, 0.0, 0.0, 0.0)
-"""The ways of plain proposals (:data:`~.plain_proposals.SHARES`) of which only the simplest is used."""
 
 
 class TreesProposer(Proposer):
@@ -56,7 +53,7 @@ class TreesProposer(Proposer):
     def bootstrapped(self, query: Query, count: int, rng: np.random.Generator) -> Proposals:
         """Seen places at the same fraction of a support of the same kind: what the trees are measured against."""
         room, seen = TriedRoom.of(query.scene, self.model.contract.tables), self.places.of_category(query.category)
-        return plain_proposals(room, seen, query.placeable.half, query.allowed, count, rng, BOOTSTRAP)
+        return plain_proposals(room, seen, query.placeable.half, query.allowed, count, rng, PLAINEST)
 
     def drawn(self, query: Query, count: int, rng: np.random.Generator, sharpness: float) -> Proposals:
         """``count`` of the judged places, drawn without putting back by their odds to the power of ``sharpness``."""

@@ -42,27 +42,46 @@ class HeldOut:
         return self.plain if power is None else float(self.powers[POWERS.index(power)])
 
 
+@dataclass(frozen=True, eq=False)
+class TakenOut:
+    """An object that was taken out of a room with others: its number there, its group, its true place (x, y, z of the
+    bottom, turn), and the question where in the rest of the room it would be."""
+
+    obj: int
+    group: str
+    true: Floats
+    query: Query
+
+
+def taken_out(
+    scene: ObservedScene, tables: PriorTables, vocabulary: Sequence[str], rng: np.random.Generator
+) -> Iterator[TakenOut]:
+    """Take some things out of a scene; what has lost its support is not asked for."""
+    taken = rng.permutation(movable(scene, tables))[:REMOVED]
+    kept = without_above(scene, taken.tolist())
+    rest, floor = scene.part(kept), on_floors(scene, tables)
+    for obj in taken.tolist():
+        support, category, half = int(scene.support[obj]), int(scene.category[obj]), scene.half[obj]
+        if support >= 0 and not kept[support]:
+            continue
+        on_thing = support >= 0 and not tables.structural[scene.category[support]]
+        group = ON_THINGS if on_thing else FLOOR if floor[obj] else HUNG
+        known = tables.usual[category][rest.category] & (rest.category >= 0)
+        true = np.array([*scene.center[obj, :2], scene.center[obj, 2] - half[2], scene.yaw[obj]])
+        query = Query(rest, category, box_placeable(vocabulary[category], 2 * half), known, {})
+        yield TakenOut(obj, group, true, query)
+
+
 def measured(
     proposer: TreesProposer, scenes: Sequence[ObservedScene], tables: PriorTables, rng: np.random.Generator
 ) -> Iterator[HeldOut]:
     """What becomes of things that are taken out of scenes and asked for again."""
     vocabulary = proposer.model.contract.vocabulary
     for scene in [scene for scene in scenes for _ in range(REPEATS)]:
-        taken = rng.permutation(movable(scene, tables))[:REMOVED]
-        kept = without_above(scene, taken.tolist())
-        rest, floor = scene.part(kept), on_floors(scene, tables)
-        for obj in taken:
-            support, category, half = int(scene.support[obj]), int(scene.category[obj]), scene.half[obj]
-            if support >= 0 and not kept[support]:
-                continue
-            on_thing = support >= 0 and not tables.structural[scene.category[support]]
-            group = ON_THINGS if on_thing else FLOOR if floor[obj] else HUNG
-            known = tables.usual[category][rest.category] & (rest.category >= 0)
-            query = Query(rest, category, box_placeable(vocabulary[category], 2 * half), known, {})
-            true = np.array([*scene.center[obj, :2], scene.center[obj, 2] - half[2], scene.yaw[obj]])
-            plain = energy_scores(proposer.bootstrapped(query, DRAWS, rng).places, true)[0]
-            powers = [energy_scores(proposer.drawn(query, DRAWS, rng, power).places, true)[0] for power in POWERS]
-            yield HeldOut(category, group, plain, np.array(powers))
+        for one in taken_out(scene, tables, vocabulary, rng):
+            plain = energy_scores(proposer.bootstrapped(one.query, DRAWS, rng).places, one.true)[0]
+            powers = [energy_scores(proposer.drawn(one.query, DRAWS, rng, each).places, one.true)[0] for each in POWERS]
+            yield HeldOut(int(scene.category[one.obj]), one.group, plain, np.array(powers))
 
 
 @dataclass(frozen=True)

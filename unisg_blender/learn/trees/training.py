@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from sklearn.ensemble import ExtraTreesClassifier
 
 from ...dataset.format.reader import Dataset
@@ -26,6 +25,7 @@ from ...scene.categories import STRUCTURE
 from ..hyperparameters import Settings
 from ..provenance import facts, save_model_assets
 from ..training_scenes import scenes_and_priors
+from .completion_pictures import completion_of, completion_svg
 from .examples import examples
 from .fitting import fit_trees, write_trees
 from .held_out import Choice, HeldOut, choices, groups_of, measured
@@ -33,6 +33,9 @@ from .training_report import report_lines, write_report
 
 MOST_EXAMPLES, MOST_ROUNDS = 5000, 2
 """True places that are learned from, about, and how often at most the same one with other things left out."""
+
+MOST_PICTURES = 10
+"""Held-out rooms that the page shows."""
 
 FOLDS = 3
 """Times that other rooms are held out, to measure what the trees are worth."""
@@ -75,10 +78,15 @@ def train_trees(datasets: Sequence[Dataset], out: Path, settings: Settings) -> d
     vocabulary, scenes, priors = scenes_and_priors(datasets[0], settings.quiet)
     observed = [ObservedScene.of(scene.objects, scene.world) for scene in scenes]
     fold, found = np.random.default_rng(settings.seed).permutation(len(scenes)) % FOLDS, list[HeldOut]()
+    tables = PriorTables.of(priors, vocabulary)
     bar = Progress(FOLDS + 1, "fits", settings.quiet)
     for number in range(FOLDS):
-        bar.say(f"measuring on {int((fold == number).sum())} rooms that are held out")
-        found += _measure(observed, fold == number, vocabulary, priors, settings.seed + number)
+        bar.say(f"measuring on {(fold == number).sum()} rooms that are held out")
+        rest = [scene for scene, its in zip(observed, fold, strict=True) if its != number]
+        unseen = [scene for scene, its in zip(observed, fold, strict=True) if its == number]
+        proposer = _proposer(fit_on(rest, vocabulary, priors, settings.seed + number))
+        rng = np.random.default_rng((settings.seed + number, 9))
+        found += measured(proposer, unseen, tables, rng)
         bar.update(number + 1)
     fitted = fit_on(observed, vocabulary, priors, settings.seed)
     bar.update(FOLDS + 1)
@@ -90,7 +98,7 @@ def train_trees(datasets: Sequence[Dataset], out: Path, settings: Settings) -> d
         "categories": category_records(found, vocabulary, observed, chosen),
     }  # fmt: skip
     record["notes"] += [note for choice in chosen.values() if (note := choice.note())]
-    groups = groups_of(observed, PriorTables.of(priors, vocabulary))
+    groups = groups_of(observed, tables)
     power = {vocabulary[category]: chosen[group].power for category, group in groups.items()}
     contract = replace(
         fitted.contract, provenance=record, plain={name: 1.0 for name, best in power.items() if best is None},
@@ -98,23 +106,16 @@ def train_trees(datasets: Sequence[Dataset], out: Path, settings: Settings) -> d
     )  # fmt: skip
     replace(fitted, contract=contract).write(out)
     save_model_assets(datasets[0], out)
-    page = write_report(record, STRUCTURE, out)
+    pictures = [completion_svg(completion_of(proposer, scene, tables, chosen, rng)) for scene in unseen[:MOST_PICTURES]]
+    page = write_report(record, STRUCTURE, out, pictures)
     return record | {"report": [*report_lines(record, STRUCTURE), f"all of it: {page}"]}
 
 
-def _measure(
-    scenes: Sequence[ObservedScene], held_out: NDArray[np.bool_], vocabulary: tuple[str, ...],
-    priors: CategoryPriors, seed: int,
-) -> list[HeldOut]:  # fmt: skip
-    """What trees fitted on some scenes do on the others."""
-    fitted = fit_on([scene for scene, out in zip(scenes, held_out, strict=True) if not out], vocabulary, priors, seed)
+def _proposer(fitted: Fitted) -> TreesProposer:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "fold.onnx"
         fitted.write(path)
-        proposer = TreesProposer(load_model(path))
-    unseen = [scene for scene, out in zip(scenes, held_out, strict=True) if out]
-    tables = PriorTables.of(priors, vocabulary)
-    return list(measured(proposer, unseen, tables, np.random.default_rng((seed, 9))))
+        return TreesProposer(load_model(path))
 
 
 def category_records(
