@@ -29,14 +29,12 @@ UNLIKELY = "the model would not put it here"
 class Ghost:
     """Where the thing would stand: its ``place`` (4,), what holds it (-1: the ground) and its matrix (4, 4).
 
-    ``heat`` is how likely that is beside the likeliest place of the room, 0 to 1; ``wrong`` says what is wrong, with
-    nothing else to ``note`` of it.
+    ``wrong`` says what is wrong, ``note`` what else is to be said.
     """
 
     place: Floats
     support: int
     world: Floats
-    heat: float
     wrong: tuple[str, ...] = ()
     note: str = ""
 
@@ -47,7 +45,7 @@ def ghost_near(room: PlacingRoom, point: Floats, number: int = 0) -> Ghost | Non
     The first one may be the very point, between the places of the map.
     """
     away = distances(room.map, point)
-    numbers = best_near(room.map, away, most=MOST if number else TRIED)
+    numbers = best_near(room.map, away, MOST if number else TRIED, float(np.hypot(*room.target.placeable.half[:2])))
     own = _at(room, point) if number == 0 else None
     if own is not None:
         best = appeal(room.map.log_density[numbers[:1]], away[numbers[:1]]).max(initial=-np.inf)
@@ -131,11 +129,9 @@ def _under(room: PlacingRoom, point: Floats) -> int:
 
 
 def _ghost(room: PlacingRoom, place: Floats, support: int, density: float) -> Ghost:
-    best = float(room.map.log_density[room.map.fits].max(initial=-np.inf))
-    heat = float(np.exp(min(density - best, 0.0))) if np.isfinite(density) and np.isfinite(best) else 0.0
     note = room.note or ("" if np.isfinite(density) else UNLIKELY)
     wrong = _with_wishes(room, place, support, room.check.reason(_posed(room, place, support)))
-    return Ghost(place, support, room.target.placeable.world(place), heat, wrong, note)
+    return Ghost(place, support, room.target.placeable.world(place), wrong, note)
 
 
 def measured(room: PlacingRoom, ghost: Ghost) -> Ghost:

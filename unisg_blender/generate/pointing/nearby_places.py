@@ -30,12 +30,12 @@ def appeal(log_density: Floats, away: Floats | float) -> Floats:
     return np.asarray(log_density - (away / NEAR) ** 2 / 2)
 
 
-def best_near(found: PlaceMap, away: Floats, most: int = MOST) -> Ints:
+def best_near(found: PlaceMap, away: Floats, most: int = MOST, radius: float = 0.0) -> Ints:
     """Numbers of the places that fit among those ``away`` (N,) metres from a point, the best first.
 
-    Each is apart from those before it.
+    Each is apart from those before it. ``radius`` is that of the thing: so much farther away may it be.
     """
-    near = np.flatnonzero(found.fits & (away < REACH))
+    near = np.flatnonzero(found.fits & (away < REACH + radius))
     near = near[np.argsort(-appeal(found.log_density[near], away[near]), kind="stable")]
     places = found.places[near]
     kept: list[int] = []

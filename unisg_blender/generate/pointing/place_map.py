@@ -13,7 +13,7 @@ from ..observe.support_priors import AT_SIDE, RESTS
 from ..place.growing_scene import GrowingScene, Target
 from ..place.proposal_selection import settle
 from ..propose.proposer import NOTHING_ELSE, Proposals, Proposer, Query, SupportChoice
-from .surface_cells import SurfaceCells, joined_cells, level_cells, single_points, wall_cells
+from .surface_cells import TINY, SurfaceCells, joined_cells, level_cells, single_points, wall_cells
 
 ENOUGH, MOST = 0.998, 12
 """Supports are looked at, the likeliest first, until they have this share of the chance, and so many at most."""
@@ -22,8 +22,8 @@ DRAWN, POINT = 96, 0.03
 """Places that are drawn where something neither stands nor is at a wall, and half the side of what is drawn of each,
 metres."""
 
-SCALE = 5.0
-"""Nats below the best at which the heat is gone."""
+SCALE, LEAST = 8.0, 0.01
+"""Nats below the likeliest cell at which a place is cold, and the heat of what is cold and yet free."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,11 +61,12 @@ class PlaceMap:
 
     @cached_property
     def heat(self) -> Floats:
-        """From 0 to 1 (N,): how likely each place is, beside the likeliest one that fits; 0 where it does not fit."""
-        if not self.fits.any():
+        """From 0 to 1 (N,): how likely each place is, beside the likeliest cell that fits; 0 where it does not fit."""
+        shown = self.fits & (self.cells.area > TINY)
+        chosen = self.log_density[shown if shown.any() else self.fits]
+        if not len(chosen):
             return np.zeros(len(self))
-        best = self.log_density[self.fits].max()
-        return np.where(self.fits, np.clip(1 + (self.log_density - best) / SCALE, 0, 1), 0.0)
+        return np.where(self.fits, np.clip(1 + (self.log_density - chosen.max()) / SCALE, LEAST, 1), 0.0)
 
 
 def place_map(

@@ -11,9 +11,11 @@ import numpy as np
 from ...dataset.assets.asset import Asset
 from ...errors import UniSGError
 from ...geometry.arrays import Bools, Floats
+from ...geometry.polygon import outside_distance
 from ...scene import SceneGraph
 from ...spatial.objects import as_whole, middle_of
 from ...spatial.structure import recognise_structure
+from ...spatial.structure.structure import Room
 from ..check.pose_check import PoseCheck, own_triangles
 from ..generator import Generator
 from ..observe.placeable import Placeable
@@ -21,6 +23,9 @@ from ..place.growing_scene import GrowingScene, Target
 from ..place.instanced_scene import with_instances
 from ..propose.requests import Beside, On
 from .place_map import PlaceMap, place_map
+
+UNDER, ASIDE = 0.02, 0.05
+"""Metres under the ceiling, and outside of the outline, up to which a point is in the room."""
 
 
 @dataclass(frozen=True)
@@ -132,6 +137,25 @@ class PlacingRoom:
     def triangles(self) -> Floats:
         """The triangles (M, 3, 3) of the thing where its asset is, metres."""
         return own_triangles(self.target.placeable)
+
+    @cached_property
+    def room(self) -> Room | None:
+        """The room as it was recognised, None where none was."""
+        rooms = recognise_structure(self.shown).rooms
+        return rooms[max(self.number, 0)] if rooms else None
+
+    @property
+    def floor(self) -> float:
+        """Height of the floor, metres."""
+        return 0.0 if self.room is None else self.room.floor
+
+    def inside(self, point: Floats) -> bool:
+        """Is a point (3,) within the outline of the room and under its ceiling? Anything is without a room."""
+        outline = self.scene.space.outline
+        if outline is None:
+            return True
+        under = self.room is None or point[2] < self.room.ceiling - UNDER
+        return bool(under and outside_distance(outline, point[None, :2])[0] < ASIDE)
 
     def has(self, point: Floats) -> bool:
         """Is a point (3,) in this room, or in none?"""
