@@ -24,6 +24,7 @@ BENCHMARKS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "motion": ((*UNISG, "motion", "--out", "{out}", "--json", "-q"), ()),
     "behaviour": ((f"{HERE}/behaviour.py", "--out", "{out}/behaviour.json"), ("--count", "1000", "--frames", "10")),
     "reading": ((f"{HERE}/reading.py", "--out", "{out}/reading.json"), ("--objects", "500", "--repeat", "3")),
+    "pointing": ((f"{HERE}/pointing.py", "--out", "{out}/pointing.json"), ("--moves", "50")),
     "dataset": ((f"{HERE}/dataset.py", "million", "--out", "{out}/dataset.json"), ("--scenes", "10000")),
 }
 """Words of each command, and what makes it quick; its report is ``NAME.json`` in the folder."""

@@ -29,6 +29,7 @@ from . import (
 )
 from .interchange import gltf_lesson, import_layout, play_in_browser
 from .making import add_room, generate, generation_settings, lock, reroll, settle, suggest, understand
+from .placing import choose_and_place, place, place_tool
 from .registration import register_modules, unregister_modules
 from .room import checking, corrections, recognised
 
@@ -41,6 +42,9 @@ MODULES = (
     generation_settings,
     generate,
     suggest,
+    place,
+    choose_and_place,
+    place_tool,
     reroll,
     lock,
     understand,

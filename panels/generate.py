@@ -47,6 +47,7 @@ class UNISG_PT_generate(SubPanel):
         _where(layout, settings, context.active_object)
         layout.prop(settings, "behaviour")
         _button(layout, settings, context.active_object)
+        layout.operator("unisg.choose_and_place", text="Place by Pointing...", icon="CURSOR")
         row = layout.row(align=True)
         row.operator("unisg.settle", text="Settle", icon="TRIA_DOWN_BAR")
         row.operator("unisg.reroll", text="Re-roll", icon="FILE_REFRESH")

@@ -21,6 +21,7 @@ class UNISG_MT_add(bpy.types.Menu):
         for key, label, _ in ROOMS:
             layout.operator("unisg.add_room", text=label, icon="HOME").kind = key
         layout.separator()
+        layout.operator("unisg.choose_and_place", text="Place...", icon="CURSOR")
         layout.operator("unisg.generate", text="Generate Chosen Objects", icon="ADD")
 
 

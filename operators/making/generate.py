@@ -4,17 +4,14 @@ from __future__ import annotations
 
 import random
 import time
-from collections.abc import Sequence
 
 import bpy
 
 from ...unisg_blender.errors import UniSGError
 from ..base import SteppedOperator, Steps
-from ..room.checking import check_again
 from ..scene_lookup import looked_up
-from .collections_of_new import put_beside
 from .generation_settings import GenerationChoices, load_generator, read_words, scene_in_words, shipped_models
-from .suggest import suggest_again
+from .new_objects import bring_in, select_new
 
 
 class UNISG_OT_generate(GenerationChoices, SteppedOperator):
@@ -99,21 +96,15 @@ class UNISG_OT_generate(GenerationChoices, SteppedOperator):
 
     def finish(self, context: bpy.types.Context) -> set[str]:
         """Make the objects, select them, and say what happened."""
-        from ...unisg_blender.blender import write_rows
-        from ...unisg_blender.blender.authoring.extended_lessons import extend_lessons
         from ...unisg_blender.runtime.wording import grouped
 
         result = self._result
         for line in result.reading.lines() if result.reading else ():
             self.report({"INFO"}, line)
-        extend_lessons(result.scene, result.rows.tolist(), context.scene)
-        objects = write_rows(result.scene, result.rows, context.scene)
-        put_beside(context.scene, objects)
-        self._select(context, objects)
+        objects = bring_in(context.scene, result)
+        select_new(context, objects, (self.on, self.beside))
         for line in grouped((each.name or each.category, each.note) for each in result.objects if each.note):
             self.report({"WARNING"}, line)
-        check_again()
-        suggest_again()
         spent = time.perf_counter() - self._began
         added = f"{_number(result.added, 'object')} added{self._actions(result.actions) if result.added else ''}"
         refused = ""
@@ -136,17 +127,6 @@ class UNISG_OT_generate(GenerationChoices, SteppedOperator):
         layout.prop(self, "seed")
         layout.prop(self, "bulk")
         layout.prop(self, "behaviour")
-
-    def _select(self, context: bpy.types.Context, objects: Sequence[bpy.types.Object]) -> None:
-        """Select the new objects; what they were wanted on or beside stays active, for the next ones."""
-        for item in context.selected_objects:
-            item.select_set(False)
-        in_view = [item for item in objects if item.name in context.view_layer.objects and "unisg_lsa" not in item]
-        for item in in_view:
-            item.select_set(True)
-        active = context.active_object
-        if in_view and (active is None or active.name not in (self.on, self.beside)):
-            context.view_layer.objects.active = in_view[0]
 
     def _actions(self, count: int) -> str:
         """What is said of the actions that were asked for."""

@@ -6,6 +6,7 @@ file, and undo leaves them alone.
 
 from __future__ import annotations
 
+import threading
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
     from ...unisg_blender.scene import SceneGraph
 
 OWN_FILE = "FILE"
+_loading = threading.Lock()
 _generators: dict[tuple[str, float], Generator] = {}
 _model_items: list[tuple[str, str, str]] = []
 
@@ -34,16 +36,22 @@ def shipped_models() -> list[Path]:
 
 def load_generator(path: str) -> Generator:
     """The generator of a model file, loaded once; raises UniSGError if the file is no such model."""
+    return opened_generator(bpy.path.abspath(path))
+
+
+def opened_generator(path: str) -> Generator:
+    """The same of a path that is absolute, or the name of a shipped model; from any thread."""
     from ...unisg_blender.generate import Generator
     from ...unisg_blender.pretrained import find_generator
 
-    file = find_generator(bpy.path.abspath(path))
+    file = find_generator(path)
     key = (str(file), file.stat().st_mtime if file.is_file() else 0.0)
-    if key not in _generators:
-        generator = Generator.load(file)
-        _generators.clear()
-        _generators[key] = generator
-    return _generators[key]
+    with _loading:
+        if key not in _generators:
+            generator = Generator.load(file)
+            _generators.clear()
+            _generators[key] = generator
+        return _generators[key]
 
 
 def choose_model(context: bpy.types.Context, name: str) -> None:

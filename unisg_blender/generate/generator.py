@@ -21,7 +21,6 @@ from ..spatial.objects import middle_of
 from ..words import understand
 from .behaviour import ActionPolicy, Behaviour, add_behaviour, behaviour_path, load_behaviour
 from .counts import MOST_OBJECTS
-from .observe.contract import Contract
 from .observe.named_rooms import point_in_room
 from .observe.placement_order import in_order
 from .observe.scene_reading import SceneReading, missing_counts, understood_counts
@@ -172,18 +171,13 @@ class Generator:
         new = New(Names(scene.name), uid_maker(scene, seed), np.random.default_rng(seed))
         room, placements, wanted = self._with_room(scene, counts, reading, new)
         yield from placements
-        rounds = PlacingRounds(
-            self.proposer, self.library, partial(_read, contract=self.contract, words=words), how, new, room
-        )
+        rounds = PlacingRounds(self.proposer, self.library, partial(self.seen, words=words), how, new, room)
         result, made = yield from rounds.steps(room, wanted)
         placements += made
         if others := [name for name, count in counts.items() if name not in self.categories for _ in range(count)]:
             result, made = yield from self._by_rules(result, others, rounds, words)
             placements += made
-        result = without_instances(result, given, scene)
-        if behaviour:
-            result, placements = self._with_actions(result, placements, new)
-        return _generated(given, result, placements, reading)
+        return self.finished(given, without_instances(result, given, scene), placements, new, reading, behaviour)
 
     add = at_once(steps)
 
@@ -202,21 +196,43 @@ class Generator:
         known = {name: count for name, count in counts.items() if name in self.categories}
         return scene, placements, [name for name in in_order(known, self.contract.priors) if name not in built]
 
+    def knowing(self, things: Sequence[str]) -> Generator:
+        """One that places by rules what this one does not know, of the table of words; this one where it knows all."""
+        kinds = tuple(name for name in dict.fromkeys(things) if name not in self.categories)
+        if not kinds:
+            return self
+        contract = contract_with(self.contract, kinds)
+        return Generator(replace(self.model, contract=contract), rules_for(contract, kinds))
+
+    def seen(self, scene: SceneGraph, words: Mapping[str, str] | None = None) -> SceneGraph:
+        """A scene in the model's words."""
+        return understand(scene, self.contract.vocabulary, words, self.contract.priors.sizes).graph
+
     def _by_rules(
         self, scene: SceneGraph, things: Sequence[str], rounds: PlacingRounds, words: Mapping[str, str] | None
     ) -> Placing:
         """The scene with things that the model does not know, placed by rules."""
-        kinds = tuple(dict.fromkeys(things))
-        contract = contract_with(self.contract, kinds)
-        library = Library(replace(self.model, contract=contract))
-        read = partial(_read, contract=contract, words=words)
-        placing = replace(rounds, proposer=rules_for(contract, kinds), library=library, read=read).steps(scene, things)
+        known = self.knowing(things)
+        read = partial(known.seen, words=words)
+        placing = replace(rounds, proposer=known.proposer, library=known.library, read=read).steps(scene, things)
         while True:
             try:
                 yield by_rules(next(placing))
             except StopIteration as stop:
                 result, made = stop.value
                 return result, [by_rules(item) for item in made]
+
+    def finished(
+        self, before: SceneGraph, result: SceneGraph, placements: list[Placement], new: New,
+        reading: SceneReading | None = None, behaviour: bool = True,
+    ) -> Generated:  # fmt: skip
+        """What came of placing in a scene; with ``behaviour`` what was placed gets its actions."""
+        if behaviour:
+            result, placements = self._with_actions(result, placements, new)
+        known = set(before.uid)
+        rows = np.array([row for row, uid in enumerate(result.uid) if uid not in known], np.int64)
+        actions = len(all_actions(result)) - len(all_actions(before))
+        return Generated(result, rows, tuple(placements), actions, reading)
 
     def _with_actions(
         self, scene: SceneGraph, placements: list[Placement], new: New
@@ -234,19 +250,6 @@ def _point(scene: SceneGraph, within: str, thing: str) -> Floats | None:
     if within and thing:
         raise UniSGError("give either a room, or an object on or beside which it is wanted")
     return point_in_room(scene, within) if within else middle_of(scene, thing) if thing else None
-
-
-def _read(scene: SceneGraph, contract: Contract, words: Mapping[str, str] | None) -> SceneGraph:
-    """The scene in a model's words."""
-    return understand(scene, contract.vocabulary, words, contract.priors.sizes).graph
-
-
-def _generated(
-    before: SceneGraph, result: SceneGraph, placements: Sequence[Placement], reading: SceneReading
-) -> Generated:
-    known = set(before.uid)
-    rows = np.array([row for row, uid in enumerate(result.uid) if uid not in known], np.int64)
-    return Generated(result, rows, tuple(placements), len(all_actions(result)) - len(all_actions(before)), reading)
 
 
 def _proposer(model: TrainedModel) -> Proposer:

@@ -3,23 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
 from ...geometry.arrays import Bools, Floats, Ints
 from ...geometry.boxes import Boxes, orthonormal_axes, world_bounds
-from ...geometry.grouped_ends import grouped_ends
 from ...geometry.polygon import inside
 from ...geometry.triangle_crossings import crossings, edges_of
 from ...scene import SceneGraph
 from ...scene.categories import STRUCTURE
 from ...scene.components import RELATIONS
 from ...scene.hierarchy import subtree, world_matrices
-from ...spatial.structure.doorways import doorways
-from ...spatial.structure.room_objects import RoomObjects, room_objects
-from ...spatial.structure.scan import world_triangles
+from .surroundings import PosedThing, Surroundings
 from .ways_through import in_the_way
 
 DEEPEST = 0.005
@@ -43,34 +38,6 @@ HELD = {"hangs_from", INSIDE, "beside", "attached_to"}
 
 OUTSIDE, FLOATING = "it would be outside the building", "it would be in the air"
 BLOCKING, CUTTING = "it would block a door", "it would block the way through the room"
-
-
-@dataclass(frozen=True, eq=False)
-class Surroundings:
-    """All triangles (M, 3, 3) of a scene in the world with their rows (M,), metres, its room and its doorways."""
-
-    graph: SceneGraph
-    triangles: Floats
-    row: Ints
-    room: RoomObjects
-    doors: Boxes
-
-    @cached_property
-    def ends(self) -> tuple[Floats, Floats]:
-        """Least and greatest coordinates (M, 3) of each triangle."""
-        return self.triangles.min(axis=1), self.triangles.max(axis=1)
-
-    @cached_property
-    def row_ends(self) -> tuple[Floats, Floats]:
-        """Least and greatest coordinates (N, 3) of what each row shows; infinite, the wrong way round, for nothing."""
-        return grouped_ends(self.row, len(self.graph), *self.ends)
-
-    @staticmethod
-    def of(graph: SceneGraph, before: SceneGraph) -> Surroundings:
-        """A scene to be judged; its rooms are those that it had ``before`` things were put into it."""
-        triangles, row = world_triangles(graph)
-        room = room_objects(before, ())
-        return Surroundings(graph, triangles, row, room, doorways(room.structure.rooms if room.structure else ()))
 
 
 def faults(
@@ -131,31 +98,38 @@ def _fault(around: Surroundings, row: int, gone: Bools, holder_row: int) -> str:
     skipped = gone.copy()
     skipped[(rows := subtree(around.graph, row))] = True
     mine = around.triangles[np.isin(around.row, rows)]
-    if not len(mine):
-        return ""
-    low, high = mine.min(axis=(0, 1)) - ASIDE, mine.max(axis=(0, 1)) + ASIDE
-    least, most = around.ends
-    near = np.flatnonzero((least <= high).all(axis=1) & (most >= low).all(axis=1))
-    near = near[~skipped[around.row[near]]]
-    others, other_row = around.triangles[near], around.row[near]
-    if _outside(around, (low + high) / 2):
-        return OUTSIDE
     kinds = _relations(around.graph, row)
     held = holder_row >= 0 or bool(kinds & HELD)
     holder_row = holder_row if holder_row >= 0 else int(around.graph.parent[row])
     holders = subtree(around.graph, holder_row) if held and holder_row >= 0 else np.zeros(0, np.int64)
-    holder = np.isin(other_row, holders)
-    stands = _grounded(around, mine) or _carried(mine, others)
-    if not stands and not (held and _touched(mine, others[holder] if holder_row >= 0 else others)):
-        return FLOATING
     matrix = world_matrices(around.graph)[row]
-    skin = smaller(mine, matrix)
+    return pose_fault(around, PosedThing(mine, matrix, skipped, holders, held, INSIDE in kinds))
+
+
+def pose_fault(around: Surroundings, thing: PosedThing) -> str:
+    """Why a thing does not hold where it stands, "" if it does; see :func:`faults`."""
+    mine, skipped = thing.triangles, thing.skipped
+    if not len(mine):
+        return ""
+    low, high = mine.min(axis=(0, 1)) - ASIDE, mine.max(axis=(0, 1)) + ASIDE
+    near = around.near(low, high)
+    near = near[~skipped[around.row[near]]]
+    others, other_row = around.triangles[near], around.row[near]
+    if _outside(around, (low + high) / 2):
+        return OUTSIDE
+    holder = np.isin(other_row, thing.holders)
+    touched = others[holder] if len(thing.holders) else others
+    stands = _grounded(around, mine) or _carried(mine, others)
+    if not stands and not (thing.held and _touched(mine, touched)):
+        return FLOATING
+    skin = smaller(mine, thing.matrix)
     inside_of = other_row[~holder][meets(skin, others[~holder])]
     if not len(inside_of):
-        skipped[holders] = True
-        inside_of = _within(around, skin, skipped)
-    if not len(inside_of) and held and INSIDE not in kinds:
-        inside_of = other_row[holder][meets(smaller(mine, matrix, MOUNTED), others[holder])]
+        passed = skipped.copy()
+        passed[thing.holders] = True
+        inside_of = _within(around, skin, passed)
+    if not len(inside_of) and thing.held and not thing.inside:
+        inside_of = other_row[holder][meets(smaller(mine, thing.matrix, MOUNTED), others[holder])]
     if len(inside_of):
         return f"it would be in {around.graph.name[int(inside_of[0])]}"
     return BLOCKING if _in_boxes(skin, around.doors) else ""

@@ -140,13 +140,32 @@ def _with_holders(read: SceneGraph, objects: SceneObjects) -> SceneGraph:
 
 
 def _told(around: SceneShapes, row: int, reason: str) -> Fault | None:
-    """A reason of the last check with what is measured; None for what hangs on the building."""
+    """A reason of the last check of the thing at a row with what is measured."""
+    own = np.isin(around.owner, subtree(around.graph, row))
+    category = around.graph.category_name(row)
+    return measured(around, row, category, around.triangles[own], world_matrices(around.graph)[row], own, reason)
+
+
+def measured(
+    around: SceneShapes, row: int, category: str, mine: Floats, matrix: Floats, own: Bools, reason: str
+) -> Fault | None:
+    """A reason of the last check with what is measured; None for what hangs on the building.
+
+    Parameters
+    ----------
+    row, category
+        The thing's row, -1 where it is not in the scene yet, and what it is.
+    mine, matrix
+        Its triangles (M, 3, 3) and its matrix (4, 4) in the world, metres.
+    own
+        bool (N,): which of the scene's triangles are its own.
+    reason
+        One of :func:`~.mesh_check.pose_fault`.
+    """
     if reason == OUTSIDE:
         return Fault(row, IS_OUTSIDE, "is outside the building")
     if reason.startswith(WOULD_BLOCK):
         return Fault(row, BLOCKS, reason.replace(WOULD_BLOCK, "blocks"))
-    own = np.isin(around.owner, subtree(around.graph, row))
-    mine, matrix = around.triangles[own], world_matrices(around.graph)[row]
     low, high = mine.min(axis=(0, 1)) - ASIDE, mine.max(axis=(0, 1)) + ASIDE
     near = np.flatnonzero(~own & ((around.low <= high) & (around.high >= low)).all(axis=1))
     found = _collision(around, row, mine, matrix, near)
@@ -159,7 +178,7 @@ def _told(around: SceneShapes, row: int, reason: str) -> Fault | None:
     if found is not None or reason != FLOATING:
         return found or Fault(row, COLLIDES, f"is within {reason.removeprefix(WOULD_BE_IN)}")
     walls = around.triangles[near[around.building[around.owner[near]] & ~around.looks_up[near]]]
-    hung = around.graph.category_name(row) in HANGING and around.roofless(mine)
+    hung = category in HANGING and around.roofless(mine)
     if gap >= HUNG and (hung or len(meets(smaller(mine, matrix, -ASIDE), walls))):
         return None
     return Fault(row, FLOATS, f"floats by {_length(gap)}" if np.isfinite(gap) else "floats: nothing is below it")

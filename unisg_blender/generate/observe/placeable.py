@@ -58,11 +58,15 @@ class Placeable:
         """What it can carry others on, see :func:`~...spatial.support_surfaces.support_surfaces`."""
         return support_surfaces(self.parts, 0.0)
 
-    def world(self, place: Floats) -> Floats:
-        """World matrix of the asset's entity at a place (4,)."""
+    def motion(self, place: Floats) -> Floats:
+        """The matrix (4, 4) that brings the asset as it is to a place (4,)."""
         matrix = turn(float(place[3]))
         matrix[:3, 3] = place[:3] - matrix[:3, :3] @ self.foot
-        return matrix @ self.asset.graph.local[0]
+        return matrix
+
+    def world(self, place: Floats) -> Floats:
+        """World matrix of the asset's entity at a place (4,)."""
+        return self.motion(place) @ self.asset.graph.local[0]
 
     def boxes_at(self, places: Floats) -> Boxes:
         """World boxes of the parts at places (T, 4): T times P boxes, place by place."""

@@ -11,7 +11,7 @@ from ...geometry.arrays import Bools, Floats
 from ..observe.observed_scene import ObservedScene
 from ..observe.scene_tokens import Arrays, coming_vector, context_arrays, plan_vector, tokens_for
 from ..observe.support_candidates import Proximity, SupportCandidates, SupportOccupancy, support_arrays
-from .mixture import OUT, behind_walls, draw_places, log_density, snapped
+from .mixture import OUT, behind_walls, draw_places, log_density, position_density, snapped
 from .proposer import NOTHING_ELSE, Proposals, Proposer, Query, SupportChoice, Upcoming
 from .trained_model import TrainedModel
 
@@ -30,6 +30,9 @@ CODES = 16
 
 NORM = 64
 """Draws over which the critic's ratio is averaged to make it a density."""
+
+SEEN = 3
+"""Latent codes over which the density of a whole surface is averaged."""
 
 PLACED = ("weight", "mean", "sigma", "heading", "kappa", "seen")
 CHOSEN = ("support_score", "height_weight", "height_mean", "height_sigma")
@@ -103,6 +106,23 @@ class AnchorProposer(Proposer):
             mean = np.logaddexp.reduce(ratios) - np.log(len(ratios))
             found.append(log_density(inputs, mixture, place) + own - mean)
         return float(np.logaddexp.reduce(found) - np.log(len(found)))
+
+    def density_on(
+        self, query: Query, points: Floats, bottom: float, candidate: tuple[int, int], rng: np.random.Generator
+    ) -> tuple[Floats, Floats]:
+        """The mixture's density with the critic's ratio; see :class:`~.proposer.Proposer`."""
+        inputs = self._inputs(query, bottom, candidate, NOTHING_ELSE)
+        if not inputs["box"].shape[1]:
+            return np.zeros(len(points)), np.zeros(len(points))
+        density, yaw = [], []
+        for _ in range(SEEN if self.model.contract.latent else 1):
+            mixture = self._mixture(inputs, rng)
+            at, turn = position_density(inputs, mixture, points)
+            density.append(at + self._ratios(inputs, mixture[-1], np.column_stack([points, turn])))
+            yaw.append(turn)
+        best = np.argmax(density, axis=0)
+        mean = np.logaddexp.reduce(density, axis=0) - np.log(len(density))
+        return mean, np.array(yaw)[best, np.arange(len(points))]
 
     def _inputs(self, query: Query, bottom: float, candidate: tuple[int, int], row: Upcoming) -> Arrays:
         scene, half, category, (support, surface) = query.scene, query.placeable.half, query.category, candidate

@@ -22,6 +22,9 @@ ALIGNED, SNAP = np.exp(8.0), np.radians(4)
 TAIL = 2.0
 """Positions are drawn within so many standard deviations: the tails of a normal distribution reach into others."""
 
+FAINT = 9.0
+"""Components of so much less log weight than the heaviest one do not show in a density."""
+
 BEHIND, OUT = 1.5, -50.0
 """Places up to so many metres behind a wall are out of the room, and lose so much of their log weight."""
 
@@ -49,6 +52,20 @@ def log_density(inputs: Arrays, mixture: list[Floats], place: Floats) -> float:
     at = -0.5 * (seen**2).sum(axis=1) - np.log(sigma).sum(axis=1) - np.log(2 * np.pi)
     turned = kappa * (np.cos(place[3] - heading) - 1) - np.log(2 * np.pi * i0e(kappa))
     return float(np.logaddexp.reduce(weight + at + turned))
+
+
+def position_density(inputs: Arrays, mixture: list[Floats], points: Floats) -> tuple[Floats, Floats]:
+    """Log-densities (N,) of positions (N, 2) whatever the heading, per m2, and the likeliest headings there (N,)."""
+    weight, mean, sigma, heading, kappa, _ = mixture
+    box = inputs["box"][0, :, 6:].astype(np.float64)
+    kept = np.flatnonzero(weight > weight.max() - FAINT)
+    cos, sin = box[kept // COMPONENTS].T
+    seen = rotate_by(points[:, None] - mean[kept], cos, -sin) / sigma[kept]
+    at = weight[kept] - 0.5 * (seen**2).sum(axis=2) - np.log(sigma[kept]).sum(axis=1) - np.log(2 * np.pi)
+    sharp = -np.log(2 * np.pi * i0e(kappa[kept]))
+    best = (at + sharp).argmax(axis=1)
+    axis = np.arctan2(sin, cos)
+    return np.logaddexp.reduce(at, axis=1), snapped(heading[kept][best], axis[best], kappa[kept][best], 0.0)
 
 
 def behind_walls(box: NDArray[np.float32], flags: NDArray[np.float32], mean: Floats, half: float) -> Bools:

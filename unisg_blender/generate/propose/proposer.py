@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -13,6 +13,9 @@ from ...geometry.arrays import Bools, Floats, Ints
 from ..observe.observed_scene import ObservedScene
 from ..observe.placeable import Placeable
 from ..observe.support_candidates import SupportCandidates, SupportOccupancy
+
+DRAWN, KERNEL = 256, 0.15
+"""Proposals of which a density is estimated, and the spread of each in metres."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,6 +103,31 @@ class Proposer(ABC):
         ``choice`` is what :meth:`choose` said about it.
         """
         return self.propose(query, count, rng)
+
+    def density_on(
+        self, query: Query, points: Floats, bottom: float, candidate: tuple[int, int], rng: np.random.Generator
+    ) -> tuple[Floats, Floats]:
+        """How likely positions on one candidate (object, surface) are, and how the new object would be turned there.
+
+        Of a model that only draws by a kernel estimate of what it draws.
+
+        Parameters
+        ----------
+        points
+            (N, 2), world metres.
+        bottom
+            Height of the new object's bottom, metres.
+
+        Returns
+        -------
+        tuple
+            Log-densities per m2 (N,), up to a constant, and turns (N,), radians.
+        """
+        alone = replace(query, allowed=np.arange(len(query.allowed)) == candidate[0])
+        places = self.propose_on(alone, DRAWN, rng, candidate, NOTHING_ELSE).places
+        away = ((points[:, None] - places[:, :2]) ** 2).sum(axis=2) / KERNEL**2
+        density = np.logaddexp.reduce(-away / 2, axis=1) - np.log(DRAWN * 2 * np.pi * KERNEL**2)
+        return density, places[away.argmin(axis=1), 3]
 
     def choose(self, query: Query, load: SupportOccupancy, whole: bool = False) -> SupportChoice | None:
         """Log probabilities of all candidates of the objects that may hold the new one, of which there is at least

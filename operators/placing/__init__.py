@@ -1,0 +1,1 @@
+"""Placing one thing after another by pointing into the viewport."""
