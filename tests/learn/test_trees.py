@@ -28,7 +28,7 @@ from unisg_blender.generate.propose.plain_proposals import PLAINEST, TriedRoom, 
 from unisg_blender.learn import job_list
 from unisg_blender.learn.hyperparameters import Settings
 from unisg_blender.learn.provenance import dataset_notes
-from unisg_blender.learn.trees.completion_pictures import DRAWN, Asked, Completion, completion_svg
+from unisg_blender.learn.trees.completion_pictures import DRAWN, AskedAgain, Completion, completion_svg
 from unisg_blender.learn.trees.fitting import NEVER, fit_trees, write_trees
 from unisg_blender.learn.trees.held_out import GROUPS, POWERS, HeldOut, choices
 from unisg_blender.learn.trees.training_report import report_lines, write_report
@@ -230,7 +230,7 @@ def test_the_page_shows_rooms_that_were_held_out(few_rooms_model: Path) -> None:
 
 def test_names_on_pictures_are_text() -> None:
     square = np.array([[0, 0], [1, 0], [1, 1], [0, 1.0]])
-    asked = Asked("<script>", square + 0.2, square[None] + 0.3)
+    asked = AskedAgain("<script>", square + 0.2, square[None] + 0.3)
     picture = completion_svg(Completion(square[None] * 4, np.array([True]), (asked,)))
     assert "&lt;script&gt;" in picture
     assert "<script>" not in picture

@@ -25,7 +25,7 @@ COLORS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00")
 
 
 @dataclass(frozen=True, eq=False)
-class Asked:
+class AskedAgain:
     """A thing that was taken out: its footprint (4, 2) at the true place, and at the draws (D, 4, 2)."""
 
     name: str
@@ -39,7 +39,7 @@ class Completion:
 
     stayed: Floats
     building: Bools
-    asked: tuple[Asked, ...]
+    asked: tuple[AskedAgain, ...]
 
 
 def completion_of(
@@ -59,7 +59,7 @@ def completion_of(
         )  # fmt: skip
         places = np.concatenate([one.true[None], draw.places])
         shapes = footprints(places[:, :2], np.tile(scene.half[one.obj], (len(places), 1)), places[:, 3])
-        asked.append(Asked(vocabulary[scene.category[one.obj]], shapes[0], shapes[1:]))
+        asked.append(AskedAgain(vocabulary[scene.category[one.obj]], shapes[0], shapes[1:]))
     structural = np.append(tables.structural, False)
     return Completion(footprints(rest.center, rest.half, rest.yaw), structural[rest.category], tuple(asked))
 
