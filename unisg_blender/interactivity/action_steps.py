@@ -27,8 +27,8 @@ class ActionSteps:
     """One action in the graph.
 
     ``met``: its condition holds; ``struck``: in this tick it has held for long enough, and so ``enough`` times;
-    ``done``: performed; ``fresh``: performed in this tick; ``first``: its condition held at the start. ``update``
-    moves them on, after ``passing``, what is of one tick only, was set to false.
+    ``done``: performed; ``fresh``: performed in this tick; ``first``: its condition held at the start; ``late``: time
+    alone may move it on. ``update`` moves them on, after ``passing``, what is of one tick only, was set to false.
     """
 
     met: GraphVariable
@@ -37,6 +37,7 @@ class ActionSteps:
     fresh: GraphVariable
     first: GraphVariable
     enough: Expression
+    late: Expression
     update: StepBlock
     variables: tuple[GraphVariable, ...]
 
@@ -55,11 +56,13 @@ def action_steps(
     opened: Expression,
     member: bool,
     stirred: GraphVariable,
+    again: Put,
 ) -> ActionSteps:
     """An action of whose ``condition`` one way, with all its parts, must hold for ``hold`` seconds ``needed`` times.
 
     ``active``: it may be performed; ``opened``: that has just begun, and it starts anew; ``member``: of a group,
     so that it may be active though it was performed; ``stirred`` is set where more than ``met`` has changed.
+    Where time alone decides, ``again`` lets it be looked at in the next tick.
     """
     met, struck, counted, done, fresh, was = (
         GraphVariable(f"{word} {name}", NO) for word in ("met", "struck", "counted", "done", "fresh", "first")
@@ -76,13 +79,15 @@ def action_steps(
         holds = StepBlock([
             Branch(begins, StepBlock([put((met, YES), (counted, NO), (since, TIME))])),
             Branch(long_enough, StepBlock([put((counted, YES), *counts), performed])),
+            Branch(counted.value, StepBlock(), StepBlock([again])),
         ])  # fmt: skip
     else:
         holds = StepBlock([Branch(begins, StepBlock([put((met, YES), *counts), performed]))])
-    again = [Branch(opened, StepBlock([put((hits, whole(0)))]))] if several else []
-    update = StepBlock([*again, _asked(condition, holds, StepBlock([put((met, NO))]))])
+    anew = [Branch(opened, StepBlock([put((hits, whole(0)))]))] if several else []
+    update = StepBlock([*anew, _asked(condition, holds, StepBlock([put((met, NO))]))])
     kept = [*([since, counted] if lasting else []), *([hits] if several else [])]
-    return ActionSteps(met, struck, done, fresh, was, enough, update, (met, struck, done, fresh, was, *kept))
+    late = met.value & ~counted.value if lasting else NO
+    return ActionSteps(met, struck, done, fresh, was, enough, late, update, (met, struck, done, fresh, was, *kept))
 
 
 def _asked(condition: list[list[Expression | Put]], holds: StepBlock, fails: StepBlock) -> StepBlock:

@@ -109,6 +109,7 @@ def all_of(values: Iterable[Expression]) -> Expression:
 
 
 def _joined(op: str, values: list[Expression], none: Expression) -> Expression:
+    values = [value for value in values if value is not none]
     while len(values) > 1:  # by pairs, so that many values are no deeper than need be
         pairs = [binary(op, "bool", *values[at : at + 2]) for at in range(0, len(values) - 1, 2)]
         values = pairs + values[len(values) & ~1 :]

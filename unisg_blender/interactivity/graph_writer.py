@@ -149,7 +149,8 @@ def _targets(step: Step) -> list[tuple[str, Step]]:
             return [("loopBody", step.body)]
         case StepBlock():
             steps = [each for each in step.steps if _does_something(each)]
-            return [(f"{number:04d}", each) for number, each in enumerate(steps)]
+            width = len(str(len(steps) - 1))  # flows are sorted as texts
+            return [(f"{number:0{width}d}", each) for number, each in enumerate(steps)]
     return []
 
 

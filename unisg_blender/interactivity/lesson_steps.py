@@ -32,6 +32,8 @@ STARTED = GraphEvent("unisg:started", {"node": "int"})
 PERFORMED = GraphEvent("unisg:performed", {"node": "int"})
 MISSED = GraphEvent("unisg:skipped", {"node": "int"})
 
+EVENT_OF = {OPEN: STARTED, DONE: PERFORMED, SKIPPED: MISSED}
+
 
 class LessonSteps:
     """The blocks and variables of one lesson tree.
@@ -46,18 +48,23 @@ class LessonSteps:
         self.status = [GraphVariable(f"status {place}", whole(value)) for place, value in enumerate(status.tolist())]
         self._moved = GraphVariable("moved", NO)
         self.changed = GraphVariable("changed", YES)
+        self._at = GraphVariable("changed node", whole(0))
+        note = put((self._moved, YES), (self.changed, YES))
+        self._tell = {  # steps of the graph that all nodes use
+            status: StepBlock([note, Send(event, {"node": self._at.value})]) for status, event in EVENT_OF.items()
+        }
         self._skips = [StepBlock() for _ in outline.nodes]
         self._may_skip = _may_be_skipped(outline)
         for place in range(len(outline.nodes)):
             below = [self._skips[other] for other in outline.below(place)]
-            steps: list[Step] = [*self._change(place, SKIPPED, MISSED), *below]
+            steps: list[Step] = [*self._change(place, SKIPPED), *below]
             self._skips[place].steps.append(Branch(self.is_pending(place), StepBlock(steps)))
         self._dones = [self._done(place) for place in range(len(outline.nodes))]
 
     @property
     def variables(self) -> tuple[GraphVariable, ...]:
         """What the blocks remember."""
-        return (*self.status, self._moved, self.changed)
+        return (*self.status, self._moved, self.changed, self._at)
 
     def is_at(self, place: int, status: int) -> Expression:
         """Whether a node has a status."""
@@ -80,11 +87,8 @@ class LessonSteps:
         looks = [self._look(place) for place in range(len(self.outline.nodes))]
         return StepBlock([*leaves, While(self._moved.value, StepBlock([put((self._moved, NO)), *looks]))])
 
-    def _change(self, place: int, status: int, event: GraphEvent) -> list[Step]:
-        return [
-            put((self.status[place], whole(status)), (self._moved, YES), (self.changed, YES)),
-            Send(event, {"node": whole(place)}),
-        ]
+    def _change(self, place: int, status: int) -> list[Step]:
+        return [put((self.status[place], whole(status)), (self._at, whole(place))), self._tell[status]]
 
     def _done(self, place: int) -> StepBlock:
         """A node is done; what comes before it and may still be open can no longer be."""
@@ -94,7 +98,7 @@ class LessonSteps:
                 chain = [other, *outline.above(other)]
                 if not all(outline.mandatory[each] for each in chain[: chain.index(sibling) + 1]):
                     missed.append(self._skips[other])
-        return StepBlock([*self._change(place, DONE, PERFORMED), *missed])
+        return StepBlock([*self._change(place, DONE), *missed])
 
     def _look(self, place: int) -> StepBlock:
         """What becomes of a node that waits, or of a part that is open."""
@@ -114,7 +118,7 @@ class LessonSteps:
                 *(self.is_at(other, DONE) for other in [*before[-1:], *needs]),  # the last one opened after the others
             ]
         )
-        opens = Branch(ready, StepBlock(self._change(place, OPEN, STARTED)))
+        opens = Branch(ready, StepBlock(self._change(place, OPEN)))
         if not needs:
             return StepBlock([opens])
         lost = any_of(self.is_at(other, SKIPPED) for other in needs)
