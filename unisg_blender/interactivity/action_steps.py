@@ -13,6 +13,7 @@ from .behaviour_program import (
     Expression,
     GraphVariable,
     Put,
+    Step,
     StepBlock,
     all_of,
     any_of,
@@ -70,19 +71,24 @@ def action_steps(
     since, hits = GraphVariable(f"since {name}", real(0)), GraphVariable(f"hits {name}", whole(0))
     several, lasting = needed > 1, hold > 0
     enough = hits.value > whole(needed - 1) if several else YES
-    performs = all_of([active, *([enough] if several else []), *([~done.value] if member else [])])
-    counts = [(struck, YES), (stirred, YES), *([(hits, hits.value + whole(1))] if several else [])]
-    performed = Branch(performs, StepBlock([put((done, YES), (fresh, YES))]))
+    performs = active & ~done.value if member else active
+    counts = [(struck, YES), (stirred, YES)]
+    performed: list[Step] = []
+    if several:  # whether it is enough counts this time too
+        counts += [(hits, hits.value + whole(1))]
+        performed = [Branch(performs & enough, StepBlock([put((done, YES), (fresh, YES))]))]
+    else:
+        counts += [(done, done.value | performs if member else performs), (fresh, performs)]
     begins = ~met.value | opened
     if lasting:
         long_enough = ~counted.value & (real(hold - EPSILON) <= TIME - since.value)
         holds = StepBlock([
             Branch(begins, StepBlock([put((met, YES), (counted, NO), (since, TIME))])),
-            Branch(long_enough, StepBlock([put((counted, YES), *counts), performed])),
+            Branch(long_enough, StepBlock([put((counted, YES), *counts), *performed])),
             Branch(counted.value, StepBlock(), StepBlock([again])),
         ])  # fmt: skip
     else:
-        holds = StepBlock([Branch(begins, StepBlock([put((met, YES), *counts), performed]))])
+        holds = StepBlock([Branch(begins, StepBlock([put((met, YES), *counts), *performed]))])
     anew = [Branch(opened, StepBlock([put((hits, whole(0)))]))] if several else []
     update = StepBlock([*anew, _asked(condition, holds, StepBlock([put((met, NO))]))])
     kept = [*([since, counted] if lasting else []), *([hits] if several else [])]

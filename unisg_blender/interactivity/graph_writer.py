@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Hashable
 from typing import Any
 
-from .behaviour_program import Branch, Expression, Program, Put, Send, Start, Step, StepBlock, While
+from .behaviour_program import Branch, Expression, Literal, Program, Put, Send, Start, Step, StepBlock, While
 
 EXTENSION = "KHR_interactivity"
 
@@ -90,7 +90,7 @@ class _Writer:
         return self._types.setdefault(kind, len(self._types))
 
     def _typed(self, value: Expression) -> dict[str, Any]:
-        return {"type": self._type(value.kind), "value": list(value.constant)}
+        return {"type": self._type(value.kind), "value": [_short(number) for number in value.constant]}
 
     def _source(self, value: Expression) -> dict[str, Any]:
         """How a socket says where its value comes from."""
@@ -130,6 +130,11 @@ class _Writer:
         if name == "variable":
             return {"value": [self._variables[str(value)]]}
         return {"value": [self._type(str(value)) if name == "type" else value]}
+
+
+def _short(number: Literal) -> Literal:
+    """A number in twelve digits, which is more than tolerances ask for."""
+    return float(f"{number:.12g}") if isinstance(number, float) else number
 
 
 def _only(step: Step) -> Step:

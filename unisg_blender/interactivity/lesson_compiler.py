@@ -87,7 +87,6 @@ class _Compiler:
         self._lesson, self._node_of = lesson, node_of
         self._tree = LessonSteps(lesson.outline, begin(lesson).status)
         self._first, self._stirred = GraphVariable("first tick", YES), GraphVariable("stirred", NO)
-        self._was_open = {leaf: GraphVariable(f"was open {leaf}", NO) for leaf in _leaves(lesson)}
         self._leaf_of = {task: leaf for leaf in _leaves(lesson) for task in _tasks_of(lesson, leaf)}
         self._inputs = LearnerInputs(lesson, node_of)
         self.conditions = ActionConditions(lesson, self._inputs)
@@ -112,10 +111,9 @@ class _Compiler:
             for task, steps in sorted(self._steps.items())
             if isinstance(steps, ActionSteps)
         ]
-        leaves = {leaf: self._steps[int(self._lesson.task[leaf])].done.value for leaf in self._was_open}
+        leaves = {leaf: self._steps[int(self._lesson.task[leaf])].done.value for leaf in _leaves(self._lesson)}
         held = [(each.first, each.met.value) for each in steps if isinstance(each, ActionSteps)]
         begins: list[Step] = [self._tree.began(), put((self._first, NO), *held)]
-        opened = [(was, self._tree.is_at(leaf, OPEN)) for leaf, was in self._was_open.items()]
         stirred, changed, asked = self._stirred.value, self._tree.changed, self._inputs.asked.value
         look: list[Step] = [
             Branch(
@@ -126,14 +124,14 @@ class _Compiler:
             Branch(stirred, StepBlock(groups)),
             Branch(self._first.value, StepBlock(begins)),
             Branch(stirred | asked, StepBlock([*self._feedback()])),
-            Branch(changed.value, StepBlock([put((changed, NO), *opened)])),
+            Branch(changed.value, StepBlock([self._tree.seen()])),
             Branch(stirred, self._tree.advance(leaves)),
             Branch(asked, self._inputs.forget(self._attention)),
             Branch(changed.value, StepBlock([self._attention.wake_all()])),
         ]
         tick = StepBlock([*self._attention.movements(), self._attention.awake(look)])
         own = [variable for each in steps for variable in each.variables]
-        ours = (self._first, self._stirred, *self._was_open.values())
+        ours = (self._first, self._stirred)
         return Program(
             (
                 *self._tree.variables,
@@ -153,7 +151,7 @@ class _Compiler:
         active = self._active(task)
         return action_steps(
             str(task), self.conditions.of(task), float(checks.hold[task]), int(checks.hits[task]),
-            active, active & ~self._was_open[leaf].value, task != self._lesson.task[leaf], self._stirred,
+            active, self._tree.opened[leaf].value, task != self._lesson.task[leaf], self._stirred,
             put(*self._attention.waking([])),
         )  # fmt: skip
 

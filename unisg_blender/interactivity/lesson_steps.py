@@ -18,6 +18,7 @@ from .behaviour_program import (
     Expression,
     GraphEvent,
     GraphVariable,
+    Put,
     Send,
     Step,
     StepBlock,
@@ -38,14 +39,19 @@ EVENT_OF = {OPEN: STARTED, DONE: PERFORMED, SKIPPED: MISSED}
 class LessonSteps:
     """The blocks and variables of one lesson tree.
 
-    ``status`` are the variables of its nodes; ``changed`` says that one has changed since that was set to false;
-    :meth:`advance` makes the step that moves the lesson on after the leaves
+    ``status`` are the variables of its nodes; ``changed`` says that one has changed, and ``opened`` which leaves
+    have opened, since :meth:`seen`; :meth:`advance` makes the step that moves the lesson on after the leaves
     for which there are conditions were performed.
     """
 
     def __init__(self, outline: Outline, status: NDArray[np.int8]) -> None:
         self.outline, self._first = outline, status
         self.status = [GraphVariable(f"status {place}", whole(value)) for place, value in enumerate(status.tolist())]
+        self.opened = {
+            place: GraphVariable(f"opened {place}", YES if status[place] == OPEN else NO)
+            for place, node in enumerate(outline.nodes)
+            if node.kind == "action"
+        }
         self._moved = GraphVariable("moved", NO)
         self.changed = GraphVariable("changed", YES)
         self._at = GraphVariable("changed node", whole(0))
@@ -64,7 +70,7 @@ class LessonSteps:
     @property
     def variables(self) -> tuple[GraphVariable, ...]:
         """What the blocks remember."""
-        return (*self.status, self._moved, self.changed, self._at)
+        return (*self.status, *self.opened.values(), self._moved, self.changed, self._at)
 
     def is_at(self, place: int, status: int) -> Expression:
         """Whether a node has a status."""
@@ -88,7 +94,12 @@ class LessonSteps:
         return StepBlock([*leaves, While(self._moved.value, StepBlock([put((self._moved, NO)), *looks]))])
 
     def _change(self, place: int, status: int) -> list[Step]:
-        return [put((self.status[place], whole(status)), (self._at, whole(place))), self._tell[status]]
+        opened = [(self.opened[place], YES)] if status == OPEN and place in self.opened else []
+        return [put((self.status[place], whole(status)), (self._at, whole(place)), *opened), self._tell[status]]
+
+    def seen(self) -> Put:
+        """What has opened, and changed, has been seen."""
+        return put((self.changed, NO), *((opened, NO) for opened in self.opened.values()))
 
     def _done(self, place: int) -> StepBlock:
         """A node is done; what comes before it and may still be open can no longer be."""
