@@ -175,6 +175,17 @@ class While:
     body: StepBlock
 
 
+@dataclass(frozen=True, eq=False)
+class Interpolate:
+    """Let a property of a node, by its number in the asset, become a value in some seconds, then go on."""
+
+    configuration: Mapping[str, str | int]
+    node: Expression
+    value: Expression
+    seconds: Expression
+    then: StepBlock
+
+
 @dataclass(eq=False)
 class StepBlock:
     """Steps in their order; filled after it was made where blocks use each other."""
@@ -182,7 +193,7 @@ class StepBlock:
     steps: list[Step] = field(default_factory=list)
 
 
-Step: TypeAlias = "Put | Send | Branch | While | StepBlock"
+Step: TypeAlias = "Put | Send | Branch | While | Interpolate | StepBlock"
 
 
 @dataclass(frozen=True, eq=False)

@@ -18,6 +18,7 @@ from .behaviour_program import (
     Expression,
     GraphEvent,
     GraphVariable,
+    Put,
     Start,
     Step,
     StepBlock,
@@ -97,6 +98,26 @@ class LearnerInputs:
             pairs = [(variable, YES), *self._told(attention, [task])]
             handlers.setdefault(CONFIRM.id, []).append(_when(CONFIRM, "task", task, pairs))
         return [Start("event/receive", StepBlock(handlers[event.id]), event=event) for event in self.events]
+
+    def confirming(self, task: int, attention: Attention) -> Put:
+        """Somebody says that an action of an own type was done."""
+        return put((self._confirmed[task], YES), *self._told(attention, [task]))
+
+    def handling(
+        self, entity: int, force: float | None, attention: Attention
+    ) -> list[tuple[GraphVariable, Expression]]:
+        """What presses the trigger of an entity, as far as that is asked for; nothing without a force."""
+        pairs = [(kept[entity], value) for kept, value in ((self._pressed, YES), (self._force, real(force or 0)))
+                 if force is not None and entity in kept]  # fmt: skip
+        return [*pairs, *attention.waking(attention.about(entity))] if pairs else []
+
+    def releasing(self, attention: Attention) -> list[tuple[GraphVariable, Expression]]:
+        """What releases all triggers."""
+        entities = sorted({*self._pressed, *self._force})
+        about = {task for entity in entities for task in attention.about(entity)}
+        pairs = [(variable, NO) for variable in self._pressed.values()]
+        pairs += [(variable, real(0)) for variable in self._force.values()]
+        return [*pairs, *attention.waking(about)]
 
     def _told(self, attention: Attention, tasks: Iterable[int]) -> list[tuple[GraphVariable, Expression]]:
         return [(self.asked, YES), *attention.waking(tasks)]

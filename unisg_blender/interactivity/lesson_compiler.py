@@ -39,6 +39,7 @@ from .behaviour_program import (
 from .graph_writer import graph_json
 from .learner_inputs import LearnerInputs
 from .lesson_steps import MISSED, PERFORMED, STARTED, LessonSteps
+from .selection_moves import DRAGGING, SelectionMoves
 
 EARLY = GraphEvent("unisg:early", {"task": "int"})
 FAILED = GraphEvent("unisg:failed", {"task": "int"})
@@ -130,6 +131,8 @@ class _Compiler:
             Branch(changed.value, StepBlock([self._attention.wake_all()])),
         ]
         tick = StepBlock([*self._attention.movements(), self._attention.awake(look)])
+        moves = SelectionMoves(self._lesson.graph, self.conditions.batch, self._inputs, self._attention, self._node_of)
+        selected = moves.starts(sorted(self._leaf_of), self._may)
         own = [variable for each in steps for variable in each.variables]
         ours = (self._first, self._stirred)
         return Program(
@@ -140,9 +143,10 @@ class _Compiler:
                 *self._inputs.variables,
                 *self._attention.variables,
                 *self.conditions.variables,
+                *moves.variables,
             ),
-            (STARTED, PERFORMED, MISSED, EARLY, FAILED, *self._inputs.events),
-            (Start("event/onTick", tick), *self._inputs.starts(self._attention)),
+            (STARTED, PERFORMED, MISSED, EARLY, FAILED, *self._inputs.events, DRAGGING),
+            (Start("event/onTick", tick), *self._inputs.starts(self._attention), *selected),
             self._node_of,
         )
 
@@ -157,6 +161,10 @@ class _Compiler:
 
     def _active(self, task: int) -> Expression:
         return self._tree.is_at(self._leaf_of[task], OPEN)
+
+    def _may(self, task: int) -> Expression:
+        """An action may be performed and is not."""
+        return self._active(task) & ~self._steps[task].done.value
 
     def _feedback(self) -> Iterator[Step]:
         """What the learner should hear, as the player tells it: what was done too early, and wrong answers."""
