@@ -56,7 +56,7 @@ ARROWS: dict[str, set[str]] = {
         "formats": "blender usd meshes interactivity scene geometry poses",
         "blender": "behaviour scene geometry poses",
         "usd": "scene",
-        "interactivity": "behaviour scene geometry",
+        "interactivity": "behaviour scene geometry poses",
         "worlds": "spatial scene geometry",
         "meshes": "scene geometry",
         "spatial": "scene geometry",

@@ -125,7 +125,7 @@ class LessonExtension:
             settings["log"].warning(f"No lesson in the file: {in_window(str(error))}", popup=True)
 
     def _add(self, document: Any, settings: dict[str, Any]) -> None:
-        from ...unisg_blender.formats.gltf.gltf_lessons import playable_lessons
+        from ...unisg_blender.formats.gltf.gltf_lessons import SELECTABLE, playable_lessons, selected_nodes
         from ...unisg_blender.runtime.read_report import ReadReport
 
         if not settings["gltf_yup"]:
@@ -137,6 +137,9 @@ class LessonExtension:
         lessons = playable_lessons(graph, report, nodes)
         document.extensions.update(lessons)
         document.extensions_used += lessons
+        for number in selected_nodes(lessons):
+            document.nodes[number].extensions = {**(document.nodes[number].extensions or {}), **SELECTABLE}
+        document.extensions_used += SELECTABLE
         if len(report):
             settings["log"].warning(f"Of the lesson: {in_window(report.summary(most=3))}", popup=True)
 

@@ -1,7 +1,8 @@
 // Where things have to go: see-through copies at their reference poses, as long as these are asked for.
 import { StandardMaterial } from "@babylonjs/core/Materials/standardMaterial.js";
 import { Color3, Matrix } from "@babylonjs/core/Maths/math.js";
-import { goalOf, worldOf } from "./room.js";
+import { worldOf } from "./nodes.js";
+import { goalOf } from "./room.js";
 
 export class Ghosts {
   constructor(room) {

@@ -1,7 +1,8 @@
 // What a learner's hands do: drag things, let them find their place, use tools. Everything is judged by the graph.
 import { Matrix, Plane, Quaternion, Vector3 } from "@babylonjs/core/Maths/math.js";
 import { PointerEventTypes } from "@babylonjs/core/Events/pointerEvents.js";
-import { goalOf, middleOf, parts, place, worldOf } from "./room.js";
+import { parts, place, worldOf } from "./nodes.js";
+import { goalOf, middleOf } from "./room.js";
 
 const REACH = 0.15; // metres from its place at which a thing that is let go finds it
 

@@ -4,7 +4,8 @@ import { bring, dragThings, takeAway, turn } from "./hands.js";
 import { Ghosts } from "./ghosts.js";
 import { Panel } from "./panel.js";
 import { Recorder } from "./record.js";
-import { goalOf, middleOf, openRoom, place } from "./room.js";
+import { place } from "./nodes.js";
+import { goalOf, middleOf, openRoom } from "./room.js";
 
 const STATUS = { started: "open", performed: "done", skipped: "skipped" };
 const wait = (seconds) => new Promise((done) => setTimeout(done, seconds * 1000));
@@ -100,6 +101,7 @@ async function start() {
     return kind === "xapi" ? recorder.statements(began) : { ...recorder.script(), events: recorder.events };
   }
 
+  send("dragging", { possible: true });
   dragThings(room, movable, isOpen, tasks);
   let first = null;
   room.engine.runRenderLoop(() => {

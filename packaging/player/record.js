@@ -1,5 +1,5 @@
 // What is done becomes a motion script, which `unisg simulate --motion` plays and judges, and xAPI statements.
-import { worldOf } from "./room.js";
+import { worldOf } from "./nodes.js";
 
 const PLACES = [0, 2, 1], SIGNS = [1, -1, 1, 1]; // glTF's y is our z
 const STEP = 1e-3; // seconds in which a thing goes from one place to the next

@@ -4,13 +4,15 @@ import { Engine } from "@babylonjs/core/Engines/engine.js";
 import { FlowGraphCoordinator } from "@babylonjs/core/FlowGraph/flowGraphCoordinator.js";
 import { HemisphericLight } from "@babylonjs/core/Lights/hemisphericLight.js";
 import { LoadAssetContainerAsync } from "@babylonjs/core/Loading/sceneLoader.js";
-import { Matrix, Quaternion, Vector3 } from "@babylonjs/core/Maths/math.vector.js";
+import { Matrix, Vector3 } from "@babylonjs/core/Maths/math.vector.js";
 import { Scene } from "@babylonjs/core/scene.js";
+import { byNumber, worldOf } from "./nodes.js";
 import "@babylonjs/core/Culling/ray.js";
 import "@babylonjs/loaders/glTF/glTFFileLoader.js";
 import "@babylonjs/loaders/glTF/2.0/glTFLoader.js";
 import "@babylonjs/loaders/glTF/2.0/Extensions/KHR_interactivity.js";
 import "@babylonjs/loaders/glTF/2.0/Extensions/KHR_lights_punctual.js";
+import "@babylonjs/loaders/glTF/2.0/Extensions/KHR_node_selectability.js";
 
 export async function openRoom(canvas, bytes) {
   const engine = new Engine(canvas, true, { useHighPrecisionMatrix: true });
@@ -22,20 +24,10 @@ export async function openRoom(canvas, bytes) {
   container.addAllToScene();
   for (const light of container.lights) light.setEnabled(false); // the sky is enough, and the same in every room
   const camera = lookAround(scene, canvas);
+  FlowGraphCoordinator.MaxEventTypeExecutionPerFrame = 10000; // no event of a large lesson is lost
   const coordinator = FlowGraphCoordinator.SceneCoordinators.get(scene)?.[0];
   window.addEventListener("resize", () => engine.resize());
   return { engine, scene, camera, coordinator, nodes: byNumber(container) };
-}
-
-function byNumber(container) {
-  const nodes = [];
-  for (const node of [...container.transformNodes, ...container.meshes]) {
-    for (const pointer of node._internalMetadata?.gltf?.pointers ?? []) {
-      const found = /^\/nodes\/(\d+)$/.exec(pointer);
-      if (found) nodes[Number(found[1])] ??= node;
-    }
-  }
-  return nodes;
 }
 
 function lookAround(scene, canvas) {
@@ -48,23 +40,6 @@ function lookAround(scene, canvas) {
   camera.lowerRadiusLimit = 0.3;
   camera.attachControl(canvas, true);
   return camera;
-}
-
-export const worldOf = (node) => (node ? node.computeWorldMatrix(true) : Matrix.Identity());
-
-export function parts(matrix) {
-  const rotation = new Quaternion(), position = new Vector3();
-  matrix.decompose(undefined, rotation, position);
-  return { rotation, position };
-}
-
-// Put a node where a matrix of the world says, with the size that it has.
-export function place(node, matrix) {
-  const local = node.parent ? matrix.multiply(Matrix.Invert(worldOf(node.parent))) : matrix;
-  const { rotation, position } = parts(local);
-  node.position.copyFrom(position);
-  node.rotationQuaternion = rotation;
-  node.computeWorldMatrix(true);
 }
 
 // Where an action wants a thing: its reference pose, in the frame that it moves with.

@@ -5,7 +5,17 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-WIDTHS = {"bool": 1, "int": 1, "float": 1, "float2": 2, "float3": 3, "float4": 4, "float3x3": 9, "float4x4": 16}
+WIDTHS = {
+    "bool": 1,
+    "int": 1,
+    "float": 1,
+    "float2": 2,
+    "float3": 3,
+    "float4": 4,
+    "float3x3": 9,
+    "float4x4": 16,
+    "ref": 1,
+}
 SAME = {"math/add", "math/sub", "math/mul", "math/max", "math/abs", "math/normalize", "math/sqrt", "math/cross",
         "math/and", "math/or", "math/not", "math/transform", "math/quatMul", "math/quatConjugate"}  # fmt: skip
 """Operations that give what their input ``a`` is."""
@@ -13,7 +23,8 @@ SAME = {"math/add", "math/sub", "math/mul", "math/max", "math/abs", "math/normal
 FIXED = {"math/le": "bool", "math/gt": "bool", "math/eq": "bool", "math/dot": "float", "math/length": "float",
          "math/combine3": "float3", "math/combine4": "float4"}  # fmt: skip
 SOCKETS = {"flow/branch": {"condition"}, "flow/while": {"condition"}, "math/combine3": {"a", "b", "c"},
-           "pointer/interpolate": {"value", "duration", "p1", "p2"}, "math/combine4": {"a", "b", "c", "d"}}  # fmt: skip
+           "pointer/interpolate": {"n", "value", "duration", "p1", "p2"},
+           "math/combine4": {"a", "b", "c", "d"}}  # fmt: skip
 UNARY = {"math/abs", "math/normalize", "math/sqrt", "math/not", "math/length", "math/quatConjugate"}
 
 
@@ -36,7 +47,7 @@ def _tables(graph: Mapping[str, Any]) -> Iterator[str]:
             yield f"variable {place} has a value of another type"
     if len({each["id"] for each in graph.get("events", ())}) != len(graph.get("events", ())):
         yield "two events share an id"
-    if any(set(each) != {"op"} for each in graph["declarations"]):
+    if any(set(each) != {"op"} for each in graph["declarations"] if each["op"] != "event/onSelect"):
         yield "a declaration has more than its operation"
 
 
@@ -90,8 +101,12 @@ def _operation(graph: Mapping[str, Any], node: Mapping[str, Any], op: str, nodes
             yield f"it sends {kinds}"
     elif op == "event/onSelect" and not 0 <= setting["nodeIndex"][0] < nodes:
         yield "it waits for a node that is not there"
-    elif op.startswith("pointer/") and not 0 <= int(setting["pointer"][0].split("/")[2]) < nodes:
+    elif op.startswith("pointer/") and "[n]" not in setting["pointer"][0] and not _pointed(setting) < nodes:
         yield "it points to a node that is not there"
+
+
+def _pointed(setting: Mapping[str, Any]) -> int:
+    return int(setting["pointer"][0].split("/")[2])
 
 
 def _kind(graph: Mapping[str, Any], source: Mapping[str, Any]) -> str:

@@ -49,7 +49,7 @@ def room() -> None:
 def test_the_lesson_goes_with_the_nodes_as_blender_numbers_them(tmp_path: Path) -> None:
     room()
     document = exported(tmp_path / "room.glb")
-    assert "KHR_interactivity" in document["extensionsUsed"]
+    assert {"KHR_interactivity", "KHR_node_selectability"} <= set(document["extensionsUsed"])
     scene, names = read_scene(), [node["name"] for node in document["nodes"]]
     numbers = [names.index(name) for name in scene.name]
     assert numbers != sorted(numbers)

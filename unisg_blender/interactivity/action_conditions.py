@@ -30,28 +30,31 @@ MOST_ANSWERS = 31
 
 
 class ActionConditions:
-    """The condition of each action; ``lost`` has (name of an action, what the graph says otherwise)."""
+    """The condition of each action; ``lost`` has (name of an action, what the graph says otherwise).
+
+    ``batch`` has the actions as columns.
+    """
 
     def __init__(self, lesson: Lesson, inputs: LearnerInputs) -> None:
         actions, scene = lesson.checks.actions, lesson.graph
         self._boxes = BoxTest()
         self.lost: list[tuple[str, str]] = []
         self._inputs, self._world = inputs, scene.world
-        self._batch: Batch = make_batch(scene, actions, range(len(actions)))
+        self.batch: Batch = make_batch(scene, actions, range(len(actions)))
         self._mirrored = np.linalg.det(scene.world[:, :3, :3]) < 0
-        poses = self._batch.poses
+        poses = self.batch.poses
         references = np.tile(np.eye(4), (len(poses.action), 1, 1))
         references[:, :3] = poses.reference.T.reshape(-1, 3, 4)
-        self._poses = PoseConditions(self._batch, turned_matrices(references), self._mirrored)
+        self._poses = PoseConditions(self.batch, turned_matrices(references), self._mirrored)
 
     @property
     def variables(self) -> tuple[GraphVariable, ...]:
         """What conditions need besides what a learner does."""
-        return self._boxes.variables if len(self._batch.contacts.action) else ()
+        return self._boxes.variables if len(self.batch.contacts.action) else ()
 
     def of(self, task: int) -> Alternatives:
         """When the condition of an action holds, that is no group."""
-        action = self._batch.actions[task]
+        action = self.batch.actions[task]
         kinds: Mapping[str, Callable[[int], Alternatives]] = {
             "Insert": self._insert,
             "Remove": self._remove,
@@ -73,10 +76,10 @@ class ActionConditions:
         return [[each] for pair in self._poses.pairs(task) for each in self._poses.away(pair)]
 
     def _use(self, task: int) -> Alternatives:
-        return list(self._contacts(task, self._batch.actions[task].trigger))
+        return list(self._contacts(task, self.batch.actions[task].trigger))
 
     def _tool(self, task: int) -> Alternatives:
-        rows = self._batch.poses.row
+        rows = self.batch.poses.row
         posed = list(self._poses.pairs(task))
         found: Alternatives = [
             [*self._handled(task, int(rows[pair]), True), *self._poses.there(pair)] for pair in posed
@@ -84,7 +87,7 @@ class ActionConditions:
         return found or list(self._contacts(task, True))
 
     def _question(self, task: int) -> Alternatives:
-        action = self._batch.actions[task]
+        action = self.batch.actions[task]
         if len(action.answers) > MOST_ANSWERS:
             self._lose(task, f"only {MOST_ANSWERS} of its answers can be told apart")
         right = {place for place in action.correct if place < MOST_ANSWERS}
@@ -94,11 +97,11 @@ class ActionConditions:
         """Trigger and force, as far as they are asked for."""
         if trigger:
             yield self._inputs.pressed(tool)
-        if self._batch.force[task] > 0:
-            yield real(float(self._batch.force[task]) - EPSILON) <= self._inputs.force(tool)
+        if self.batch.force[task] > 0:
+            yield real(float(self.batch.force[task]) - EPSILON) <= self._inputs.force(tool)
 
     def _contacts(self, task: int, trigger: bool) -> Iterator[list[Expression | Put]]:
-        contacts = self._batch.contacts
+        contacts = self.batch.contacts
         for pair in np.flatnonzero(contacts.action == task).tolist():
             tool, target, distance = (
                 int(contacts.tool[pair]),
@@ -120,7 +123,7 @@ class ActionConditions:
         return BodyBox(row, turned_points(bounds[None, :3])[0], (bounds[3:] * size)[PLACES])
 
     def _look_for_shear(self, task: int) -> None:
-        poses = self._batch.poses
+        poses = self.batch.poses
         pairs = list(self._poses.pairs(task))
         if not pairs or not poses.turns[pairs].any():
             return
@@ -129,5 +132,5 @@ class ActionConditions:
             self._lose(task, "something is sheared there: its turn is told by the axes as they are")
 
     def _lose(self, task: int, text: str) -> None:
-        action = self._batch.actions[task]
+        action = self.batch.actions[task]
         self.lost.append((action.name or f"{action.type} {action.uid}", text))

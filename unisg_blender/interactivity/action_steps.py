@@ -13,6 +13,7 @@ from .behaviour_program import (
     Expression,
     GraphVariable,
     Put,
+    Step,
     StepBlock,
     all_of,
     any_of,
@@ -27,8 +28,8 @@ class ActionSteps:
     """One action in the graph.
 
     ``met``: its condition holds; ``struck``: in this tick it has held for long enough, and so ``enough`` times;
-    ``done``: performed; ``fresh``: performed in this tick; ``first``: its condition held at the start. ``update``
-    moves them on, after ``passing``, what is of one tick only, was set to false.
+    ``done``: performed; ``fresh``: performed in this tick; ``first``: its condition held at the start; ``late``: time
+    alone may move it on. ``update`` moves them on, after ``passing``, what is of one tick only, was set to false.
     """
 
     met: GraphVariable
@@ -37,6 +38,7 @@ class ActionSteps:
     fresh: GraphVariable
     first: GraphVariable
     enough: Expression
+    late: Expression
     update: StepBlock
     variables: tuple[GraphVariable, ...]
 
@@ -55,11 +57,13 @@ def action_steps(
     opened: Expression,
     member: bool,
     stirred: GraphVariable,
+    again: Put,
 ) -> ActionSteps:
     """An action of whose ``condition`` one way, with all its parts, must hold for ``hold`` seconds ``needed`` times.
 
     ``active``: it may be performed; ``opened``: that has just begun, and it starts anew; ``member``: of a group,
     so that it may be active though it was performed; ``stirred`` is set where more than ``met`` has changed.
+    Where time alone decides, ``again`` lets it be looked at in the next tick.
     """
     met, struck, counted, done, fresh, was = (
         GraphVariable(f"{word} {name}", NO) for word in ("met", "struck", "counted", "done", "fresh", "first")
@@ -67,22 +71,29 @@ def action_steps(
     since, hits = GraphVariable(f"since {name}", real(0)), GraphVariable(f"hits {name}", whole(0))
     several, lasting = needed > 1, hold > 0
     enough = hits.value > whole(needed - 1) if several else YES
-    performs = all_of([active, *([enough] if several else []), *([~done.value] if member else [])])
-    counts = [(struck, YES), (stirred, YES), *([(hits, hits.value + whole(1))] if several else [])]
-    performed = Branch(performs, StepBlock([put((done, YES), (fresh, YES))]))
+    performs = active & ~done.value if member else active
+    counts = [(struck, YES), (stirred, YES)]
+    performed: list[Step] = []
+    if several:  # whether it is enough counts this time too
+        counts += [(hits, hits.value + whole(1))]
+        performed = [Branch(performs & enough, StepBlock([put((done, YES), (fresh, YES))]))]
+    else:
+        counts += [(done, done.value | performs if member else performs), (fresh, performs)]
     begins = ~met.value | opened
     if lasting:
         long_enough = ~counted.value & (real(hold - EPSILON) <= TIME - since.value)
         holds = StepBlock([
             Branch(begins, StepBlock([put((met, YES), (counted, NO), (since, TIME))])),
-            Branch(long_enough, StepBlock([put((counted, YES), *counts), performed])),
+            Branch(long_enough, StepBlock([put((counted, YES), *counts), *performed])),
+            Branch(counted.value, StepBlock(), StepBlock([again])),
         ])  # fmt: skip
     else:
-        holds = StepBlock([Branch(begins, StepBlock([put((met, YES), *counts), performed]))])
-    again = [Branch(opened, StepBlock([put((hits, whole(0)))]))] if several else []
-    update = StepBlock([*again, _asked(condition, holds, StepBlock([put((met, NO))]))])
+        holds = StepBlock([Branch(begins, StepBlock([put((met, YES), *counts), *performed]))])
+    anew = [Branch(opened, StepBlock([put((hits, whole(0)))]))] if several else []
+    update = StepBlock([*anew, _asked(condition, holds, StepBlock([put((met, NO))]))])
     kept = [*([since, counted] if lasting else []), *([hits] if several else [])]
-    return ActionSteps(met, struck, done, fresh, was, enough, update, (met, struck, done, fresh, was, *kept))
+    late = met.value & ~counted.value if lasting else NO
+    return ActionSteps(met, struck, done, fresh, was, enough, late, update, (met, struck, done, fresh, was, *kept))
 
 
 def _asked(condition: list[list[Expression | Put]], holds: StepBlock, fails: StepBlock) -> StepBlock:

@@ -109,6 +109,7 @@ def all_of(values: Iterable[Expression]) -> Expression:
 
 
 def _joined(op: str, values: list[Expression], none: Expression) -> Expression:
+    values = [value for value in values if value is not none]
     while len(values) > 1:  # by pairs, so that many values are no deeper than need be
         pairs = [binary(op, "bool", *values[at : at + 2]) for at in range(0, len(values) - 1, 2)]
         values = pairs + values[len(values) & ~1 :]
@@ -174,6 +175,17 @@ class While:
     body: StepBlock
 
 
+@dataclass(frozen=True, eq=False)
+class Interpolate:
+    """Let a property of a node, by its number in the asset, become a value in some seconds, then go on."""
+
+    configuration: Mapping[str, str | int]
+    node: Expression
+    value: Expression
+    seconds: Expression
+    then: StepBlock
+
+
 @dataclass(eq=False)
 class StepBlock:
     """Steps in their order; filled after it was made where blocks use each other."""
@@ -181,7 +193,7 @@ class StepBlock:
     steps: list[Step] = field(default_factory=list)
 
 
-Step: TypeAlias = "Put | Send | Branch | While | StepBlock"
+Step: TypeAlias = "Put | Send | Branch | While | Interpolate | StepBlock"
 
 
 @dataclass(frozen=True, eq=False)

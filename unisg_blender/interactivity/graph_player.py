@@ -10,7 +10,7 @@ import math
 import operator
 import re
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 from ..errors import UniSGError
 
@@ -20,19 +20,36 @@ Values = list[Any]
 Sent = tuple[str, dict[str, Any]]
 """The id of an event and its values."""
 
+PARTS = re.compile(r"/nodes/\[n\]/(translation|rotation)")
 WORLD = re.compile(r"/nodes/(\d+)/globalMatrix")
 MOST_ROUNDS = 100_000
 """Rounds of one loop after which it is taken not to end."""
 
 
+class Going(NamedTuple):
+    """A property of a node that is on its way: when it arrives, by which step, what it becomes."""
+
+    end: float
+    step: int
+    node: int
+    name: str
+    value: Values
+
+
 class GraphPlayer:
     """One graph being played.
 
-    ``world`` gives the global matrix of a node; :meth:`send` and :meth:`tick` return the events that the graph sent.
+    ``world`` gives the global matrix of a node, ``place`` its translation and rotation by name, which the graph may
+    change; :meth:`send`, :meth:`select` and :meth:`tick` return the events that the graph sent.
     """
 
-    def __init__(self, graph: Mapping[str, Any], world: Callable[[int], Sequence[float]]) -> None:
-        self._graph, self._world = graph, world
+    def __init__(
+        self, graph: Mapping[str, Any], world: Callable[[int], Sequence[float]],
+        place: Callable[[int], dict[str, Values]] | None = None,
+    ) -> None:  # fmt: skip
+        self._graph, self._world, self._place = graph, world, place
+        self._going: list[Going] = []
+        self._time = 0.0
         self._nodes: list[dict[str, Any]] = graph["nodes"]
         self._ops = [graph["declarations"][node["declaration"]]["op"] for node in self._nodes]
         self._variables = [list(each["value"]) for each in graph.get("variables", ())]
@@ -42,12 +59,38 @@ class GraphPlayer:
 
     def tick(self, seconds: float) -> list[Sent]:
         """A frame, so many seconds after the start."""
-        return self._happen("event/onTick", {}, {"timeSinceStart": [seconds]})
+        self._time = seconds
+        arrived = [each for each in self._going if each.end <= seconds]
+        self._going = [each for each in self._going if each.end > seconds]
+        self._sent, self._values = [], {}
+        for each in arrived:
+            self._placed(each.node)[each.name] = each.value
+            self._follow(self._nodes[each.step], "done")
+        return self._sent + self._happen("event/onTick", {}, {"timeSinceStart": [seconds]})
 
     def send(self, event: str, **values: Any) -> list[Sent]:
         """An event from outside."""
         number = [each["id"] for each in self._graph["events"]].index(event)
         return self._happen("event/receive", {"event": number}, {name: [value] for name, value in values.items()})
+
+    def select(self, node: int) -> list[Sent]:
+        """Somebody selects a node."""
+        return self._happen("event/onSelect", {"nodeIndex": node}, {})
+
+    def _placed(self, node: int) -> dict[str, Values]:
+        if self._place is None:
+            raise UniSGError("the graph moves things, and there is nothing here that says where they stand")
+        return self._place(node)
+
+    def _go(self, place: int, node: Mapping[str, Any]) -> None:
+        """Begin to move something: it arrives at once, when its time is over."""
+        found = PARTS.fullmatch(_setting(node, "pointer"))
+        if found is None:
+            raise UniSGError(f"the graph changes {_setting(node, 'pointer')}, which is not known here")
+        number, seconds = int(self._input(node, "n")[0]), float(self._input(node, "duration")[0])
+        self._going = [each for each in self._going if (each.node, each.name) != (number, found[1])]
+        self._going.append(Going(self._time + seconds, place, number, found[1], self._input(node, "value")))
+        self._follow(node, "out")
 
     def _happen(self, op: str, settings: Mapping[str, Any], outputs: Mapping[str, Values]) -> list[Sent]:
         self._sent, self._values = [], {}
@@ -83,6 +126,8 @@ class GraphPlayer:
                 values = {name: self._input(node, name) for name in node.get("values", {})}
                 self._sent.append((event["id"], {name: found[0] for name, found in values.items()}))
                 self._follow(node, "out")
+            case "pointer/interpolate":
+                self._go(place, node)
             case _:
                 raise UniSGError(f"the graph has the operation {op}, which is not known here")
 
@@ -112,6 +157,9 @@ class GraphPlayer:
         if op == "variable/get":
             return self._variables[_setting(node, "variable")]
         if op == "pointer/get":
+            part = PARTS.fullmatch(_setting(node, "pointer"))
+            if part is not None:
+                return list(self._placed(int(self._input(node, "n")[0]))[part[1]])
             found = WORLD.fullmatch(_setting(node, "pointer"))
             if found is None:
                 raise UniSGError(f"the graph asks for {_setting(node, 'pointer')}, which is not known here")

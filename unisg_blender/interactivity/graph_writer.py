@@ -9,9 +9,31 @@ from __future__ import annotations
 from collections.abc import Hashable
 from typing import Any
 
-from .behaviour_program import Branch, Expression, Program, Put, Send, Start, Step, StepBlock, While
+from .behaviour_program import (
+    Branch,
+    Expression,
+    Interpolate,
+    Literal,
+    Program,
+    Put,
+    Send,
+    Start,
+    Step,
+    StepBlock,
+    While,
+    constant,
+)
 
 EXTENSION = "KHR_interactivity"
+SELECTABILITY = "KHR_node_selectability"
+SELECTED = {
+    "selectedNode": "ref", "selectionRayOrigin": "float3", "selectionPoint": "float3", "controllerIndex": "int",
+    "event": "ref",
+}  # fmt: skip
+"""What ``event/onSelect`` gives."""
+
+EASE = constant("float2", 0.4, 0.0), constant("float2", 0.6, 1.0)
+"""Control points of a motion that begins and ends gently."""
 
 
 def graph_json(program: Program) -> dict[str, Any]:
@@ -50,7 +72,7 @@ class _Writer:
                 {"id": each.id, "values": {name: {"type": self._type(kind)} for name, kind in each.values.items()}}
                 for each in program.events
             ],
-            "declarations": [{"op": op} for op in self._declarations],
+            "declarations": [self._declaration(op) for op in self._declarations],
             "nodes": self._nodes,
         }
         return {"types": [{"signature": kind} for kind in self._types]} | {k: v for k, v in found.items() if v}
@@ -79,6 +101,11 @@ class _Writer:
                 return self._node("flow/branch") | {"values": {"condition": self._source(step.condition)}}
             case While():
                 return self._node("flow/while") | {"values": {"condition": self._source(step.condition)}}
+            case Interpolate():
+                values = {"n": step.node, "value": step.value, "duration": step.seconds, "p1": EASE[0], "p2": EASE[1]}
+                found = {name: self._setting(name, each) for name, each in step.configuration.items()}
+                node = self._node("pointer/interpolate", found)
+                return node | {"values": {name: self._source(each) for name, each in values.items()}}
             case StepBlock():
                 return self._node("flow/sequence")
 
@@ -86,11 +113,17 @@ class _Writer:
         record: dict[str, Any] = {"declaration": self._declarations.setdefault(op, len(self._declarations))}
         return record | ({"configuration": configuration} if configuration else {})
 
+    def _declaration(self, op: str) -> dict[str, Any]:
+        if op != "event/onSelect":
+            return {"op": op}
+        sockets = {name: {"type": self._type(kind)} for name, kind in SELECTED.items()}
+        return {"op": op, "extension": SELECTABILITY, "outputValueSockets": sockets}
+
     def _type(self, kind: str) -> int:
         return self._types.setdefault(kind, len(self._types))
 
     def _typed(self, value: Expression) -> dict[str, Any]:
-        return {"type": self._type(value.kind), "value": list(value.constant)}
+        return {"type": self._type(value.kind), "value": [_short(number) for number in value.constant]}
 
     def _source(self, value: Expression) -> dict[str, Any]:
         """How a socket says where its value comes from."""
@@ -122,7 +155,7 @@ class _Writer:
     def _settings(self, value: Expression) -> dict[str, Any]:
         """What configures an operation; a pointer is put together."""
         given = dict(value.configuration)
-        if "pointer" in given:
+        if "node" in given:
             given["pointer"] = f"/nodes/{self._program.node_of(int(given.pop('node')))}/{given['pointer']}"
         return {name: self._setting(name, each) for name, each in given.items()}
 
@@ -130,6 +163,11 @@ class _Writer:
         if name == "variable":
             return {"value": [self._variables[str(value)]]}
         return {"value": [self._type(str(value)) if name == "type" else value]}
+
+
+def _short(number: Literal) -> Literal:
+    """A number in twelve digits, which is more than tolerances ask for."""
+    return float(f"{number:.12g}") if isinstance(number, float) else number
 
 
 def _only(step: Step) -> Step:
@@ -147,9 +185,12 @@ def _targets(step: Step) -> list[tuple[str, Step]]:
             return [(name, block) for name, block in [("true", step.then), *other] if _does_something(block)]
         case While():
             return [("loopBody", step.body)]
+        case Interpolate():
+            return [("done", step.then)] if _does_something(step.then) else []
         case StepBlock():
             steps = [each for each in step.steps if _does_something(each)]
-            return [(f"{number:04d}", each) for number, each in enumerate(steps)]
+            width = len(str(len(steps) - 1))  # flows are sorted as texts
+            return [(f"{number:0{width}d}", each) for number, each in enumerate(steps)]
     return []
 
 

@@ -18,6 +18,7 @@ from ..behaviour.playing.player import Lesson, begin, prepare
 from ..scene import ActionData, LessonNode, SceneGraph
 from .action_conditions import ActionConditions
 from .action_steps import ActionSteps, GroupSteps, action_steps, group_steps
+from .attention import Attention
 from .behaviour_program import (
     NO,
     YES,
@@ -38,6 +39,7 @@ from .behaviour_program import (
 from .graph_writer import graph_json
 from .learner_inputs import LearnerInputs
 from .lesson_steps import MISSED, PERFORMED, STARTED, LessonSteps
+from .selection_moves import DRAGGING, SelectionMoves
 
 EARLY = GraphEvent("unisg:early", {"task": "int"})
 FAILED = GraphEvent("unisg:failed", {"task": "int"})
@@ -86,10 +88,10 @@ class _Compiler:
         self._lesson, self._node_of = lesson, node_of
         self._tree = LessonSteps(lesson.outline, begin(lesson).status)
         self._first, self._stirred = GraphVariable("first tick", YES), GraphVariable("stirred", NO)
-        self._was_open = {leaf: GraphVariable(f"was open {leaf}", NO) for leaf in _leaves(lesson)}
         self._leaf_of = {task: leaf for leaf in _leaves(lesson) for task in _tasks_of(lesson, leaf)}
         self._inputs = LearnerInputs(lesson, node_of)
         self.conditions = ActionConditions(lesson, self._inputs)
+        self._attention = Attention(self.conditions.batch, self._leaf_of)
         self._steps: dict[int, ActionSteps | GroupSteps] = {}
         members = {group.index: group for group in lesson.checks.groups}
         for task in self._leaf_of:
@@ -100,37 +102,51 @@ class _Compiler:
             self._steps[task] = group_steps(str(task), done, group.any, self._active(task))
 
     def program(self) -> Program:
-        """All of the graph; a tick in which nothing but conditions changes does no more than ask for these."""
+        """All of the graph; a tick asks what has moved, and if nothing has changed, no more."""
         steps = [self._steps[task] for task in sorted(self._steps)]
         groups: list[Step] = [self._steps[group.index].update for group in self._lesson.checks.groups]
         actions = [
-            Branch(self._tree.is_pending(self._leaf_of[task]), self._steps[task].update)
-            for task in sorted(self._steps)
-            if isinstance(self._steps[task], ActionSteps)
+            self._attention.looks(
+                task, steps.late, StepBlock([Branch(self._tree.is_pending(self._leaf_of[task]), steps.update)])
+            )
+            for task, steps in sorted(self._steps.items())
+            if isinstance(steps, ActionSteps)
         ]
-        leaves = {leaf: self._steps[int(self._lesson.task[leaf])].done.value for leaf in self._was_open}
+        leaves = {leaf: self._steps[int(self._lesson.task[leaf])].done.value for leaf in _leaves(self._lesson)}
         held = [(each.first, each.met.value) for each in steps if isinstance(each, ActionSteps)]
         begins: list[Step] = [self._tree.began(), put((self._first, NO), *held)]
-        opened = [(was, self._tree.is_at(leaf, OPEN)) for leaf, was in self._was_open.items()]
-        stirred, changed = self._stirred.value, self._tree.changed
-        tick: list[Step] = [
+        stirred, changed, asked = self._stirred.value, self._tree.changed, self._inputs.asked.value
+        look: list[Step] = [
             Branch(
                 stirred, StepBlock([put((self._stirred, NO), *((each, NO) for step in steps for each in step.passing))])
             ),
             *actions,
+            self._attention.rest(),
             Branch(stirred, StepBlock(groups)),
             Branch(self._first.value, StepBlock(begins)),
-            Branch(stirred | self._inputs.asked(), StepBlock([*self._feedback()])),
-            Branch(changed.value, StepBlock([put((changed, NO), *opened)])),
+            Branch(stirred | asked, StepBlock([*self._feedback()])),
+            Branch(changed.value, StepBlock([self._tree.seen()])),
             Branch(stirred, self._tree.advance(leaves)),
-            Branch(self._inputs.asked(), self._inputs.forget()),
+            Branch(asked, self._inputs.forget(self._attention)),
+            Branch(changed.value, StepBlock([self._attention.wake_all()])),
         ]
+        tick = StepBlock([*self._attention.movements(), self._attention.awake(look)])
+        moves = SelectionMoves(self._lesson.graph, self.conditions.batch, self._inputs, self._attention, self._node_of)
+        selected = moves.starts(sorted(self._leaf_of), self._may)
         own = [variable for each in steps for variable in each.variables]
-        ours = (self._first, self._stirred, *self._was_open.values())
+        ours = (self._first, self._stirred)
         return Program(
-            (*self._tree.variables, *ours, *own, *self._inputs.variables, *self.conditions.variables),
-            (STARTED, PERFORMED, MISSED, EARLY, FAILED, *self._inputs.events),
-            (Start("event/onTick", StepBlock(tick)), *self._inputs.starts()),
+            (
+                *self._tree.variables,
+                *ours,
+                *own,
+                *self._inputs.variables,
+                *self._attention.variables,
+                *self.conditions.variables,
+                *moves.variables,
+            ),
+            (STARTED, PERFORMED, MISSED, EARLY, FAILED, *self._inputs.events, DRAGGING),
+            (Start("event/onTick", tick), *self._inputs.starts(self._attention), *selected),
             self._node_of,
         )
 
@@ -139,11 +155,16 @@ class _Compiler:
         active = self._active(task)
         return action_steps(
             str(task), self.conditions.of(task), float(checks.hold[task]), int(checks.hits[task]),
-            active, active & ~self._was_open[leaf].value, task != self._lesson.task[leaf], self._stirred,
+            active, self._tree.opened[leaf].value, task != self._lesson.task[leaf], self._stirred,
+            put(*self._attention.waking([])),
         )  # fmt: skip
 
     def _active(self, task: int) -> Expression:
         return self._tree.is_at(self._leaf_of[task], OPEN)
+
+    def _may(self, task: int) -> Expression:
+        """An action may be performed and is not."""
+        return self._active(task) & ~self._steps[task].done.value
 
     def _feedback(self) -> Iterator[Step]:
         """What the learner should hear, as the player tells it: what was done too early, and wrong answers."""
@@ -154,8 +175,8 @@ class _Compiler:
                 continue
             values = {"task": whole(task)}
             early = all_of([
-                steps.struck.value, steps.enough, self._tree.is_at(leaf, WAITING), ~self._was_open[leaf].value,
-                ~steps.first.value, ~any_of(self._excuses(task)),
+                steps.struck.value, steps.enough, self._tree.is_at(leaf, WAITING), ~steps.first.value,
+                *([~any_of(excuses)] if (excuses := list(self._excuses(task))) else []),
             ])  # fmt: skip
             yield Branch(early, StepBlock([Send(EARLY, values)]))
             if checks.actions[task].type == "Question":
@@ -164,17 +185,21 @@ class _Compiler:
                 yield Branch(wrong, StepBlock([Send(FAILED, values)]))
 
     def _excuses(self, task: int) -> Iterator[Expression]:
-        """What makes something done too early no mistake: other actions of the same things are being performed."""
+        """What makes something done too early no mistake: other actions of the same things are being performed.
+
+        What is too early waits, and is no excuse for itself: so excuses are told once for each thing.
+        """
         actions = self._lesson.checks.actions
-        about = _about(actions[task])
-        for other, steps in self._steps.items():
-            if other == task or not about & _about(actions[other]):
-                continue
+        for thing in sorted(_about(actions[task])):
+            others = [other for other in self._steps if thing in _about(actions[other])]
             if actions[task].type == "Remove":
-                yield self._active(other)
+                yield any_of(map(self._active, others))
             else:
-                succeeds = [steps.met.value] if isinstance(steps, ActionSteps) else []
-                yield self._active(other) & any_of([*succeeds, steps.fresh.value])
+                yield any_of(self._active(other) & self._succeeds(other) for other in others)
+
+    def _succeeds(self, task: int) -> Expression:
+        steps = self._steps[task]
+        return steps.met.value | steps.fresh.value if isinstance(steps, ActionSteps) else steps.fresh.value
 
 
 def _about(action: ActionData) -> set[str]:

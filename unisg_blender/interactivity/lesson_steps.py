@@ -18,6 +18,7 @@ from .behaviour_program import (
     Expression,
     GraphEvent,
     GraphVariable,
+    Put,
     Send,
     Step,
     StepBlock,
@@ -32,32 +33,44 @@ STARTED = GraphEvent("unisg:started", {"node": "int"})
 PERFORMED = GraphEvent("unisg:performed", {"node": "int"})
 MISSED = GraphEvent("unisg:skipped", {"node": "int"})
 
+EVENT_OF = {OPEN: STARTED, DONE: PERFORMED, SKIPPED: MISSED}
+
 
 class LessonSteps:
     """The blocks and variables of one lesson tree.
 
-    ``status`` are the variables of its nodes; ``changed`` says that one has changed since that was set to false;
-    :meth:`advance` makes the step that moves the lesson on after the leaves
+    ``status`` are the variables of its nodes; ``changed`` says that one has changed, and ``opened`` which leaves
+    have opened, since :meth:`seen`; :meth:`advance` makes the step that moves the lesson on after the leaves
     for which there are conditions were performed.
     """
 
     def __init__(self, outline: Outline, status: NDArray[np.int8]) -> None:
         self.outline, self._first = outline, status
         self.status = [GraphVariable(f"status {place}", whole(value)) for place, value in enumerate(status.tolist())]
+        self.opened = {
+            place: GraphVariable(f"opened {place}", YES if status[place] == OPEN else NO)
+            for place, node in enumerate(outline.nodes)
+            if node.kind == "action"
+        }
         self._moved = GraphVariable("moved", NO)
         self.changed = GraphVariable("changed", YES)
+        self._at = GraphVariable("changed node", whole(0))
+        note = put((self._moved, YES), (self.changed, YES))
+        self._tell = {  # steps of the graph that all nodes use
+            status: StepBlock([note, Send(event, {"node": self._at.value})]) for status, event in EVENT_OF.items()
+        }
         self._skips = [StepBlock() for _ in outline.nodes]
         self._may_skip = _may_be_skipped(outline)
         for place in range(len(outline.nodes)):
             below = [self._skips[other] for other in outline.below(place)]
-            steps: list[Step] = [*self._change(place, SKIPPED, MISSED), *below]
+            steps: list[Step] = [*self._change(place, SKIPPED), *below]
             self._skips[place].steps.append(Branch(self.is_pending(place), StepBlock(steps)))
         self._dones = [self._done(place) for place in range(len(outline.nodes))]
 
     @property
     def variables(self) -> tuple[GraphVariable, ...]:
         """What the blocks remember."""
-        return (*self.status, self._moved, self.changed)
+        return (*self.status, *self.opened.values(), self._moved, self.changed, self._at)
 
     def is_at(self, place: int, status: int) -> Expression:
         """Whether a node has a status."""
@@ -80,11 +93,13 @@ class LessonSteps:
         looks = [self._look(place) for place in range(len(self.outline.nodes))]
         return StepBlock([*leaves, While(self._moved.value, StepBlock([put((self._moved, NO)), *looks]))])
 
-    def _change(self, place: int, status: int, event: GraphEvent) -> list[Step]:
-        return [
-            put((self.status[place], whole(status)), (self._moved, YES), (self.changed, YES)),
-            Send(event, {"node": whole(place)}),
-        ]
+    def _change(self, place: int, status: int) -> list[Step]:
+        opened = [(self.opened[place], YES)] if status == OPEN and place in self.opened else []
+        return [put((self.status[place], whole(status)), (self._at, whole(place)), *opened), self._tell[status]]
+
+    def seen(self) -> Put:
+        """What has opened, and changed, has been seen."""
+        return put((self.changed, NO), *((opened, NO) for opened in self.opened.values()))
 
     def _done(self, place: int) -> StepBlock:
         """A node is done; what comes before it and may still be open can no longer be."""
@@ -94,7 +109,7 @@ class LessonSteps:
                 chain = [other, *outline.above(other)]
                 if not all(outline.mandatory[each] for each in chain[: chain.index(sibling) + 1]):
                     missed.append(self._skips[other])
-        return StepBlock([*self._change(place, DONE, PERFORMED), *missed])
+        return StepBlock([*self._change(place, DONE), *missed])
 
     def _look(self, place: int) -> StepBlock:
         """What becomes of a node that waits, or of a part that is open."""
@@ -114,7 +129,7 @@ class LessonSteps:
                 *(self.is_at(other, DONE) for other in [*before[-1:], *needs]),  # the last one opened after the others
             ]
         )
-        opens = Branch(ready, StepBlock(self._change(place, OPEN, STARTED)))
+        opens = Branch(ready, StepBlock(self._change(place, OPEN)))
         if not needs:
             return StepBlock([opens])
         lost = any_of(self.is_at(other, SKIPPED) for other in needs)

@@ -6,10 +6,13 @@ from collections.abc import Callable
 from typing import Any
 
 from ...errors import UniSGError
-from ...interactivity.graph_writer import EXTENSION
+from ...interactivity.graph_writer import EXTENSION, SELECTABILITY
 from ...interactivity.lesson_compiler import lesson_graph
 from ...runtime.read_report import ReadReport
 from ...scene import SceneGraph
+
+SELECTABLE = {SELECTABILITY: {"selectable": True}}
+"""The extension of a node that can be selected."""
 
 
 def add_lessons(graph: SceneGraph, document: dict[str, Any], report: ReadReport) -> None:
@@ -18,6 +21,10 @@ def add_lessons(graph: SceneGraph, document: dict[str, Any], report: ReadReport)
     if lessons:
         document["extensionsUsed"] = [*document.get("extensionsUsed", []), *lessons]
         document["extensions"] = {**document.get("extensions", {}), **lessons}
+    for number in selected_nodes(lessons):
+        document["nodes"][number].setdefault("extensions", {}).update(SELECTABLE)
+    if selected_nodes(lessons):
+        document["extensionsUsed"] += SELECTABLE
 
 
 def playable_lessons(graph: SceneGraph, report: ReadReport, node_of: Callable[[int], int] = int) -> dict[str, Any]:
@@ -33,3 +40,13 @@ def playable_lessons(graph: SceneGraph, report: ReadReport, node_of: Callable[[i
         for name, text in compiled.lost:
             report.add(name, text)
     return {EXTENSION: {"graphs": graphs, "graph": 0}} if graphs else {}
+
+
+def selected_nodes(lessons: dict[str, Any]) -> list[int]:
+    """Nodes that the graphs of :func:`playable_lessons` let a learner select."""
+    found = set()
+    for graph in lessons.get(EXTENSION, {}).get("graphs", ()):
+        ops = [each["op"] for each in graph["declarations"]]
+        chosen = (node for node in graph["nodes"] if ops[node["declaration"]] == "event/onSelect")
+        found |= {node["configuration"]["nodeIndex"]["value"][0] for node in chosen}
+    return sorted(found)
