@@ -106,7 +106,9 @@ def test_all_that_commutes_is_found_and_nothing_else(symmetry: str) -> None:
         acts = np.concatenate([acts, (mirror @ signs)[None]])
     maps, parts, elements = commuting_maps(symmetry), invariant_parts(symmetry), invariant_elements(symmetry)
     assert_allclose(np.einsum("kab,nbc->nkac", maps, acts), np.einsum("nab,kbc->nkac", acts, maps), atol=1e-10)
-    assert_allclose(np.einsum("ka,nab->nkb", parts, acts), np.broadcast_to(parts, (len(acts), *parts.shape)), atol=1e-10)
+    assert_allclose(
+        np.einsum("ka,nab->nkb", parts, acts), np.broadcast_to(parts, (len(acts), *parts.shape)), atol=1e-10
+    )
     assert_allclose(np.einsum("nab,kb->nka", acts, elements), np.broadcast_to(elements, (len(acts), *elements.shape)),
                     atol=1e-10)  # fmt: skip
     equations = [np.kron(np.eye(16), act.T) - np.kron(act, np.eye(16)) for act in acts]
@@ -148,7 +150,10 @@ def test_extracting_takes_any_weight_and_sign() -> None:
 
 
 def test_a_point_and_a_plane_join_to_their_distance_and_points_to_their_line() -> None:
-    point, plane = embed_point(random(3)), embed_plane(torch.tensor([0.0, 0.0, 1.0]).double(), torch.tensor(0.5).double())
+    point, plane = (
+        embed_point(random(3)),
+        embed_plane(torch.tensor([0.0, 0.0, 1.0]).double(), torch.tensor(0.5).double()),
+    )
     assert abs(float(join(plane, point)[0])) == pytest.approx(abs(float(random(3)[2]) - 0.5))
     other = embed_point(random(3, seed=1))
     length = inner_product(join(point, other), join(point, other)).sqrt()

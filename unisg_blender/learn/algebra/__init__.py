@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from .commuting_maps import SYMMETRIES, commuting_maps, invariant_elements, invariant_parts
+from .symmetry_maps import SYMMETRIES, commuting_maps, invariant_elements, invariant_parts
 from .embedded_elements import (
     embed_direction,
     embed_frame,

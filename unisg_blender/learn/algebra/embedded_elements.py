@@ -63,13 +63,13 @@ def embed_motor(matrices: Tensor) -> Tensor:
     As the motion that it stands for, a motor M turns into N M ~N under a motion N. As an object's pose it turns into
     N M, and the sign of N M may jump: give a network that is to be equivariant :func:`embed_frame`.
     """
-    return FORMS["pga"].encode(matrices)  # type: ignore[no-any-return]
+    return FORMS["pga"].encode(matrices)
 
 
 def extract_motor(multivectors: Tensor) -> Tensor:
     """The nearest rigid poses (..., 4, 4) of multivectors (..., 16); PoseError without a rotor."""
     form = FORMS["pga"]
-    return form.decode(form.project(multivectors))  # type: ignore[no-any-return]
+    return form.decode(form.project(multivectors))
 
 
 def embed_frame(matrices: Tensor) -> Tensor:

@@ -1,8 +1,9 @@
 """Layers on channels of multivectors (..., C, 16) with numbers (..., S) beside them that commute with motions.
 
 Moving what goes in moves what comes out, and the numbers stay. The blueprint is GATr (Brehmer et al., "Geometric
-Algebra Transformer", 2023, arXiv 2305.18415, section 3; with its layers numbered in Spinner et al., "Lorentz-equivariant
-geometric algebra transformers", 2024, arXiv 2405.14806: linear (1), attention (2), norm (3)); the symmetry can be chosen, see :data:`.SYMMETRIES`.
+Algebra Transformer", 2023, arXiv 2305.18415, section 3); the symmetry can be chosen, see :data:`.SYMMETRIES`. Spinner
+et al., "Lorentz-equivariant geometric algebra transformers", 2024, arXiv 2405.14806, number the same layers:
+linear (1), attention (2), norm (3).
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ import math
 import torch
 from torch import Tensor, nn
 
-from .commuting_maps import commuting_maps, invariant_elements, invariant_parts
+from .symmetry_maps import commuting_maps, invariant_elements, invariant_parts
 from .pga_products import geometric_product, inner_product, join
 
 SMOOTHING = 0.01
