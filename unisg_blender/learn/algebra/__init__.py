@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from .symmetry_maps import SYMMETRIES, commuting_maps, invariant_elements, invariant_parts
 from .embedded_elements import (
     embed_direction,
     embed_frame,
@@ -23,6 +22,7 @@ from .equivariant_layers import (
 )
 from .motion_block import MotionBlock
 from .pga_products import geometric_product, inner_product, join, moved, reverse
+from .symmetry_maps import SYMMETRIES, commuting_maps, invariant_elements, invariant_parts
 
 __all__ = [
     "SYMMETRIES", "EquivariantLinear", "GatedNonlinearity", "GeometricBilinear", "InvariantAttention", "MotionBlock",

@@ -13,8 +13,8 @@ import math
 import torch
 from torch import Tensor, nn
 
-from .symmetry_maps import commuting_maps, invariant_elements, invariant_parts
 from .pga_products import geometric_product, inner_product, join
+from .symmetry_maps import commuting_maps, invariant_elements, invariant_parts
 
 SMOOTHING = 0.01
 """What is added to squared sizes before they divide: multivectors of no size stay as small as they are."""
