@@ -14,7 +14,7 @@ from unisg_blender.cli import main
 from unisg_blender.errors import UniSGError
 from unisg_blender.geometry.boxes import Boxes
 from unisg_blender.predict.familiarity import Familiarity
-from unisg_blender.predict.object_pairs import candidate_pairs, pair_features, relative_poses
+from unisg_blender.predict.object_pairs import candidate_pairs, pair_features
 from unisg_blender.predict.prediction_session import load_network
 from unisg_blender.predict.scene_kind import SceneModel
 from unisg_blender.predict.support_prediction import TopologyModel, with_supports
@@ -58,17 +58,6 @@ def test_near_things_and_large_ones_are_candidates(stack: SceneGraph) -> None:
     assert len(many) <= 500 * 6
     assert (many[:, 0] != many[:, 1]).all()
     assert len(candidate_pairs(boxes(1))) == 0
-
-
-def test_relative_poses_are_those_of_matrices() -> None:
-    rng = np.random.default_rng(1)
-    poses = np.tile(np.eye(4), (6, 1, 1))
-    poses[:, :3, :3] = Rotation.random(6, random_state=2).as_matrix()
-    poses[:, :3, 3] = rng.normal(size=(6, 3))
-    pairs = np.array([[0, 1], [4, 2], [3, 3]])
-    np.testing.assert_allclose(
-        relative_poses(poses, pairs), np.linalg.inv(poses[pairs[:, 0]]) @ poses[pairs[:, 1]], atol=1e-12
-    )
 
 
 def test_what_a_pair_looks_like_does_not_depend_on_where_it_is() -> None:

@@ -12,17 +12,19 @@ from .graphs.vocabularies import common_vocabulary
 from .rebuild import to_scenegraph
 
 if TYPE_CHECKING:
+    from .graphs.edge_poses import EdgePoses
     from .graphs.heterodata import UniSGDataset, to_heterodata
     from .graphs.picture_dataset import PictureDataset
 
 __all__ = [
-    "Dataset", "PictureDataset", "Sample", "Scene", "UniSGDataset", "common_vocabulary", "open_dataset",
+    "Dataset", "EdgePoses", "PictureDataset", "Sample", "Scene", "UniSGDataset", "common_vocabulary", "open_dataset",
     "to_heterodata", "to_scenegraph", "write_dataset",
 ]  # fmt: skip
 
 __getattr__, __dir__ = lazy_names(
     __name__,
     {
+        "EdgePoses": ".graphs.edge_poses",
         "PictureDataset": ".graphs.picture_dataset",
         "UniSGDataset": ".graphs.heterodata",
         "to_heterodata": ".graphs.heterodata",

@@ -10,6 +10,7 @@ from scipy.spatial import cKDTree
 
 from ..geometry.arrays import Floats, Ints
 from ..geometry.boxes import Boxes, world_bounds
+from ..geometry.rigid_frames import relative_poses
 from ..poses import FORMS
 
 NEAREST = 12
@@ -58,17 +59,6 @@ def box_poses(boxes: Boxes) -> Floats:
     poses = np.zeros((len(boxes.center), 4, 4))
     poses[:, :3, :3], poses[:, :3, 3], poses[:, 3, 3] = boxes.axes, boxes.center, 1
     return poses
-
-
-def relative_poses(poses: Floats, pairs: Ints) -> Floats:
-    """The target's pose in the subject's frame, (P, 4, 4): the motor between two nodes of the graph."""
-    subject, target = poses[pairs[:, 0]], poses[pairs[:, 1]]
-    result = np.zeros_like(subject)
-    turn = np.swapaxes(subject[:, :3, :3], 1, 2)
-    result[:, :3, :3] = turn @ target[:, :3, :3]
-    result[:, :3, 3] = np.einsum("pij,pj->pi", turn, target[:, :3, 3] - subject[:, :3, 3])
-    result[:, 3, 3] = 1
-    return result
 
 
 def pair_features(boxes: Boxes, pairs: Ints) -> NDArray[np.float32]:

@@ -12,13 +12,12 @@ from .reader import Dataset
 from .schema import COLUMNS
 
 TABLES = ("entity", "relation", "action", "lesson", "stage", "link")
-KEYS = {table: tuple(key for key, of in COLUMN_TABLES.items() if of == table) for table in TABLES}
-PLAN = [(table, f"{table}.ptr", keys) for table, keys in KEYS.items()]
+KEYS = {table: tuple(key for key, of in COLUMN_TABLES.items() if of == table) for table in (*TABLES, "world")}
 MESH_KEYS = ("mesh.descriptor", "mesh.feature")
 
 
-def gather(dataset: Dataset, indices: Sequence[int] | NDArray[np.integer]) -> Columns:
-    """Columns of some scenes in the order given: all numbers of the tables above, and the meshes that occur.
+def gather(dataset: Dataset, indices: Sequence[int] | NDArray[np.integer], tables: Sequence[str] = TABLES) -> Columns:
+    """Columns of some scenes in the order given: all numbers of some tables, and the meshes that occur.
 
     Raises
     ------
@@ -32,14 +31,15 @@ def gather(dataset: Dataset, indices: Sequence[int] | NDArray[np.integer]) -> Co
         raise IndexError(f"scene numbers go from 0 to {len(dataset) - 1}")
     shards = np.searchsorted(dataset.starts, wanted, side="right") - 1
     rows = (wanted - dataset.starts[shards]).tolist()
-    pieces: dict[str, list[NDArray]] = {key: [] for keys in KEYS.values() for key in keys}
-    counts: dict[str, list[int]] = {table: [] for table in TABLES}
+    plan = [(table, f"{table}.ptr", KEYS[table]) for table in tables]
+    pieces: dict[str, list[NDArray]] = {key: [] for *_, keys in plan for key in keys}
+    counts: dict[str, list[int]] = {table: [] for table in tables}
     labels = []
     opened: dict[int, Columns] = {}
     for shard, row in zip(shards.tolist(), rows, strict=True):
         columns = opened[shard] = dataset.shard(shard, 1)
         labels.append(columns["scene.label"][row])
-        for table, ptr, keys in PLAN:
+        for table, ptr, keys in plan:
             start, stop = columns[ptr][row : row + 2].tolist()
             counts[table].append(stop - start)
             if stop > start:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +12,7 @@ from ..format.behaviour_rows import LINKS
 from ..format.columns import Columns
 
 EdgeKind = tuple[str, str, str]
-RESERVED = ("parent_of", "has")
+RESERVED = ("parent_of", "has", "nearest")
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,7 +22,7 @@ class GraphArrays:
     ``nodes[type][attribute]`` has one row per node; ``edges[kind]`` is int64 (2, E),
     source row over destination row, counted over all scenes; ``node_ptr[type]`` and
     ``edge_ptr[kind]``, int64 (B + 1,), say where each scene starts; ``label``
-    int64 (B,) is the kind of scene, -1 for none.
+    int64 (B,) is the kind of scene, -1 for none; ``edge_poses[kind]`` (E, width) are relative poses, if wanted.
     """
 
     nodes: dict[str, dict[str, NDArray]]
@@ -30,6 +30,7 @@ class GraphArrays:
     node_ptr: dict[str, NDArray[np.int64]]
     edge_ptr: dict[EdgeKind, NDArray[np.int64]]
     label: NDArray[np.int64]
+    edge_poses: dict[EdgeKind, NDArray[np.float32]] = field(default_factory=dict)
 
 
 def graph_arrays(columns: Columns, relations: Sequence[str]) -> GraphArrays:

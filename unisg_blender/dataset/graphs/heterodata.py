@@ -14,9 +14,10 @@ from ...errors import MissingPackageError
 from ...scene import SceneGraph
 from ..format.columns import Columns, Vocabulary
 from ..format.encoding import MeshEncoder, Sample, encode_scenes, known_form
-from ..format.gather import gather
+from ..format.gather import TABLES, gather
 from ..format.reader import open_dataset
 from ..format.splits import split_rows
+from .edge_poses import EdgePoses, with_edge_poses
 from .graph_arrays import GraphArrays, graph_arrays
 from .vocabularies import RELATION_KINDS, NumberedNames, as_names
 
@@ -35,6 +36,7 @@ def to_heterodata(
     form: str = "quaternion",
     vocabulary: Mapping[str, Sequence[str]] | None = None,
     mesh_encoder: MeshEncoder | None = None,
+    edges: EdgePoses | None = None,
 ) -> SceneData:
     """A scenegraph as a heterogeneous graph that carries its vocabulary; docs/dataset.md lists its nodes and edges.
 
@@ -50,6 +52,8 @@ def to_heterodata(
         omitted, the scene's own categories, and the known kinds of relations before its own.
     mesh_encoder
         Gives ``mesh.feature``.
+    edges
+        Which relative poses edges between entities have as ``edge_attr``; none when omitted.
     """
     own = {"categories": graph.vocabulary, "relations": RELATION_KINDS}
     names = Vocabulary(own if vocabulary is None else vocabulary)
@@ -58,7 +62,8 @@ def to_heterodata(
     if vocabulary is not None:
         columns = _without_unknown(columns, known)
         names = Vocabulary(vocabulary)
-    return _graph(graph_arrays(columns, names.names["relations"]), as_names(names.names))
+    arrays = graph_arrays(columns, names.names["relations"])
+    return _graph(arrays if edges is None else with_edge_poses(arrays, columns, form, edges), as_names(names.names))
 
 
 def _without_unknown(columns: Columns, known: Mapping[str, int]) -> Columns:
@@ -79,6 +84,8 @@ def _graph(arrays: GraphArrays, names: NumberedNames, data: Any = None) -> Scene
             store[name] = _tensor(values)
     for edge, pairs in arrays.edges.items():
         data[edge].edge_index = _tensor(pairs)
+    for edge, poses in arrays.edge_poses.items():
+        data[edge].edge_attr = _tensor(poses)
     data.y = _tensor(arrays.label)
     return data
 
@@ -105,6 +112,8 @@ def _batch(arrays: GraphArrays, names: NumberedNames) -> Any:
         slices[edge] = {"edge_index": torch.from_numpy(np.ascontiguousarray(starts))}
         shift = torch.stack([ptr[edge[0]][:-1], ptr[edge[2]][:-1]], dim=1)
         increments[edge] = {"edge_index": shift.unsqueeze(-1)}
+        if edge in arrays.edge_poses:
+            slices[edge]["edge_attr"], increments[edge]["edge_attr"] = slices[edge]["edge_index"], none
     data._num_graphs = count
     data._slice_dict = slices
     data._inc_dict = increments
@@ -130,6 +139,8 @@ class UniSGDataset(GraphDataset):
     vocabulary
         NumberedNames to number as another dataset does (``UniSGDataset("train").vocabulary``); refused, as by
         :func:`..format.reader.open_dataset`, where this dataset has others.
+    edges
+        Which relative poses edges between entities have as ``edge_attr``; none when omitted.
     """
 
     def __init__(
@@ -138,7 +149,9 @@ class UniSGDataset(GraphDataset):
         transform: Callable[[Any], Any] | None = None,
         verify: bool = True,
         vocabulary: Mapping[str, Sequence[str]] | None = None,
+        edges: EdgePoses | None = None,
     ) -> None:
+        self.edges = edges
         self.columns = open_dataset(path, verify, vocabulary=vocabulary)
         super().__init__(None, transform)
 
@@ -184,7 +197,10 @@ class UniSGDataset(GraphDataset):
         return subset
 
     def _arrays(self, numbers: Sequence[int] | NDArray[np.integer]) -> GraphArrays:
-        return graph_arrays(gather(self.columns, numbers), self.vocabulary["relations"])
+        if self.edges is None:
+            return graph_arrays(gather(self.columns, numbers), self.vocabulary["relations"])
+        columns = gather(self.columns, numbers, (*TABLES, "world"))
+        return with_edge_poses(graph_arrays(columns, self.vocabulary["relations"]), columns, self.form, self.edges)
 
     def split(self, fractions: Sequence[float], seed: int) -> list[UniSGDataset]:
         """Subsets for training, validation ..., at random by ``seed``; see :func:`..format.splits.split_rows`."""

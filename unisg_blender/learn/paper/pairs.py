@@ -13,14 +13,10 @@ from numpy.typing import NDArray
 
 from ...dataset import open_dataset, to_scenegraph
 from ...geometry.boxes import Boxes, world_bounds
+from ...geometry.rigid_frames import relative_poses
 from ...metrics.edge_metrics import average_precision, best_threshold, f1_score
 from ...poses import FORMS
-from ...predict.object_pairs import (
-    box_poses,
-    candidate_pairs,
-    pair_features,
-    relative_poses,
-)
+from ...predict.object_pairs import box_poses, candidate_pairs, pair_features
 from ...scene.graph import SceneGraph
 from ...spatial import find_objects
 from ...spatial.relations import find_relations
