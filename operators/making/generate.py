@@ -107,7 +107,7 @@ class UNISG_OT_generate(GenerationChoices, SteppedOperator):
         result = self._result
         for line in result.reading.lines() if result.reading else ():
             self.report({"INFO"}, line)
-        objects = bring_in(context.scene, result)
+        objects = bring_in(context, result)
         select_new(context, objects, (self.on, self.beside))
         for line in grouped((each.name or each.category, each.note) for each in result.objects if each.note):
             self.report({"WARNING"}, line)

@@ -15,6 +15,7 @@ import bpy
 
 from ...unisg_blender.errors import UniSGError
 from ..base import redraw_views
+from ..preferences import own_models, preference, when_models_change
 from ..room.background import Background
 from ..room.corrections import rooms_to_choose
 from ..window_wording import in_window
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
 OWN_FILE = "FILE"
 _one_at_a_time = threading.Lock()
 _loading_model: Background[Generator] = Background()  # `Background[...]()` would be kept by typing, see there
+_threads = [1]  # of the preferences: a thread must not look there
 _generators: dict[tuple[str, float], Generator] = {}
 _model_items: list[tuple[str, str, str]] = []
 
@@ -45,14 +47,23 @@ def load_generator(path: str) -> Generator:
 def opened_generator(path: str) -> Generator:
     """The same of a path that is absolute, or the name of a shipped model; from any thread."""
     from ...unisg_blender.generate import Generator
+    from ...unisg_blender.generate.propose.trained_model import load_model
 
     key = _key(path)
     with _one_at_a_time:
         if key not in _generators:
-            generator = Generator.load(key[0])
+            generator = Generator(load_model(key[0], _threads[0]))
             _generators.clear()
             _generators[key] = generator
         return _generators[key]
+
+
+def forget_models() -> None:
+    """Load models anew: their folder, or how many threads they may use, was changed."""
+    with _one_at_a_time:
+        _threads[0] = int(str(preference("threads")))
+        _generators.clear()
+    bpy.context.window_manager.unisg.listed = ""
 
 
 def _key(path: str) -> tuple[str, float]:
@@ -88,7 +99,9 @@ def scene_in_words(scene: bpy.types.Scene, mapping: dict[str, dict[str, str]]) -
 
 
 def _models(settings: object, context: bpy.types.Context | None) -> list[tuple[str, str, str]]:
-    found = [(str(path), path.stem.replace("_", " ").capitalize(), str(path)) for path in shipped_models()]
+    first = str(preference("first")).lower().replace(" ", "_")
+    paths = sorted([*shipped_models(), *own_models()], key=lambda path: path.stem.lower() != first)
+    found = [(str(path), path.stem.replace("_", " ").capitalize(), str(path)) for path in paths]
     _model_items[:] = [*found, (OWN_FILE, "Own model", "A model of your own, trained with 'unisg train cgvae'")]
     return _model_items  # Blender keeps no reference to the strings of a computed enum: we must
 
@@ -267,8 +280,15 @@ CLASSES = (UNISG_CategoryCount, UNISG_GenerationSettings)
 PROPERTIES = ((bpy.types.WindowManager, "unisg", bpy.props.PointerProperty(type=UNISG_GenerationSettings)),)
 
 
+def register() -> None:
+    """Take over how many threads models may use, now and later."""
+    _threads[0] = int(str(preference("threads")))
+    when_models_change.append(forget_models)
+
+
 def unregister() -> None:
     """Let the model go."""
+    when_models_change.clear()
     if bpy.app.timers.is_registered(_list_now):
         bpy.app.timers.unregister(_list_now)
     _loading_model.end()

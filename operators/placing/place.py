@@ -249,7 +249,7 @@ class UNISG_OT_place(Operator):
 
         ghost = measured(room, ghost)
         result = place_ghost(room, ghost, self.seed, self.behaviour)
-        objects = bring_in(context.scene, result)
+        objects = bring_in(context, result)
         if self.lock:
             set_locked(objects[:1], True)
         select_new(context, objects, (self.on, self.beside))
