@@ -23,6 +23,7 @@ from . import (
     meshes,
     motion,
     play,
+    preferences,
     recording,
     relations,
     scene_lookup,
@@ -34,6 +35,7 @@ from .registration import register_modules, unregister_modules
 from .room import checking, corrections, recognised
 
 MODULES = (
+    preferences,
     scene_lookup,
     recognised,
     corrections,

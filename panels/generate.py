@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import bpy
 
-from ..operators.making.generation_settings import OWN_FILE, UNISG_GenerationSettings, list_categories_soon
+from ..operators.making.generation_settings import OWN_FILE, UNISG_GenerationSettings, list_categories_soon, loading
 from ..operators.making.understand import UNDERSTOOD
 from .main import ClosedPanel, SubPanel, draw_text
 
@@ -35,6 +35,8 @@ class UNISG_PT_generate(SubPanel):
             layout.prop(settings, "path")
         if settings.listed != (settings.model_file() or "-"):
             list_categories_soon()
+        if loading():
+            layout.label(text="Loading the model ...", icon="SORTTIME")
         if settings.problem:
             box = layout.box().column()
             box.alert = True

@@ -9,11 +9,11 @@ import bpy
 import numpy as np
 
 from ..operators.placing.placing_session import Placing, placing
+from ..operators.preferences import preference
 
-FITS, WRONG = (0.4, 0.8, 1.0, 0.8), (1.0, 0.6, 0.2, 0.8)
-"""Colours of the ghost; the words beside it say the same."""
+SOLID = 0.8
+"""Opacity of the ghost, whose colour says whether it fits; the words beside it say the same."""
 
-COLD, WARM, HOT = np.array([0.15, 0.25, 0.75]), np.array([0.85, 0.25, 0.45]), np.array([1.0, 0.9, 0.25])
 FAINT, STRONG = 0.16, 0.72
 """Opacity of the least and of the most likely places."""
 
@@ -41,11 +41,17 @@ class DrawnPlacing:
 _drawn = DrawnPlacing()
 
 
+def _colour(name: str) -> Any:
+    """A colour of the preferences."""
+    return np.array(preference(name), np.float32)
+
+
 def heat_colours(heat: Any) -> Any:
-    """Colours with opacity (N, 4) of heat (N,) from 0 to 1: blue, red, yellow, lighter and lighter."""
+    """Colours with opacity (N, 4) of heat (N,) from 0 to 1: those of the preferences, stronger and stronger."""
+    cold, warm, hot = (_colour(name) for name in ("cold", "warm", "hot"))
     share = np.asarray(heat, np.float32)[:, None]
     low, high = np.minimum(2 * share, 1), np.maximum(2 * share - 1, 0)
-    colour = COLD + (WARM - COLD) * low + (HOT - WARM) * high
+    colour = cold + (warm - cold) * low + (hot - warm) * high
     return np.column_stack([colour, FAINT + (STRONG - FAINT) * share]).astype(np.float32)
 
 
@@ -85,8 +91,8 @@ def _prepare(current: Placing) -> None:
         points = (room.triangles / current.metres).astype(np.float32).reshape(-1, 3)
         shade = np.repeat(shading(room.triangles), 3)[:, None]
         batches = []
-        for colour in (FITS, WRONG):
-            colours = np.column_stack([shade * colour[:3], np.full(len(points), colour[3])]).astype(np.float32)
+        for name in ("fits", "wrong"):
+            colours = np.column_stack([shade * _colour(name), np.full(len(points), SOLID)]).astype(np.float32)
             batches.append(batch_for_shader(shader, "TRIS", {"pos": points, "color": colours}))
         _drawn.shape = shader, batches
 

@@ -1,4 +1,4 @@
-"""New objects go to the collection in which what holds them is, or most of the room."""
+"""To which collection new objects go: that of the room, the active one, or their own, as the preferences say."""
 
 from __future__ import annotations
 
@@ -6,6 +6,23 @@ from collections import Counter
 from collections.abc import Sequence
 
 import bpy
+
+from ..preferences import preference
+
+OWN = "UniSG"
+
+
+def put_home(context: bpy.types.Context, new: Sequence[bpy.types.Object]) -> None:
+    """Move new objects to where they belong; parents come before their children."""
+    scene, how = context.scene, preference("home")
+    if how == "ROOM":
+        put_beside(scene, new)
+        return
+    home = context.view_layer.active_layer_collection.collection if how == "ACTIVE" else _own(scene)
+    for item in new if home.library is None else ():
+        for before in item.users_collection:  # that of a shape, if it came from the scene
+            before.objects.unlink(item)
+        home.objects.link(item)
 
 
 def put_beside(scene: bpy.types.Scene, new: Sequence[bpy.types.Object]) -> None:
@@ -22,6 +39,16 @@ def put_beside(scene: bpy.types.Scene, new: Sequence[bpy.types.Object]) -> None:
         if home and scene.collection in item.users_collection:
             bpy.data.collections[home].objects.link(item)
             scene.collection.objects.unlink(item)
+
+
+def _own(scene: bpy.types.Scene) -> bpy.types.Collection:
+    """The collection for new objects, made where there is none."""
+    for found in scene.collection.children_recursive:
+        if found.name.partition(".")[0] == OWN and found.library is None:
+            return found
+    made = bpy.data.collections.new(OWN)
+    scene.collection.children.link(made)
+    return made
 
 
 def _home(item: bpy.types.Object, names: set[str]) -> str:

@@ -4,14 +4,27 @@ from __future__ import annotations
 
 import random
 import time
+from typing import TYPE_CHECKING, Any
 
 import bpy
 
 from ...unisg_blender.errors import UniSGError
 from ..base import SteppedOperator, Steps
 from ..scene_lookup import looked_up
-from .generation_settings import GenerationChoices, load_generator, read_words, scene_in_words, shipped_models
+from ..threaded_steps import Share, in_thread
+from .generation_settings import (
+    GenerationChoices,
+    load_generator,
+    opened_generator,
+    read_words,
+    scene_in_words,
+    shipped_models,
+)
 from .new_objects import bring_in, select_new
+
+if TYPE_CHECKING:
+    from ...unisg_blender.generate import Generated
+    from ...unisg_blender.scene import SceneGraph
 
 
 class UNISG_OT_generate(GenerationChoices, SteppedOperator):
@@ -71,25 +84,18 @@ class UNISG_OT_generate(GenerationChoices, SteppedOperator):
         shipped = shipped_models()
         if not self.model and not shipped:
             raise UniSGError("no model came with this installation: give one from 'unisg train cgvae'")
-        generator = load_generator(self.model or str(shipped[0]))
+        model = bpy.path.abspath(self.model or str(shipped[0]))
         if self.seed < 0:
             self.seed = random.randrange(2**31)
         mapping = read_words(self.words)
         counts = parse_counts(self.add)
-        self._began, total = time.perf_counter(), sum(counts.values())
-        placing = generator.steps(
-            scene_in_words(context.scene, mapping), counts, self.seed, bulk=self.bulk, behaviour=self.behaviour,
-            on=self.on, beside=self.beside, within=self.within, words=mapping.get("words", {}),
-        )  # fmt: skip
-        done = 0
-        while True:
-            try:
-                next(placing)
-            except StopIteration as stop:
-                self._result = stop.value
-                return
-            done += 1
-            yield done / total, f"Generating {done} of {total}"
+        self._began = time.perf_counter()
+        graph, asked = scene_in_words(context.scene, mapping), {"bulk": self.bulk, "behaviour": self.behaviour}
+        asked |= {"on": self.on, "beside": self.beside, "within": self.within, "words": mapping.get("words", {})}
+        seed = self.seed
+        self._result = yield from in_thread(
+            lambda share: _generated(model, graph, counts, seed, asked, share), "Loading the model"
+        )
 
     def stopped(self, context: bpy.types.Context) -> str:
         return "nothing was added"
@@ -101,7 +107,7 @@ class UNISG_OT_generate(GenerationChoices, SteppedOperator):
         result = self._result
         for line in result.reading.lines() if result.reading else ():
             self.report({"INFO"}, line)
-        objects = bring_in(context.scene, result)
+        objects = bring_in(context, result)
         select_new(context, objects, (self.on, self.beside))
         for line in grouped((each.name or each.category, each.note) for each in result.objects if each.note):
             self.report({"WARNING"}, line)
@@ -135,6 +141,23 @@ class UNISG_OT_generate(GenerationChoices, SteppedOperator):
         if load_generator(self.model).behaviour is None:
             return " (this model knows no actions)"
         return f" with {_number(count, 'action')}" if count else " (the lesson needs no further actions)"
+
+
+def _generated(
+    model: str, graph: SceneGraph, counts: dict[str, int], seed: int, asked: dict[str, Any], share: Share
+) -> Generated:
+    """What a model makes of a scene; nothing of Blender's is touched."""
+    total = sum(counts.values())
+    placing, done = opened_generator(model).steps(graph, counts, seed, **asked), 0
+    share.tell(0.0, f"Generating {total} objects")
+    while True:
+        try:
+            next(placing)
+        except StopIteration as stop:
+            result: Generated = stop.value
+            return result
+        done += 1
+        share.tell(done / total, f"Generating {done} of {total}")
 
 
 def _number(count: int, word: str) -> str:

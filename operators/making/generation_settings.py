@@ -7,6 +7,7 @@ file, and undo leaves them alone.
 from __future__ import annotations
 
 import threading
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,6 +15,8 @@ import bpy
 
 from ...unisg_blender.errors import UniSGError
 from ..base import redraw_views
+from ..preferences import own_models, preference, when_models_change
+from ..room.background import Background
 from ..room.corrections import rooms_to_choose
 from ..window_wording import in_window
 
@@ -22,7 +25,9 @@ if TYPE_CHECKING:
     from ...unisg_blender.scene import SceneGraph
 
 OWN_FILE = "FILE"
-_loading = threading.Lock()
+_one_at_a_time = threading.Lock()
+_loading_model: Background[Generator] = Background()  # `Background[...]()` would be kept by typing, see there
+_threads = [1]  # of the preferences: a thread must not look there
 _generators: dict[tuple[str, float], Generator] = {}
 _model_items: list[tuple[str, str, str]] = []
 
@@ -42,16 +47,31 @@ def load_generator(path: str) -> Generator:
 def opened_generator(path: str) -> Generator:
     """The same of a path that is absolute, or the name of a shipped model; from any thread."""
     from ...unisg_blender.generate import Generator
-    from ...unisg_blender.pretrained import find_generator
+    from ...unisg_blender.generate.propose.trained_model import load_model
 
-    file = find_generator(path)
-    key = (str(file), file.stat().st_mtime if file.is_file() else 0.0)
-    with _loading:
+    key = _key(path)
+    with _one_at_a_time:
         if key not in _generators:
-            generator = Generator.load(file)
+            generator = Generator(load_model(key[0], _threads[0]))
             _generators.clear()
             _generators[key] = generator
         return _generators[key]
+
+
+def forget_models() -> None:
+    """Load models anew: their folder, or how many threads they may use, was changed."""
+    with _one_at_a_time:
+        _threads[0] = int(str(preference("threads")))
+        _generators.clear()
+    bpy.context.window_manager.unisg.listed = ""
+
+
+def _key(path: str) -> tuple[str, float]:
+    """A model's file, and when it was written."""
+    from ...unisg_blender.pretrained import find_generator
+
+    file = find_generator(path)
+    return str(file), file.stat().st_mtime if file.is_file() else 0.0
 
 
 def choose_model(context: bpy.types.Context, name: str) -> None:
@@ -79,7 +99,9 @@ def scene_in_words(scene: bpy.types.Scene, mapping: dict[str, dict[str, str]]) -
 
 
 def _models(settings: object, context: bpy.types.Context | None) -> list[tuple[str, str, str]]:
-    found = [(str(path), path.stem.replace("_", " ").capitalize(), str(path)) for path in shipped_models()]
+    first = str(preference("first")).lower().replace(" ", "_")
+    paths = sorted([*shipped_models(), *own_models()], key=lambda path: path.stem.lower() != first)
+    found = [(str(path), path.stem.replace("_", " ").capitalize(), str(path)) for path in paths]
     _model_items[:] = [*found, (OWN_FILE, "Own model", "A model of your own, trained with 'unisg train cgvae'")]
     return _model_items  # Blender keeps no reference to the strings of a computed enum: we must
 
@@ -205,16 +227,69 @@ def list_categories_soon() -> None:
 
 
 def _list_now() -> None:
-    list_categories(bpy.context.window_manager.unisg)
+    settings = bpy.context.window_manager.unisg
+    file = settings.model_file()
+    if _loading_model.busy:
+        return  # the panel is drawn again at its end
+    if file and not is_loaded(file) and not bpy.app.background:
+        load_soon(file, list_categories_soon, lambda text: _tell(file, text))
+        return
+    list_categories(settings)
     redraw_views(bpy.context)
+
+
+def _tell(file: str, problem: str) -> None:
+    """Say why a model has no list."""
+    settings = bpy.context.window_manager.unisg
+    settings.counts.clear()
+    settings.listed, settings.problem = file, problem
+
+
+def chosen_model(context: bpy.types.Context) -> str:
+    """The model that is chosen in the panel, else the first that came with the extension.
+
+    Raises
+    ------
+    UniSGError
+        If there is none.
+    """
+    file = context.window_manager.unisg.model_file() or str(next(iter(shipped_models()), ""))
+    if not file:
+        raise UniSGError("no model came with this installation: choose one in the panel")
+    return str(file)
+
+
+def is_loaded(path: str) -> bool:
+    """Whether the generator of a model file is there at once."""
+    return _key(bpy.path.abspath(path)) in _generators
+
+
+def load_soon(path: str, done: Callable[[], object], failed: Callable[[str], object]) -> None:
+    """Load the generator of a model file in the background; what a user has to mend is given to ``failed``."""
+    file = bpy.path.abspath(path)
+    if not _loading_model.busy:
+        _loading_model.start(lambda: opened_generator(file), lambda generator: done(), failed)
+
+
+def loading() -> bool:
+    """Whether a model is being loaded."""
+    return _loading_model.busy
 
 
 CLASSES = (UNISG_CategoryCount, UNISG_GenerationSettings)
 PROPERTIES = ((bpy.types.WindowManager, "unisg", bpy.props.PointerProperty(type=UNISG_GenerationSettings)),)
 
 
+def register() -> None:
+    """Take over how many threads models may use, now and later."""
+    _threads[0] = int(str(preference("threads")))
+    when_models_change.append(forget_models)
+
+
 def unregister() -> None:
     """Let the model go."""
+    when_models_change.clear()
     if bpy.app.timers.is_registered(_list_now):
         bpy.app.timers.unregister(_list_now)
+    _loading_model.end()
     _generators.clear()

@@ -8,21 +8,21 @@ from typing import TYPE_CHECKING
 import bpy
 
 from ..room.checking import check_again
-from .collections_of_new import put_beside
+from .collections_of_new import put_home
 from .suggest import suggest_again
 
 if TYPE_CHECKING:
     from ...unisg_blender.generate import Generated
 
 
-def bring_in(scene: bpy.types.Scene, result: Generated) -> list[bpy.types.Object]:
-    """Make the new objects of a scene, and have what is listed of it looked at anew."""
+def bring_in(context: bpy.types.Context, result: Generated) -> list[bpy.types.Object]:
+    """Make the new objects of the scene, and have what is listed of it looked at anew."""
     from ...unisg_blender.blender import write_rows
     from ...unisg_blender.blender.authoring.extended_lessons import extend_lessons
 
-    extend_lessons(result.scene, result.rows.tolist(), scene)
-    objects = write_rows(result.scene, result.rows, scene)
-    put_beside(scene, objects)
+    extend_lessons(result.scene, result.rows.tolist(), context.scene)
+    objects = write_rows(result.scene, result.rows, context.scene)
+    put_home(context, objects)
     check_again()
     suggest_again()
     return objects

@@ -10,7 +10,8 @@ import bpy
 from ...unisg_blender.errors import UniSGError
 from ..base import SteppedOperator, Steps
 from ..room.checking import check_again
-from .generation_settings import load_generator, read_words, scene_in_words, shipped_models
+from ..threaded_steps import Share, in_thread
+from .generation_settings import opened_generator, read_words, scene_in_words, shipped_models
 
 if TYPE_CHECKING:
     from ...unisg_blender.generate.rerolled_scene import Rerolled
@@ -59,12 +60,18 @@ class UNISG_OT_reroll(SteppedOperator):
         graph, items = scene_in_words(context.scene, mapping), objects_by_uid(context.scene)
         chosen = {item.name for item in context.selected_objects}
         rows = [row for row, uid in enumerate(graph.uid) if uid in items and items[uid].name in chosen]
-        generator = load_generator(self.model or str(shipped[0]))
+        model, seed, words = bpy.path.abspath(self.model or str(shipped[0])), self.seed, mapping.get("words", {})
+
+        def placed(share: Share) -> list[Rerolled]:
+            """All of them, one after another."""
+            found = []
+            for item in reroll_steps(opened_generator(model), graph, rows, seed, words):
+                found.append(item)
+                share.tell(min(len(found) / max(len(rows), 1), 1.0), f"Placing {len(found)}")
+            return found
+
         self._graph = graph
-        self._found: list[Rerolled] = []
-        for item in reroll_steps(generator, graph, rows, self.seed, mapping.get("words", {})):
-            self._found.append(item)
-            yield min(len(self._found) / max(len(rows), 1), 1.0), f"Placing {len(self._found)}"
+        self._found = yield from in_thread(placed, "Loading the model")
 
     def stopped(self, context: bpy.types.Context) -> str:
         return "nothing was moved"

@@ -10,7 +10,7 @@ from bpy.app.handlers import persistent
 
 from ..base import Operator, redraw_views
 from ..room.background import Background
-from .generation_settings import load_generator, read_words, scene_in_words
+from .generation_settings import opened_generator, read_words, scene_in_words
 
 if TYPE_CHECKING:
     from ...unisg_blender.generate.observe.missing_things import Suggestion
@@ -93,8 +93,14 @@ def _work(scene: bpy.types.Scene, model: str) -> Callable[[], tuple[Suggestion, 
     from ...unisg_blender.generate.observe.missing_things import suggestions
 
     mapping = read_words(bpy.context.window_manager.unisg.words)
-    graph, generator = scene_in_words(scene, mapping), load_generator(model)
-    return lambda: suggestions(generator.read(graph, mapping.get("words", {})), generator.contract)
+    graph, path = scene_in_words(scene, mapping), bpy.path.abspath(model)
+
+    def work() -> tuple[Suggestion, ...]:
+        """Load the model, if need be, and ask it."""
+        generator = opened_generator(path)
+        return suggestions(generator.read(graph, mapping.get("words", {})), generator.contract)
+
+    return work
 
 
 def _say(scene: str, model: str, text: str) -> None:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import bpy
 
 from ..base import SearchOperator
-from ..making.generation_settings import load_generator, shipped_models
+from ..making.generation_settings import chosen_model, is_loaded, load_generator, load_soon
 
 OWN = "OBJECT:"
 _items: list[tuple[str, str, str]] = []
@@ -18,8 +20,7 @@ def _choices(operator: object, context: bpy.types.Context | None) -> list[tuple[
         active = context.active_object
         if active is not None and active.type in ("MESH", "EMPTY"):
             found.append((f"{OWN}{active.name}", f"Another {active.name}", "The active object once more"))
-        model = context.window_manager.unisg.model_file() or str(next(iter(shipped_models()), ""))
-        names = load_generator(model).categories if model else ()
+        names = load_generator(chosen_model(context)).categories
         found += [(name, name, f"{name}, as the model knows it") for name in names]
     _items[:] = found  # Blender keeps no reference to the strings of a computed enum: we must
     return _items
@@ -44,6 +45,42 @@ class UNISG_OT_choose_and_place(SearchOperator):
             bpy.ops.unisg.place("INVOKE_DEFAULT", source=self.thing.removeprefix(OWN))
         else:
             bpy.ops.unisg.place("INVOKE_DEFAULT", category=self.thing)
+
+
+def ask_what(context: bpy.types.Context) -> set[str]:
+    """Ask what is to be placed, as soon as the model is loaded."""
+    model = chosen_model(context)
+    if is_loaded(model):
+        bpy.ops.unisg.choose_and_place("INVOKE_DEFAULT")
+        return {"CANCELLED"}
+    x, y = context.area.x, context.area.y
+
+    def ask() -> None:
+        """Ask in the viewport in which it was asked for."""
+        for place in _viewports(x, y):
+            with bpy.context.temp_override(**place):
+                bpy.ops.unisg.choose_and_place("INVOKE_DEFAULT")
+
+    def tell(text: str) -> None:
+        """Say there why there is nothing to choose."""
+        for place in _viewports(x, y):
+            with bpy.context.temp_override(**place):
+                bpy.context.window_manager.popup_menu(lambda menu, _: menu.layout.label(text=text), title="UniSG")
+
+    context.workspace.status_text_set("Loading the model ...")
+    load_soon(model, ask, tell)
+    return {"CANCELLED"}
+
+
+def _viewports(x: int, y: int) -> Iterator[dict[str, object]]:
+    """The viewport at a place of a window, looked up anew: a timer knows none, and meanwhile it may have gone."""
+    for window in bpy.context.window_manager.windows:
+        window.workspace.status_text_set(None)
+        for area in window.screen.areas:
+            if (area.x, area.y, area.type) == (x, y, "VIEW_3D"):
+                region = next(item for item in area.regions if item.type == "WINDOW")
+                yield {"window": window, "area": area, "region": region}
+                return
 
 
 CLASSES = (UNISG_OT_choose_and_place,)

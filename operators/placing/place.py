@@ -12,9 +12,10 @@ from bpy.app.handlers import persistent
 
 from ...unisg_blender.errors import UniSGError
 from ..base import Operator, redraw_views
-from ..making.generation_settings import load_generator, read_words, scene_in_words, shipped_models
+from ..making.generation_settings import chosen_model, load_generator, read_words, scene_in_words
 from ..making.new_objects import bring_in, select_new
 from ..window_wording import in_window
+from .choose_and_place import ask_what
 from .placing_session import Placing, PlacingChoice, begin_placing, end_placing, look_at_room, placing
 from .pointed_at import pointed_at, viewport_under
 
@@ -106,8 +107,7 @@ class UNISG_OT_place(Operator):
         settings = context.window_manager.unisg
         self.behaviour = self.behaviour and settings.behaviour
         if not self.category and not self.source:
-            bpy.ops.unisg.choose_and_place("INVOKE_DEFAULT")
-            return {"CANCELLED"}
+            return self.reporting(ask_what, context)
         return self.reporting(self._begin, context, event)
 
     def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
@@ -146,12 +146,8 @@ class UNISG_OT_place(Operator):
 
     def _choice(self, context: bpy.types.Context) -> PlacingChoice:
         """What is chosen here, and in the panel as far as nothing is."""
-        settings, shipped = context.window_manager.unisg, shipped_models()
-        model = self.model or settings.model_file() or (str(shipped[0]) if shipped else "")
-        if not model:
-            raise UniSGError("no model came with this installation: choose one in the panel")
-        words = read_words(self.words or settings.words)
-        path = bpy.path.abspath(model)
+        words = read_words(self.words or context.window_manager.unisg.words)
+        path = bpy.path.abspath(self.model or chosen_model(context))
         return PlacingChoice(
             path, self.category, self.source, self.shape, words, self.on, self.beside, max(self.seed, 0)
         )  # fmt: skip
@@ -172,7 +168,6 @@ class UNISG_OT_place(Operator):
 
     def _leave(self, context: bpy.types.Context) -> set[str]:
         end_placing()
-        context.workspace.status_text_set(None)
         redraw_views(context)
         return {"CANCELLED"}
 
@@ -217,6 +212,7 @@ class UNISG_OT_place(Operator):
             return {"RUNNING_MODAL"}
         room, ghost = current.room, current.ghost
         self.lock, self.behaviour, self.shape = current.locked, current.behaviour, current.choice.shape
+        self.model = current.choice.model
         self.seed = random.randrange(2**31)
         self._put(context, room, ghost)
         self.how, self.turn = "EXACT", float(ghost.place[3])
@@ -253,7 +249,7 @@ class UNISG_OT_place(Operator):
 
         ghost = measured(room, ghost)
         result = place_ghost(room, ghost, self.seed, self.behaviour)
-        objects = bring_in(context.scene, result)
+        objects = bring_in(context, result)
         if self.lock:
             set_locked(objects[:1], True)
         select_new(context, objects, (self.on, self.beside))

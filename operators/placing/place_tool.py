@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import bpy
 
-from ..making.generation_settings import load_generator
+from ..making.generation_settings import chosen_model, load_generator
 
 
 class UNISG_WT_place(bpy.types.WorkSpaceTool):
@@ -27,8 +27,7 @@ class UNISG_WT_place(bpy.types.WorkSpaceTool):
 
 def _found(manager: bpy.types.WindowManager, context: bpy.types.Context, text: str) -> list[str]:
     """The categories of the chosen model that have what is typed in them."""
-    model = manager.unisg.model_file()
-    names = load_generator(model).categories if model else ()
+    names = load_generator(chosen_model(context)).categories
     return [name for name in names if text.lower() in name.lower()]
 
 

@@ -217,6 +217,9 @@ def begin_placing(new: Placing) -> None:
 
 
 def end_placing() -> None:
-    """Leave nothing behind."""
+    """Leave nothing behind, nor its keys in the status bar."""
+    if _placing:
+        for window in bpy.context.window_manager.windows:
+            window.workspace.status_text_set(None)
     while _placing:
         _placing.pop().end()

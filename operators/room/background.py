@@ -34,7 +34,9 @@ class Background(Generic[Result]):
         """Whether it is at work."""
         return self._timer is not None
 
-    def start(self, work: Callable[[], Result], done: Callable[[Result], None], failed: Callable[[str], None]) -> None:
+    def start(
+        self, work: Callable[[], Result], done: Callable[[Result], object], failed: Callable[[str], object]
+    ) -> None:
         """Begin some ``work``; what it returns, or what a user has to mend, is given to ``done`` or ``failed``."""
         results: list[Result | Exception] = []
 
