@@ -64,7 +64,11 @@ def place_nll(mixture: Tensor, batch: RoomBatch, frames: bool) -> Tensor:
     A component is a logit, a mean and the logarithms of spreads, metres along the axes of its object's frame (or of the
     world's), and a von Mises distribution of the heading by its mean direction times its concentration.
     """
-    frame = batch.pose[batch.rows] if frames else torch.eye(4).to(batch.pose).expand(*batch.rows.shape, 4, 4)
+    frame = (
+        batch.pose[batch.rows]
+        if frames
+        else torch.eye(4, dtype=batch.pose.dtype, device=batch.pose.device).expand(*batch.rows.shape, 4, 4)
+    )
     target, back = batch.pose[batch.truth].unsqueeze(1), frame[..., :3, :3].transpose(-1, -2)
     place = (back @ (target[..., :3, 3:] - frame[..., :3, 3:])).squeeze(-1).unsqueeze(2)
     turn = back @ target[..., :3, :3]
