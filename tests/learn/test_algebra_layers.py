@@ -51,7 +51,7 @@ class SelfAttention(nn.Module):
     def forward(self, x: Tensor, numbers: Tensor) -> tuple[Tensor, Tensor]:
         """Of the shapes that go in."""
         one = (x, numbers)
-        return self.layer(one, one, one, torch.ones(T, T, dtype=torch.bool))
+        return self.layer(one, one, one, torch.ones(T, T, dtype=torch.bool, device=x.device))
 
 
 class Sighted(nn.Module):
@@ -63,7 +63,7 @@ class Sighted(nn.Module):
 
     def forward(self, x: Tensor, numbers: Tensor) -> tuple[Tensor, Tensor]:
         """Of the shapes that go in."""
-        return self.block(x, numbers, torch.ones(T, T, dtype=torch.bool))
+        return self.block(x, numbers, torch.ones(T, T, dtype=torch.bool, device=x.device))
 
 
 def made(name: str, symmetry: str = "motions", dtype: torch.dtype = torch.float64) -> nn.Module:
@@ -179,6 +179,18 @@ def test_vmap_maps_them(name: str) -> None:
         assert_allclose(one.detach(), other.detach(), atol=1e-12)
     gradient = torch.func.vmap(torch.func.grad(lambda x, s: layer(x, s)[0].square().sum()))(x, numbers)
     assert gradient.isfinite().all()
+
+
+@pytest.mark.parametrize("name", LAYERS)
+def test_tensors_are_made_where_the_inputs_are(name: str) -> None:
+    layer, given = made(name), inputs()
+    expected = layer(*given)
+    with torch.device("meta"):
+        found = layer(*given)
+        frames = embed_frame(torch.eye(4, device="cpu"))
+    assert frames.device.type == "cpu"
+    for one, other in zip(found, expected, strict=True):
+        assert torch.equal(one, other)
 
 
 @pytest.mark.slow

@@ -34,6 +34,10 @@ BENCHMARKS = {
         "the paper's experiments, and a fair comparison of forms",
         "..experiments.paper.paper_report:write_paper_report",
     ),
+    "algebra": (
+        "what symmetry and geometric algebra do for networks over rooms, from 10 rooms on",
+        "..experiments.algebra.algebra_report:write_algebra_report",
+    ),
 }
 
 
@@ -45,15 +49,19 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--count", type=whole(1, 10**7), default=1_000_000, help="poses to time (default: 1000000)")
     parser.add_argument("--repeats", type=whole(1, 1000), default=5, help="rounds whose median counts (default: 5)")
     parser.add_argument(
-        "--data", type=Path, nargs="+", metavar="DIR", help="folders of mesh files (meshes), or of houses (own-rooms)"
+        "--data",
+        type=Path,
+        nargs="+",
+        metavar="DIR",
+        help="folders of mesh files (meshes), or of houses (own-rooms, algebra)",
     )
     parser.add_argument("--seed", type=SEED, default=0, help="of everything random (default: 0)")
-    parser.add_argument("--quick", action="store_true", help="a first look in minutes (paper, own-rooms)")
+    parser.add_argument("--quick", action="store_true", help="a first look in minutes (paper, own-rooms, algebra)")
     parser.add_argument(
         "--jobs",
         metavar="N",
         type=PROCESSES,
-        help="trainings or rooms at a time, default: one per processor (paper, rooms)",
+        help="trainings or rooms at a time, default: one per processor (paper, rooms, algebra)",
     )
     parser.add_argument(
         "--rates",
@@ -62,7 +70,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="R",
         help="learning rates that every form is tried with (paper)",
     )
-    parser.add_argument("--tables-only", action="store_true", help="tables of what has been trained so far (paper)")
+    parser.add_argument(
+        "--tables-only", action="store_true", help="tables of what has been trained so far (paper, algebra)"
+    )
 
 
 def run(args: argparse.Namespace) -> int:

@@ -14,6 +14,9 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any
 
+from ..errors import UniSGError
+from ..runtime.atomic_files import write_file
+
 PACKAGES = ("numpy", "scipy", "clifford", "torch")
 
 Table = list[dict[str, Any]]
@@ -37,6 +40,14 @@ def write_csv(path: Path, rows: Sequence[Mapping[str, Any]]) -> None:
         writer = csv.DictWriter(file, columns)
         writer.writeheader()
         writer.writerows(rows)
+
+
+def claim_folder(folder: Path, quick: bool) -> None:
+    """Results of one size stand in a folder; UniSGError where it holds those of the other, which must not be mixed."""
+    path = folder / "settings.json"
+    if path.is_file() and json.loads(path.read_text("utf-8"))["quick"] != quick:
+        raise UniSGError(f"{folder} holds results made {'without' if quick else 'with'} --quick: choose another folder")
+    write_file(path, json.dumps({"quick": quick}))
 
 
 def markdown_table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
-from ...errors import MissingPackageError
+from ..figures import figure_of, save_figure
 from .paper_tables import Table
 
 PANELS = (
@@ -27,17 +26,6 @@ SHARES = ("test_accuracy", "test_average_precision")
 FACTORS = ("target, base case", "target, large translations", "input, base case", "in and out, parent-relative")
 
 
-def _figure(size: tuple[float, float], rows: int, columns: int) -> tuple[Any, Any]:
-    try:
-        from matplotlib.backends.backend_agg import FigureCanvasAgg
-        from matplotlib.figure import Figure
-    except ImportError:
-        raise MissingPackageError("matplotlib", "figures") from None
-    figure = Figure(figsize=size, layout="constrained")
-    FigureCanvasAgg(figure)
-    return figure, figure.subplots(rows, columns).reshape(-1)
-
-
 def draw_panels(tables: Mapping[str, Table], paths: Sequence[Path]) -> None:
     """Mean over runs and its standard deviation as a band, by epoch, for the five forms.
 
@@ -46,7 +34,7 @@ def draw_panels(tables: Mapping[str, Table], paths: Sequence[Path]) -> None:
     MissingPackageError
         Without matplotlib.
     """
-    figure, places = _figure((13, 7), 2, 3)
+    figure, places = figure_of((13, 7), 2, 3)
     for axes, (experiment, name, title) in zip(places, PANELS, strict=True):
         rows = tables[f"{experiment}_curves"]
         for form in dict.fromkeys(row["form"] for row in rows):
@@ -64,14 +52,14 @@ def draw_panels(tables: Mapping[str, Table], paths: Sequence[Path]) -> None:
             axes.legend(fontsize=7, frameon=False)
         if experiment == "generation" and rows:
             axes.set_yscale("log")
-    _save(figure, paths)
+    save_figure(figure, paths)
 
 
 def draw_errors(tables: Mapping[str, Table], paths: Sequence[Path]) -> None:
     """Median errors in centimetres and degrees by form, with 95 % confidence intervals."""
     there = {row["setting"] for row in tables["poses"]}
     factors = [factor for factor in FACTORS if factor in there] or [FACTORS[0]]
-    figure, places = _figure((13, 7), 2, len(factors))
+    figure, places = figure_of((13, 7), 2, len(factors))
     for column, factor in enumerate(factors):
         rows = [row for row in tables["poses"] if row["setting"] == factor]
         names = [row["form"] for row in rows]
@@ -82,9 +70,4 @@ def draw_errors(tables: Mapping[str, Table], paths: Sequence[Path]) -> None:
             axes.set_xlabel(f"median error, {unit}")
             if not line:
                 axes.set_title(factor, fontsize=10)
-    _save(figure, paths)
-
-
-def _save(figure: Any, paths: Sequence[Path]) -> None:
-    for path in paths:
-        figure.savefig(path, dpi=110)
+    save_figure(figure, paths)

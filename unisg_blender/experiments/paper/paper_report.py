@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import json
 from collections.abc import Callable
 from dataclasses import replace
 from datetime import UTC, datetime
@@ -12,10 +11,9 @@ from typing import Any
 
 from ...errors import UniSGError
 from ...learn.paper.experiment_scenes import make_data
-from ...runtime.atomic_files import write_file
 from ...runtime.made_files import filling
 from ...runtime.process_pool import processors
-from ..reports import machine, write_csv, write_json
+from ..reports import claim_folder, machine, write_csv, write_json
 from .paper_figures import draw_errors, draw_panels
 from .paper_tables import Table, make_tables, to_markdown
 from .plan import QUICK_PLAN, PaperPlan, all_runs
@@ -86,7 +84,7 @@ def write_paper_report(args: argparse.Namespace, folder: Path, progress: Callabl
         plan = replace(plan, rates=tuple(args.rates))
     jobs = args.jobs or processors()
     folder.mkdir(parents=True, exist_ok=True)
-    _claim(folder, bool(args.quick))
+    claim_folder(folder, bool(args.quick))
     runs = all_runs(plan)
     if args.tables_only:
         results = finished(runs, folder)
@@ -110,14 +108,6 @@ def write_paper_report(args: argparse.Namespace, folder: Path, progress: Callabl
     }
     _write(folder, report, tables, single)
     return report
-
-
-def _claim(folder: Path, quick: bool) -> None:
-    """A folder holds results of one size; others must not be mixed in."""
-    path = folder / "settings.json"
-    if path.is_file() and json.loads(path.read_text("utf-8"))["quick"] != quick:
-        raise UniSGError(f"{folder} holds results made {'without' if quick else 'with'} --quick: choose another folder")
-    write_file(path, json.dumps({"quick": quick}))
 
 
 def _write(folder: Path, report: dict[str, Any], tables: dict[str, Table], single: dict[str, Table]) -> None:

@@ -22,6 +22,7 @@ EXPERIMENTS = {
     "rules": (1, "...learn.paper.pairs:run_rules"),
     "scale": (1, ".scale:run"),
     "link_prediction": (2, "...learn.paper.links:run"),
+    "algebra": (1, "...learn.symmetry.timed_training:run"),
 }
 """Version of the code (another one makes results anew) and "module:function": (settings, data folder) -> result."""
 
