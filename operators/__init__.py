@@ -30,6 +30,7 @@ from . import (
 )
 from .interchange import gltf_lesson, import_layout, play_in_browser
 from .making import add_room, generate, generation_settings, lock, reroll, settle, suggest, understand
+from .many import batch_work, labelled_pictures, variations
 from .placing import choose_and_place, place, place_tool
 from .registration import register_modules, unregister_modules
 from .room import checking, corrections, recognised
@@ -59,6 +60,9 @@ MODULES = (
     meshes,
     label,
     export,
+    batch_work,
+    variations,
+    labelled_pictures,
     action_properties,
     actions,
     lesson_properties,

@@ -39,8 +39,8 @@ ARROWS: dict[str, set[str]] = {
     room: set(targets.split())
     for room, targets in {
         "panels": "operators blender scene",
-        "operators": "cli web generate predict dataset formats blender usd worlds meshes spatial behaviour words scene"
-        " poses",
+        "operators": "cli batches web generate predict dataset formats blender usd worlds meshes spatial behaviour"
+        " words scene poses",
         "cli": "",
         "commands": "web batches experiments learn metrics generate predict dataset formats blender worlds meshes"
         " spatial behaviour words scene poses",

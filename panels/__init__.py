@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from ..operators.registration import register_modules, unregister_modules
 from . import (
+    batches,
     building_overlay,
     check,
     export,
@@ -41,6 +42,7 @@ MODULES = (
     object_actions,
     overlay,
     export,
+    batches,
     recording,
     relations,
     forms,

@@ -23,6 +23,7 @@ class UNISG_MT_add(bpy.types.Menu):
         layout.separator()
         layout.operator("unisg.choose_and_place", text="Place...", icon="CURSOR")
         layout.operator("unisg.generate", text="Generate Chosen Objects", icon="ADD")
+        layout.operator("unisg.make_variations_dialog", icon="DUPLICATE")
 
 
 class UNISG_MT_object(bpy.types.Menu):
@@ -39,6 +40,7 @@ class UNISG_MT_object(bpy.types.Menu):
         layout.operator("unisg.reroll", icon="FILE_REFRESH")
         layout.operator("unisg.lock", icon="LOCKED")
         layout.operator("unisg.check", icon="VIEWZOOM")
+        layout.operator("unisg.make_variations_dialog", icon="DUPLICATE")
         layout.separator()
         layout.operator_menu_enum("unisg.mark_part", "part", text="This Is", icon="HOME")
         layout.operator("unisg.mark_room", text="Its Room Is...").number = -1
@@ -63,9 +65,15 @@ def _export(menu: bpy.types.Menu, context: bpy.types.Context) -> None:
     menu.layout.operator("unisg.convert", text="UniSG Master File (.usd*, .json)")
 
 
+def _render(menu: bpy.types.Menu, context: bpy.types.Context) -> None:
+    menu.layout.separator()
+    menu.layout.operator("unisg.render_labels_dialog", icon="RENDER_STILL")
+
+
 PLACES: tuple[tuple[str, Callable[[bpy.types.Menu, bpy.types.Context], None]], ...] = (
     ("VIEW3D_MT_add", _add), ("VIEW3D_MT_object", _object), ("VIEW3D_MT_object_context_menu", _object),
     ("TOPBAR_MT_file_import", _import), ("TOPBAR_MT_file_export", _export),
+    ("TOPBAR_MT_render", _render),
 )  # fmt: skip
 """Blender's menus that get an entry."""
 

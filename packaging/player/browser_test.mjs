@@ -2,34 +2,14 @@
 // node browser_test.mjs SITE EVENTS.json [PICTURE.png]; exit status 1 where the lesson does not end as it should.
 import assert from "node:assert/strict";
 import fs from "node:fs";
-import http from "node:http";
-import path from "node:path";
-import { chromium } from "playwright-core";
+import { openPage, withBrowser } from "./served_site.mjs";
 
 const [site, events, picture] = process.argv.slice(2);
-const KINDS = { ".html": "text/html; charset=utf-8", ".js": "text/javascript" };
-const server = http.createServer((request, answer) => {
-  const file = path.join(site, request.url === "/" ? "index.html" : path.basename(request.url));
-  if (!fs.existsSync(file)) return answer.writeHead(404).end();
-  answer.writeHead(200, { "content-type": KINDS[path.extname(file)] ?? "application/octet-stream" });
-  answer.end(fs.readFileSync(file));
-}).listen(0);
-const flags = ["--no-sandbox", "--disable-gpu", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
-  "--disable-background-networking", "--disable-component-update", "--disable-sync"];
-const browser = await chromium.launch({ executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium", args: flags });
-try {
-  await play(await browser.newPage({ viewport: picture ? { width: 1280, height: 800 } : { width: 640, height: 400 } }));
-} finally {
-  await browser.close();
-  server.close();
-}
+const viewport = picture ? { width: 1280, height: 800 } : { width: 640, height: 400 };
+await withBrowser(site, async (browser, own) => play(await browser.newPage({ viewport }), own));
 
-async function play(page) {
-  const own = `http://127.0.0.1:${server.address().port}/`, faults = [], foreign = [];
-  page.on("pageerror", (error) => faults.push(error.message));
-  page.on("request", (request) => /^(data|blob):/.test(request.url()) || request.url().startsWith(own) || foreign.push(request.url()));
-  await page.goto(own);
-  await page.waitForFunction(() => document.body.dataset.ready, null, { timeout: 60000 });
+async function play(page, own) {
+  const { faults, foreign } = await openPage(page, own);
   assert.equal(await page.evaluate(() => document.body.dataset.ready), "yes");
   await page.waitForFunction(() => unisg.status[0] === "open");
   if (picture) await page.screenshot({ path: picture });

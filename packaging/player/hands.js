@@ -26,21 +26,31 @@ export function dragThings(room, movable, isOpen, tasks) {
       const far = ray.intersectsPlane(held.plane);
       if (far !== null) held.node.setAbsolutePosition(ray.origin.add(ray.direction.scale(far)).add(held.offset));
     } else if (type === PointerEventTypes.POINTERUP && held) {
-      settle(room, numbers.get(held.node), isOpen, tasks);
+      settle(room, numbers.get(held.node), isOpen, tasks, room.camera.getForwardRay().direction);
       held = null;
       room.camera.attachControl(room.engine.getRenderingCanvas(), true);
     }
   });
 }
 
-function settle(room, number, isOpen, tasks) {
+// The number of the thing that a mesh is part of, null for none.
+export function numberOf(room, movable, mesh) {
+  for (let node = mesh; node; node = node.parent) {
+    const number = movable.find((each) => room.nodes[each] === node);
+    if (number !== undefined) return number;
+  }
+  return null;
+}
+
+// What is let go near its place finds it; along a direction of sight, where depth is hard to judge, that counts as near.
+export function settle(room, number, isOpen, tasks, ahead = Vector3.Zero()) {
   const node = room.nodes[number];
   for (const task of tasks) {
     const asked = task.type === "Tool" ? task.tools : task.targets;
     if (!task.reference || task.type === "Remove" || !isOpen(task) || !asked.includes(number)) continue;
-    const goal = goalOf(room, task), ahead = room.camera.getForwardRay().direction;
+    const goal = goalOf(room, task);
     const way = parts(goal).position.subtract(worldOf(node).getTranslation());
-    const gap = way.subtract(ahead.scale(Vector3.Dot(way, ahead))).length(); // as it is seen: depth is hard to judge
+    const gap = way.subtract(ahead.scale(Vector3.Dot(way, ahead))).length();
     if (gap <= Math.max(REACH, 2 * (task.distance ?? 0))) return place(node, goal);
   }
 }

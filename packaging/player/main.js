@@ -1,7 +1,8 @@
 // The page: shows what the graph tells, and hands it what the learner does. It knows no rule of a lesson itself.
 import { Matrix, Vector3 } from "@babylonjs/core/Maths/math.vector.js";
-import { bring, dragThings, takeAway, turn } from "./hands.js";
+import { bring, dragThings, settle, takeAway, turn } from "./hands.js";
 import { Ghosts } from "./ghosts.js";
+import { offerHeadset } from "./headset.js";
 import { Panel } from "./panel.js";
 import { Recorder } from "./record.js";
 import { place } from "./nodes.js";
@@ -103,6 +104,17 @@ async function start() {
 
   send("dragging", { possible: true });
   dragThings(room, movable, isOpen, tasks);
+  const openTasks = () => tasks.map((task, at) => ({ task, at })).filter(({ task }) => isOpen(task) && task.type !== "Parallel");
+  await offerHeadset(room, document.getElementById("headset"), movable, {
+    answer,
+    settle: (number) => settle(room, number, isOpen, tasks),
+    told: () => ({ title: sheet.title, message: document.getElementById("message").textContent, open: openTasks() }),
+    use(number, pressed) {
+      const forces = openTasks().filter(({ task }) => task.tools.includes(number)).map(({ task }) => task.force);
+      if (Math.max(0, ...forces)) force(number, pressed ? Math.max(...forces) : 0);
+      trigger(number, pressed);
+    },
+  });
   let first = null;
   room.engine.runRenderLoop(() => {
     const now = performance.now() / 1000;
@@ -121,7 +133,8 @@ async function start() {
     while (hit && hit !== node) hit = hit.parent;
     return hit ? [[from.x, from.y], [to.x, to.y]] : null;
   }
-  window.unisg = { room, status, recorder, sheet, perform, answer, save, onScreen };
+  const wayTo = (task, thing) => goalOf(room, task).getTranslation().subtract(room.nodes[thing].getAbsolutePosition()).asArray();
+  window.unisg = { room, status, recorder, sheet, perform, answer, save, onScreen, wayTo };
   document.body.dataset.ready = "yes";
 }
 

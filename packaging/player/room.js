@@ -23,15 +23,15 @@ export async function openRoom(canvas, bytes) {
   const container = await LoadAssetContainerAsync(bytes, scene, { pluginExtension: ".glb" });
   container.addAllToScene();
   for (const light of container.lights) light.setEnabled(false); // the sky is enough, and the same in every room
-  const camera = lookAround(scene, canvas);
+  const extent = scene.getWorldExtends((mesh) => mesh.getTotalVertices() > 0);
+  const camera = lookAround(scene, canvas, extent);
   FlowGraphCoordinator.MaxEventTypeExecutionPerFrame = 10000; // no event of a large lesson is lost
   const coordinator = FlowGraphCoordinator.SceneCoordinators.get(scene)?.[0];
   window.addEventListener("resize", () => engine.resize());
-  return { engine, scene, camera, coordinator, nodes: byNumber(container) };
+  return { engine, scene, camera, coordinator, extent, nodes: byNumber(container) };
 }
 
-function lookAround(scene, canvas) {
-  const { min, max } = scene.getWorldExtends((mesh) => mesh.getTotalVertices() > 0);
+function lookAround(scene, canvas, { min, max }) {
   const middle = Vector3.Center(min, max), size = Math.max(Vector3.Distance(min, max), 1);
   const camera = new ArcRotateCamera("eye", -Math.PI / 3, Math.PI / 3.4, size * 0.55, middle, scene);
   camera.minZ = 0.02;

@@ -19,7 +19,10 @@ WORDS = {"done": "performed", "skipped": "skipped", "out_of_order": "early", "wr
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(not PLAYER or not shutil.which("node"), reason="needs node, chromium and `make test-web`")
+@pytest.mark.skipif(
+    not PLAYER or not shutil.which("node") or not shutil.which(os.environ.get("CHROMIUM", "chromium")),
+    reason="needs node, chromium and `make test-web`",
+)
 def test_a_lesson_played_in_a_browser_is_judged_alike(tmp_path: Path) -> None:
     graph = living_room(0)
     (tmp_path / "site").mkdir()

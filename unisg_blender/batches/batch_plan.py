@@ -20,7 +20,7 @@ CHUNK, CHUNKS = 8, 32
 DIGITS = 32
 """Of a job's key, with which the names of what is made of it begin."""
 
-FORMATS = ("blend", "usda", "json", "dataset")
+FORMATS = ("blend", "glb", "usda", "json", "dataset")
 PICTURES = "pictures"
 """The format of a batch of pictures, see :mod:`.pictures.picture_worker`."""
 

@@ -26,7 +26,7 @@ class Things:
     category
         Of each row its category in a model's words, "" for none.
     names
-        Of each row what it may be called: its categories and its name, in small letters.
+        Of each row what it may be called: its categories, its name and its uid, in small letters.
     above
         Of each row the rows of what stands on it, or hangs from it.
     """
@@ -47,7 +47,7 @@ class Things:
             if support >= 0:
                 above.setdefault(int(objects.row[support]), []).append(int(objects.row[number]))
         category = {row: graph.category_name(row) for row in rows}
-        said = {row: (category[row], own.category_name(row), own.name[row]) for row in rows}
+        said = {row: (category[row], own.category_name(row), own.name[row], own.uid[row]) for row in rows}
         names = {row: tuple(name.casefold() for name in found) for row, found in said.items()}
         return Things(tuple(rows), category, names, {row: tuple(found) for row, found in above.items()})
 
