@@ -43,10 +43,12 @@ bench: $(READY)  ## one benchmark of the command line, BENCH=poses unless anothe
 bench-all: $(READY)  ## the benchmarks that need no data, small, and what changed since the last run -> build/benchmarks/
 	$(BIN)/python benchmarks/run.py --quick --out build/benchmarks
 
-docs: $(READY)  ## the picture of the rooms, the page of public names, and the measured numbers of all pages -> docs/
+docs: $(READY)  ## what is written by scripts in docs/, and the site of it, links checked -> docs/, build/site/index.html
 	$(BIN)/python packaging/draw_architecture.py
 	$(BIN)/python packaging/write_api_page.py
+	$(BIN)/python packaging/write_command_page.py
 	$(BIN)/python packaging/page_numbers.py
+	$(BIN)/python packaging/build_site.py
 
 notebooks: $(READY)  ## run the notebooks, and write what they print and draw into them -> docs/notebooks/
 	$(BIN)/python packaging/run_notebooks.py
@@ -58,7 +60,7 @@ hooks: $(READY)  ## let git run what `make lint` runs before each commit
 $(READY): pyproject.toml constraints.txt
 	test -d $(VENV) || $(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet "torch==2.13.0"
-	$(BIN)/python -m pip install --quiet --constraint constraints.txt "bpy==$(BPY)" --editable ".[ga,learn,cluster,blender,figures,dev]"
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt "bpy==$(BPY)" --editable ".[ga,learn,cluster,blender,figures,docs,dev]"
 	touch $(READY)
 
 player:  ## the script of the page in which lessons are played, from npm -> unisg_blender/web/player.js

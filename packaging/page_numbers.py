@@ -32,8 +32,11 @@ from typing import Any
 
 from result_files import NUMBER, ROOT, Table, constant, megabytes, model, results
 
-PAGES = [ROOT / "README.md", *sorted(page for page in (ROOT / "docs").rglob("*.md") if page.name != "api.md")]
-"""Those that people write; docs/api.md is made of docstrings."""
+GENERATED = {"api.md", "commands.md"}
+"""Made of docstrings, and of the parsers of the command line."""
+
+PAGES = [ROOT / "README.md", *sorted(page for page in (ROOT / "docs").rglob("*.md") if page.name not in GENERATED)]
+"""Those that people write."""
 
 MARK = re.compile(r"[ \t]*<!-- (from|rows|table|chosen)\b\s*(.*?)\s*-->", re.DOTALL)
 HIDDEN = re.compile(

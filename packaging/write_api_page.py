@@ -8,6 +8,7 @@ Public is what a package's ``__all__`` names. Files are read, not imported, so n
 from __future__ import annotations
 
 import ast
+import inspect
 from copy import deepcopy
 from dataclasses import dataclass
 
@@ -41,17 +42,24 @@ def public_packages() -> dict[str, list[str]]:
 
 
 def describe(package: str, name: str) -> PublicName:
-    """What the file that defines a public name says about it."""
+    """What the file that defines a public name says about it, shortly."""
+    node, text = definition(package, name)
+    signature = _signature(node) if isinstance(node, ast.FunctionDef | ast.ClassDef) else ""
+    return PublicName(name, signature, _first_line(text))
+
+
+def definition(package: str, name: str) -> tuple[ast.stmt, str]:
+    """The statement that defines a public name, and all that is said about it."""
     module = _home(modules()[package], name)
     for node, after in zip(module.tree.body, [*module.tree.body[1:], None], strict=True):
         if isinstance(node, ast.FunctionDef | ast.ClassDef) and node.name == name:
-            return PublicName(name, _signature(node), _first_line(ast.get_docstring(node)))
+            return node, ast.get_docstring(node) or ""
         if isinstance(node, ast.Assign | ast.AnnAssign):
             targets = node.targets if isinstance(node, ast.Assign) else [node.target]
             said = after.value if isinstance(after, ast.Expr) else None
             if name in map(ast.unparse, targets):
-                text = said.value if isinstance(said, ast.Constant) and isinstance(said.value, str) else None
-                return PublicName(name, "", _first_line(text))
+                text = said.value if isinstance(said, ast.Constant) and isinstance(said.value, str) else ""
+                return node, inspect.cleandoc(text)
     raise LookupError(f"{package} exports {name!r}, which {module.path} does not define")
 
 

@@ -20,7 +20,7 @@ SYMMETRY_TOLERANCE = 0.01
 
 
 def translation_errors(found: Matrices, truth: Matrices) -> Floats:
-    """Centimetres between the origins of poses (..., 4, 4) in metres: 100 |t' - t|."""
+    """Centimetres between the origins of poses (..., 4, 4) in metres: ``100 |t' - t|``."""
     return 100.0 * np.linalg.norm(np.float64(found[..., :3, 3]) - truth[..., :3, 3], axis=-1)
 
 

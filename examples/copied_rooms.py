@@ -1,6 +1,6 @@
 """The simplest generator of rooms: training rooms with all that stands on the floor pushed about by some centimetres.
 
-    python docs/examples/copied_rooms.py --training rooms/living-room/training --out copied --count 300
+    python examples/copied_rooms.py --training rooms/living-room/training --out copied --count 300
     unisg evaluate copied --data rooms/living-room/test --training rooms/living-room/training --out results
 
 docs/evaluating.md says what such a folder must be like.

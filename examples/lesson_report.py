@@ -1,0 +1,23 @@
+"""Which lessons of a folder can be played to their end, and how long each takes, as CSV.
+
+python examples/lesson_report.py rooms/ > lessons.csv
+"""
+
+import csv
+import sys
+from pathlib import Path
+
+from unisg_blender import read_scene_file
+from unisg_blender.behaviour import check_scene, moments, prepare, rehearse, simulate
+
+writer = csv.writer(sys.stdout)
+writer.writerow(["file", "finished", "seconds", "problem"])
+for path in sorted(Path(sys.argv[1]).glob("*.blend")):
+    scene, _ = read_scene_file(path)
+    problems = [problem.message for problem in check_scene(scene) if problem.severe]
+    if problems:
+        writer.writerow([path.name, False, "", problems[0]])
+        continue
+    lesson = prepare(scene)
+    timeline = simulate(lesson, moments(scene, rehearse(lesson)))
+    writer.writerow([path.name, timeline.finished, f"{timeline.end - timeline.start:.1f}", ""])

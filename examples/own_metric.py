@@ -1,0 +1,30 @@
+"""A metric of one's own over a folder of scenes: how far each chair is from the nearest table, metres.
+
+python examples/own_metric.py rooms/
+"""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+
+from unisg_blender import SceneGraph, read_scene_file
+
+
+def places(scene: SceneGraph, word: str) -> np.ndarray:
+    """World places (K, 3) of the things whose category ends with a word, metres."""
+    rows = [row for row in range(len(scene)) if scene.category_name(row).endswith(word)]
+    return scene.world[rows, :3, 3]
+
+
+def chair_distances(scene: SceneGraph) -> np.ndarray:
+    """Of each chair (K,) the distance on the floor to the nearest table, metres; empty without tables."""
+    chairs, tables = places(scene, "Chair"), places(scene, "Table")
+    if not len(tables):
+        return np.zeros(0)
+    return np.linalg.norm(chairs[:, None, :2] - tables[None, :, :2], axis=-1).min(axis=1)
+
+
+every = [chair_distances(read_scene_file(path)[0]) for path in sorted(Path(sys.argv[1]).glob("*.blend"))]
+found = np.concatenate(every)
+print(f"{len(found)} chairs in {len(every)} rooms: median {np.median(found):.2f} m, farthest {found.max():.2f} m")

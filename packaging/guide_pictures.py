@@ -1,0 +1,83 @@
+"""Make the pictures of README.md and the guide that need no window of Blender -> docs/pictures/.
+
+python packaging/guide_pictures.py
+"""
+
+from __future__ import annotations
+
+import shutil
+import tempfile
+from pathlib import Path
+
+from architecture import ROOT
+from PIL import Image
+
+from unisg_blender import Generator, SceneGraph, cli
+from unisg_blender.blender.blend_files import new_scene
+from unisg_blender.blender.render.picture import render_picture
+from unisg_blender.commands.room_picture import room_view
+from unisg_blender.pretrained import find_generator
+from unisg_blender.scene import take
+from unisg_blender.scene.categories import STRUCTURE
+from unisg_blender.worlds import living_room
+
+PICTURES = ROOT / "docs" / "pictures"
+SEED = 11
+WANTED = {
+    "Rug": 1, "Sofa": 1, "Armchair": 1, "Coffee Table": 1, "Television Stand": 1, "Television": 1, "Dining Table": 1,
+    "Chair": 4, "Bookshelf": 1, "Book": 12, "Plant": 1, "Floor Lamp": 1, "Picture": 2, "Cup": 2, "Cushion": 2,
+    "Vase": 1,
+}  # fmt: skip
+
+
+def main() -> None:
+    """Render, shrink, and put side by side."""
+    with tempfile.TemporaryDirectory() as folder:
+        _before_and_after(Path(folder))
+        _fuller_room(Path(folder))
+        _timeline(Path(folder))
+
+
+def _before_and_after(folder: Path) -> None:
+    """A room with its walls only, and what the model for living rooms makes of it."""
+    room = living_room(SEED)
+    shell = take(room, [row for row in range(len(room)) if room.category_name(row) in STRUCTURE])
+    result = Generator.load(find_generator("living_room")).add(shell, WANTED, seed=1)
+    view = room_view(result)
+    for name, scene in (("before", shell), ("after", result.scene)):
+        _render(scene, folder / f"{name}.png", view)
+    both = [Image.open(folder / f"{name}.png").convert("RGB") for name in ("before", "after")]
+    pair = Image.new("RGB", (2 * both[0].width + 12, both[0].height), "white")
+    pair.paste(both[0], (0, 0))
+    pair.paste(both[1], (both[0].width + 12, 0))
+    _save(pair, "before-after.png")
+
+
+def _render(scene: SceneGraph, path: Path, view: object) -> None:
+    new_scene(scene)
+    render_picture(path, room=view, size=(720, 540))
+
+
+def _fuller_room(folder: Path) -> None:
+    """The picture of the page "First scene", by its own commands."""
+    words = ["--add", "Scalpel=2,Monitor=1", "--scene", str(folder / "operating-room-00007.blend"), "--seed", "1"]
+    cli.main(["world", "operating-room", "--seed", "7", "--out", str(folder), "-q"])
+    cli.main(["generate", *words, "--out", str(folder / "a.usda"), "--render", str(folder / "fuller.png"), "-q"])
+    _save(Image.open(folder / "fuller.png").convert("RGB"), "guide-fuller.png")
+
+
+def _timeline(folder: Path) -> None:
+    """How a room's own lesson is played."""
+    room = str(folder / "operating-room-00007.blend")
+    cli.main(["simulate", room, "--rehearse", "--out", str(folder / "timeline"), "-q"])
+    shutil.copyfile(folder / "timeline" / "timeline.png", folder / "timeline.png")
+    _save(Image.open(folder / "timeline.png").convert("RGB"), "guide-timeline.png")
+
+
+def _save(picture: Image.Image, name: str) -> None:
+    """Write a picture with few colours: a quarter of the bytes, and nobody sees it."""
+    picture.quantize(128, dither=Image.Dither.NONE).save(PICTURES / name, optimize=True)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,54 @@
+"""The site: every public name has a page and lines that use it, no link is broken, nothing is asked for outside."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+
+import pytest
+from architecture import ROOT
+from write_api_page import public_packages
+
+pytest.importorskip("sphinx", reason="the extra 'docs'")
+NAMES = [(package, name) for package, names in sorted(public_packages().items()) for name in names]
+
+
+def test_every_public_name_has_a_page_with_lines_in_use() -> None:
+    from api_reference import name_page
+
+    without = [f"{package}.{name}" for package, name in NAMES if "rubric:: In use" not in name_page(package, name)]
+    assert not without
+
+
+def test_names_of_pages_differ_by_more_than_capitals() -> None:
+    from api_reference import page_name
+
+    places = [f"{package}/{page_name(package, name)}".casefold() for package, name in NAMES]
+    assert len(set(places)) == len(places)
+
+
+@pytest.mark.parametrize(
+    ("html", "told"),
+    [
+        ('<script src="https://a.org/x.js">', True),
+        ('<link rel="stylesheet" href="//fonts.org/a.css">', True),
+        ("src: url('http://a.org/font')", True),
+        ('<a href="https://arxiv.org/abs/1">', False),
+        ('<img src="../a.png">', False),
+    ],
+)
+def test_what_a_page_would_load_from_outside_is_found(html: str, told: bool) -> None:
+    from build_site import ASKED_FOR
+
+    assert bool(ASKED_FOR.search(html)) == told
+
+
+@pytest.mark.slow
+def test_the_site_is_built_without_a_broken_link() -> None:
+    done = subprocess.run(
+        [sys.executable, "packaging/build_site.py"], cwd=ROOT, capture_output=True, text=True, timeout=280,
+        env=os.environ | {"PYTHONPATH": str(ROOT)},
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    assert (ROOT / "build" / "site" / "searchindex.js").is_file()
