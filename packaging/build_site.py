@@ -15,6 +15,7 @@ from pathlib import Path
 
 from api_reference import write_reference
 from architecture import ROOT
+from notebook_pages import write_notebook_pages
 from sphinx.cmd.build import main as sphinx
 
 BUILD = ROOT / "build"
@@ -38,18 +39,19 @@ def gather() -> None:
         _copy(path, path.relative_to(ROOT))
     for name in ("CONTRIBUTING.md", "CHANGELOG.md"):
         _copy(ROOT / name, Path(name))
+    write_notebook_pages(ROOT / "docs" / "notebooks", SOURCE / "notebooks")
     write_reference(SOURCE / "reference")
 
 
 def _copy(path: Path, place: Path) -> None:
-    """Copy a file; links of a page to files above docs/ become links to where these are copied to."""
+    """Copy a file; links of a page to files above docs/ and to notebooks lead to what the site has of them."""
     target = SOURCE / place
     target.parent.mkdir(parents=True, exist_ok=True)
     if path.suffix != ".md":
         shutil.copyfile(path, target)
         return
     up = "../" * (len(place.parts) - 1)
-    text = path.read_text("utf-8").replace("](docs/", "](")
+    text = path.read_text("utf-8").replace("](docs/", "](").replace(".ipynb)", ".md)")
     target.write_text(ABOVE.sub(lambda match: f"]({up}{match[1]}", text), "utf-8")
 
 
