@@ -13,6 +13,7 @@ extensions = ["myst_parser"]
 source_suffix = {".md": "markdown", ".rst": "restructuredtext"}
 myst_heading_anchors = 4
 suppress_warnings = ["ref.python"]  # names that the library passes on are there twice
+highlight_language = "text"
 pygments_style, pygments_dark_style = "friendly", "github-dark"
 
 html_theme = "furo"
