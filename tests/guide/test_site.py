@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import ast
 import os
+import re
 import subprocess
 import sys
 
 import pytest
 from architecture import ROOT
-from write_api_page import public_packages
+from write_api_page import definition, public_packages
 
 pytest.importorskip("sphinx", reason="the extra 'docs'")
 NAMES = [(package, name) for package, names in sorted(public_packages().items()) for name in names]
@@ -52,3 +54,18 @@ def test_the_site_is_built_without_a_broken_link() -> None:
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
     assert (ROOT / "build" / "site" / "searchindex.js").is_file()
+
+
+SHAPE = re.compile(r"\(len|\((?:\.\.\.|[A-Za-z\d])[^()]*,[^()]*\)|\([A-Z]\)|\(:data:`\w+`,\)|[Ss]hapes? ")
+
+
+def test_public_functions_of_arrays_say_their_shapes() -> None:
+    without = []
+    for package, name in NAMES:
+        node, text = definition(package, name)
+        if isinstance(node, ast.FunctionDef):
+            arguments = [each.annotation for each in (*node.args.args, *node.args.kwonlyargs)]
+            types = " ".join(ast.unparse(each) for each in (*arguments, node.returns) if each)
+            if re.search("NDArray|ndarray|Floats|Ints|Bools", types) and not SHAPE.search(text):
+                without.append(f"{package}.{name}")
+    assert not without

@@ -15,7 +15,8 @@ from ..geometry.arrays import Bools, Ints
 def average_precision(score: NDArray[np.floating], truth: Bools) -> float:
     """Sum over thresholds of (recall gained) x (precision); ties in score count as one threshold.
 
-    AP = sum_k (R_k - R_{k-1}) P_k, 0..1. Source: Zhu, "Recall, precision and average precision", 2004; the same as
+    ``score`` and ``truth`` are (P,), of P pairs. AP = sum_k (R_k - R_{k-1}) P_k, 0..1.
+    Source: Zhu, "Recall, precision and average precision", 2004; the same as
     scikit-learn's ``average_precision_score``. NaN where no pair is true.
     """
     total = int(truth.sum())
@@ -29,7 +30,7 @@ def average_precision(score: NDArray[np.floating], truth: Bools) -> float:
 def area_under_roc(score: NDArray[np.floating], truth: Bools) -> float:
     """Chance that a true pair scores higher than a false one, ties half, 0..1 (Hanley and McNeil, 1982).
 
-    NaN without true or without false pairs.
+    ``score`` and ``truth`` are (P,), of P pairs; NaN without true or without false ones.
     """
     positives, negatives = int(truth.sum()), int((~truth).sum())
     if not positives or not negatives:
@@ -42,7 +43,7 @@ def area_under_roc(score: NDArray[np.floating], truth: Bools) -> float:
 def f1_score(found: Bools, truth: Bools, missed: int = 0) -> float:
     """2 TP / (2 TP + FP + FN), 0..1; 1 where there is nothing to find and nothing was found.
 
-    ``missed`` counts true pairs that were not among the candidates at all.
+    ``found`` and ``truth`` are (P,), of P pairs; ``missed`` counts true ones that were not among them at all.
     """
     right = int((found & truth).sum())
     wrong = int(found.sum()) + int(truth.sum()) + missed
@@ -50,7 +51,7 @@ def f1_score(found: Bools, truth: Bools, missed: int = 0) -> float:
 
 
 def best_threshold(score: NDArray[np.floating], truth: Bools) -> float:
-    """The score from which on pairs are called true where F1 is greatest (for a validation set)."""
+    """The score from which on pairs are called true where F1 is greatest, of validation: both (P,)."""
     order = np.sort(np.unique(score))[::-1]
     right, called = _at_thresholds(score, truth)
     return float(order[np.argmax(2 * right / (called + max(int(truth.sum()), 1)))])

@@ -10,7 +10,10 @@ from ..geometry.arrays import Floats
 
 
 def chamfer_l2(first: NDArray[np.floating], second: NDArray[np.floating]) -> float:
-    """Mean squared distance to the nearest point of the other cloud, both directions added, in squared units."""
+    """Mean squared distance to the nearest point of the other cloud, both directions added, in squared units.
+
+    The clouds are (P, 3) and (Q, 3).
+    """
     there, back = nearest_distances(first, second)
     return float(np.square(there).mean() + np.square(back).mean())
 
@@ -18,6 +21,7 @@ def chamfer_l2(first: NDArray[np.floating], second: NDArray[np.floating]) -> flo
 def f_score(first: NDArray[np.floating], second: NDArray[np.floating], threshold: float) -> float:
     """Harmonic mean of the shares of points of either cloud that lie within a threshold of the other, 0..1.
 
+    The clouds are (P, 3) and (Q, 3); the threshold is in their unit.
     Knapitsch et al., "Tanks and Temples", SIGGRAPH 2017.
     """
     there, back = nearest_distances(first, second)

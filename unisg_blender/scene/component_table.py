@@ -54,7 +54,7 @@ class Table:
 
 
 def table(rows: Sequence[int] | NDArray[np.integer], **columns: Sequence[Any] | NDArray[Any]) -> Table:
-    """A table from rows in any order and columns; lists become object arrays."""
+    """A table from rows (K,) in any order and columns (K, ...); lists become object arrays."""
     order = np.argsort(np.asarray(rows, np.int64), kind="stable")
     arrays = {name: _column(values)[order] for name, values in columns.items()}
     return Table(np.asarray(rows, np.int32)[order], arrays)

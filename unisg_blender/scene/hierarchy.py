@@ -58,17 +58,17 @@ def without_world(graph: SceneGraph, rows: Collection[int]) -> SceneGraph:
 
 
 def children(graph: SceneGraph, row: int) -> NDArray[np.int64]:
-    """Rows of the direct children, in entity order; those of the roots for row -1."""
+    """Rows (K,) of the direct children, in entity order; those of the roots for row -1."""
     return np.flatnonzero(graph.parent == row)
 
 
 def subtree(graph: SceneGraph, row: int) -> NDArray[np.int64]:
-    """Rows of an entity and all its descendants, in entity order."""
+    """Rows (K,) of an entity and all its descendants, in entity order."""
     return subtree_rows(graph.parent, row)
 
 
 def take(graph: SceneGraph, rows: NDArray[np.integer]) -> SceneGraph:
-    """The scenegraph of some rows, in the order given (parents must come first).
+    """The scenegraph of some rows (K,), in the order given (parents must come first).
 
     An entity whose parent is left out becomes a root where it stands in the
     world; meshes, materials and vocabulary are kept whole.

@@ -30,8 +30,8 @@ Found = tuple[int, str, int]
 def relate(graph: SceneGraph, rows: Ints | None = None, tolerances: RelationTolerances = DEFAULT) -> SceneGraph:
     """The scenegraph with its relations computed anew; relations of kinds of its user's own stay.
 
-    A :class:`~..scene.systems.System`: only relations whose subjects are among ``rows``, all when
-    omitted, are computed anew; their targets may be any objects of the scene.
+    A :class:`~..scene.systems.System`: only relations whose subjects are among ``rows`` (K,), all
+    when omitted, are computed anew; their targets may be any objects of the scene.
     """
     subjects = set(range(len(graph)) if rows is None else map(int, rows))
     found = [entry for entry in find_relations(graph, tolerances) if entry[0] in subjects]

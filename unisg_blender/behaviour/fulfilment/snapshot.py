@@ -46,7 +46,7 @@ def moment(
 ) -> Moment:
     """A moment from inputs by uid; what is not mentioned is not pressed, used without force, not answered.
 
-    Uids that are not in the scene are passed over.
+    ``world`` (N, 4, 4) are the world matrices, metres; uids that are not in the scene are passed over.
     """
     row_of = graph.row_of_uid
     pressed = np.zeros(len(graph), bool)
