@@ -6,9 +6,11 @@ BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 WORKERS ?= 2
 BENCH ?= poses
+BLENDER ?= blender
+FOLDER ?= build/window
 PYTEST := $(BIN)/python -m pytest -n $(WORKERS) --dist loadfile
 
-.PHONY: help demo test test-fast test-zip coverage lint extension bench bench-all docs notebooks hooks player test-web clean
+.PHONY: help demo test test-fast test-zip coverage lint extension bench bench-all docs notebooks hooks player test-web test-window clean
 
 help:  ## say what can be made
 	@grep -E '^[a-z-]+:.*##' $(firstword $(MAKEFILE_LIST)) | sed -E 's/:[^#]*## */\t/' | expand -t 14
@@ -70,6 +72,9 @@ player:  ## the script of the page in which lessons are played, from npm -> unis
 test-web: $(READY)  ## plays a lesson in Chromium (Debian: chromium, npm) and lets `unisg simulate` judge what it saved
 	cd packaging/player && npm install --no-audit --no-fund
 	UNISG_PLAYER=packaging/player $(PYTEST) tests/web
+
+test-window: $(READY)  ## places, generates, plays in a real window: BLENDER=/path/to/blender (Debian: xvfb, xdotool, imagemagick)
+	UNISG_BLENDER="$(BLENDER)" UNISG_WINDOW_FOLDER="$(FOLDER)" $(BIN)/python -m pytest -rs tests/window
 
 clean:  ## take away everything that was made here
 	rm -rf build demo .venv .venv-*

@@ -1,0 +1,205 @@
+"""The extension in a real Blender window, as a user meets it: installed from its zip, clicked, and looked at."""
+
+from __future__ import annotations
+
+import os
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tests.window.blender_window import SIZE, BlenderWindow, blender_window, install, missing_tools
+
+pytestmark = [pytest.mark.skipif(bool(missing_tools()), reason=missing_tools()), pytest.mark.slow]
+
+ROOM = """
+import math, mathutils
+for scene in bpy.data.scenes[1:]:
+    bpy.data.scenes.remove(scene)
+for item in list(bpy.data.objects):
+    bpy.data.objects.remove(item)
+bpy.ops.unisg.add_room(kind="living-room", seed=5, with_view=False)
+bpy.context.window_manager.unisg.listed = ""
+for item in bpy.data.objects:
+    if item.type == "EMPTY":
+        item.hide_set(True)
+space = area.spaces.active
+space.show_region_ui, space.overlay.show_relationship_lines = False, False
+view = space.region_3d
+view.view_perspective, view.view_location, view.view_distance = "PERSP", (0, 0, 0.4), 7.5
+view.view_rotation = mathutils.Euler((math.radians(38), 0, math.radians(20))).to_quaternion()
+bpy.ops.ed.undo_push(message="A room")
+result = len(bpy.data.objects)
+"""
+SESSION = "__import__('sys').modules['bl_ext.user_default.unisg_blender.operators.placing.placing_session'].placing()"
+LESSON = "__import__('sys').modules['bl_ext.user_default.unisg_blender.operators.play'].session()"
+COUNT = "result = len(bpy.data.objects)"
+VIEWPORT = np.s_[90:700, 60:1050]
+"""Rows and columns of the picture that the viewport fills, its edges left out."""
+
+
+@pytest.fixture(scope="module")
+def window(tmp_path_factory: pytest.TempPathFactory) -> Iterator[BlenderWindow]:
+    """A Blender into which the zip was installed."""
+    said = os.environ.get("UNISG_WINDOW_FOLDER", "")
+    here, _, inside = said.partition(":")
+    folder = Path(here or tmp_path_factory.mktemp("window")).resolve()
+    folder.mkdir(parents=True, exist_ok=True)
+    shutil.rmtree(folder / "resources", ignore_errors=True)
+    inside = inside or str(folder)
+    install(folder, inside)
+    with blender_window(folder, inside) as window:
+        yield window
+
+
+@pytest.fixture
+def room(window: BlenderWindow) -> int:
+    """A living room in the window; how many objects it has."""
+    window.key("Escape")
+    return int(window.in_viewport(ROOM))
+
+
+def begin(window: BlenderWindow, category: str) -> None:
+    """Begin to place something, and wait until it is known where."""
+    window.move(500, 420)
+    window.in_viewport(f"bpy.ops.unisg.place('INVOKE_DEFAULT', category={category!r}, model='living_room')")
+    window.wait(f"{SESSION} and {SESSION}.room")
+
+
+def changed(before: np.ndarray, after: np.ndarray) -> float:
+    """Share of the viewport that has changed."""
+    return float((np.abs(after - before)[VIEWPORT].max(axis=2) > 12).mean())
+
+
+def warm(picture: np.ndarray) -> float:
+    """Share of the viewport that is coloured like a likely place: yellow to red."""
+    red, green, blue = np.moveaxis(picture[VIEWPORT], 2, 0)
+    return float(((red > 170) & (red - blue > 70) & (green < red)).mean())
+
+
+def test_the_room_glows_and_a_click_places(window: BlenderWindow, room: int) -> None:
+    before = window.picture("room")
+    assert before.shape == (SIZE[1], SIZE[0], 3)
+    assert before[VIEWPORT].std() > 10
+    begin(window, "Cup")
+    window.move(450, 420)
+    glowing = window.picture("placing-cup")
+    assert warm(glowing) > warm(before) + 0.005
+    assert 0.01 < changed(before, glowing) < 0.5
+    assert window.run(f"result = {SESSION}.lines()")[0].startswith("Cup: ")
+    window.click()
+    window.wait(f"len(bpy.data.objects) == {room + 1}")
+    after = window.picture("placed-cup")
+    assert warm(after) < warm(before) + 0.005
+    assert not window.run(f"result = bool({SESSION})")
+    window.in_viewport("for _ in range(50):\n    bpy.ops.ed.undo()\n    bpy.ops.ed.redo()")
+    assert window.run(COUNT) == room + 1
+    window.key("ctrl+z")
+    window.wait(f"len(bpy.data.objects) == {room}")
+
+
+def test_one_after_another_each_is_a_step_of_undo_and_esc_leaves(window: BlenderWindow, room: int) -> None:
+    begin(window, "Plant")
+    for number in range(2):
+        window.move(500 + 40 * number, 400)
+        window.wait(f"{SESSION}.ghost")
+        window.click(shift=True)
+        window.wait(f"len(bpy.data.objects) > {room + number} and {SESSION}.room")
+    window.key("ctrl+z")
+    window.wait(f"{SESSION} and {SESSION}.room and len(bpy.data.objects) == {room + 1}")
+    window.move(470, 380)
+    first = window.run(f"result = list({SESSION}.ghost.place)")
+    window.click(5)
+    assert window.run(f"result = list({SESSION}.ghost.place)") != first
+    window.click(5, shift=True)
+    assert window.run(f"result = {SESSION}.turn")
+    window.key("l")
+    assert "locked" in window.run(f"result = {SESSION}.lines()")
+    window.key("Escape")
+    assert not window.run(f"result = bool({SESSION})")
+    assert window.run(COUNT) == room + 1
+
+
+def test_f3_finds_it_and_asks_what(window: BlenderWindow, room: int) -> None:
+    window.move(500, 420)
+    window.key("F3")
+    window.type("Place...")
+    window.wait("bpy.context.window_manager.unisg is not None")
+    window.picture("choose")
+    window.type("Book")
+    window.wait(f"{SESSION}")
+    assert window.run(f"result = {SESSION}.choice.category") in ("Book", "Bookshelf")
+    window.key("Escape")
+
+
+def test_generate_reroll_settle_and_undo(window: BlenderWindow, room: int) -> None:
+    before = window.picture("before-generate")
+    window.in_viewport(
+        "bpy.ops.unisg.generate('INVOKE_DEFAULT', True, add='Chair=1,Plant=2', model='living_room', seed=3)"
+    )
+    window.wait(f"len(bpy.data.objects) > {room}")
+    window.wait("not bpy.context.window.modal_operators")
+    assert 0 < changed(before, window.picture("generated")) < 0.3
+    name, place = window.run(
+        "item = bpy.context.active_object; result = [item.name, list(item.matrix_world.translation)]"
+    )
+    window.in_viewport(
+        f"bpy.ops.object.select_all(action='DESELECT'); bpy.data.objects[{name!r}].select_set(True)\n"
+        "bpy.ops.unisg.reroll('INVOKE_DEFAULT', True, model='living_room', seed=4)"
+    )
+    window.wait("not bpy.context.window.modal_operators")
+    window.wait(f"list(bpy.data.objects[{name!r}].matrix_world.translation) != {place!r}")
+    raised = window.in_viewport(
+        f"item = bpy.data.objects[{name!r}]; item.matrix_world.translation.z += 0.5\n"
+        "bpy.context.view_layer.update(); high = item.matrix_world.translation.z\n"
+        "bpy.ops.unisg.settle('INVOKE_DEFAULT', True)\nbpy.context.view_layer.update()\n"
+        "result = high - item.matrix_world.translation.z"
+    )
+    assert raised > 0.3
+    for _ in range(6):
+        window.key("ctrl+z")
+        if window.run(COUNT) == room:
+            break
+    assert window.run(COUNT) == room
+
+
+def test_a_lesson_is_authored_and_played(window: BlenderWindow, room: int) -> None:
+    window.in_viewport("""
+cup = next(item for item in bpy.data.objects if item.get("unisg_category") == "Cup")
+table = cup.parent
+bpy.ops.object.select_all(action="DESELECT")
+cup.select_set(True)
+bpy.context.view_layer.objects.active = cup
+for item in [item for item in bpy.data.objects if "unisg_lsa" in item]:
+    bpy.data.objects.remove(item)
+bpy.ops.unisg.action_add(type="Insert")
+bpy.context.window_manager.unisg_pick_frame = table
+bpy.ops.unisg.action_reference()
+cup.location.x += 0.3
+bpy.ops.unisg.lesson_new(name="Serve")
+if bpy.ops.unisg.lesson_add_action.poll():
+    bpy.ops.unisg.lesson_add_action()
+bpy.context.view_layer.objects.active = cup
+bpy.ops.unisg.play("INVOKE_DEFAULT")
+""")
+    window.wait(f"{LESSON}")
+    assert not window.run(f"result = {LESSON}.state.finished")
+    window.picture("lesson-open")
+    window.run("bpy.context.view_layer.objects.active.location.x -= 0.3")
+    window.wait(f"not {LESSON} or {LESSON}.state.finished")
+    window.picture("lesson-done")
+    window.key("Escape")
+
+
+def test_switched_off_and_on_while_placing_nothing_stays(window: BlenderWindow, room: int) -> None:
+    kinds = ("undo_post", "redo_post", "load_pre", "load_post", "depsgraph_update_post")
+    handlers = f"result = [len(getattr(bpy.app.handlers, name)) for name in {kinds!r}]"
+    before = window.run(handlers)
+    begin(window, "Chair")
+    for _ in range(20):
+        window.run("import addon_utils; addon_utils.disable('bl_ext.user_default.unisg_blender')")
+        window.run("import addon_utils; addon_utils.enable('bl_ext.user_default.unisg_blender')")
+    assert window.run(handlers) == before
+    assert not window.run(f"result = bool({SESSION})")
