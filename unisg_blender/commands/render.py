@@ -8,6 +8,7 @@ import time
 from pathlib import Path
 from typing import Any
 
+from ..batches.batch_folder import GRAPHS
 from ..batches.batch_plan import PICTURES, BatchOptions, Task, plan_rooms
 from ..batches.pictures.contact_sheet import write_contact_sheet
 from ..batches.pictures.view_choice import KINDS, parse_views
@@ -90,7 +91,7 @@ def run(args: argparse.Namespace) -> int:
     pictures = sum(len(record.get("pictures", ())) for record in records)
     if args.sheet is not None:
         names = [name for record in records for name in record.get("pictures", ())]
-        write_contact_sheet(args.out, args.sheet, names[:ROWS])
+        write_contact_sheet(args.out, args.out / GRAPHS, args.sheet, names[:ROWS])
     report = {"out": str(args.out), "scenes": len(records), "failed": bad, "pictures": pictures}
     notes = [f"{record['source']}: {record['note']}" for record in records if "note" in record]
     words = f", {bad} failed" if bad else ""

@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 from ...dataset import open_dataset
 from ...dataset.format.reader import Scene
 from ...errors import MissingPackageError
-from ..batch_folder import GRAPHS
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -25,8 +24,8 @@ MOST_NAMES = 14
 """Names in one picture: more would lie on one another."""
 
 
-def write_contact_sheet(folder: Path, path: Path, names: Sequence[str]) -> None:
-    """Draw some pictures of a folder that ``unisg render`` made, a row each (.png, .pdf ...).
+def write_contact_sheet(folder: Path, graphs: Path, path: Path, names: Sequence[str]) -> None:
+    """Draw some pictures of a folder that ``unisg render`` made, with their ``graphs``, a row each (.png, .pdf ...).
 
     Raises
     ------
@@ -39,7 +38,7 @@ def write_contact_sheet(folder: Path, path: Path, names: Sequence[str]) -> None:
         from matplotlib.image import imread
     except ImportError:
         raise MissingPackageError("matplotlib", "figures") from None
-    graphs = {scene.source: scene for scene in open_dataset(folder / GRAPHS)}
+    known = {scene.source: scene for scene in open_dataset(graphs)}
     figure = Figure(figsize=(14, 3.1 * len(names)), layout="constrained")
     FigureCanvasAgg(figure)
     for axes, name in zip(np.atleast_2d(figure.subplots(len(names), len(TITLES))), names, strict=True):
@@ -51,7 +50,7 @@ def write_contact_sheet(folder: Path, path: Path, names: Sequence[str]) -> None:
         axes[0].set_ylabel(name)
         axes[1].imshow(mask_colours(instance))
         axes[2].imshow(np.where(np.isfinite(depth), depth, np.nan), cmap="viridis_r")
-        _draw_graph(axes[3], picture, objects, graphs[name])
+        _draw_graph(axes[3], picture, objects, known[name])
     for axes, title in zip(figure.axes[: len(TITLES)], TITLES, strict=True):
         axes.set_title(title)
     for axes in figure.axes:
