@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import runpy
+import sys
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -15,9 +17,11 @@ from hypothesis.extra.numpy import arrays
 
 from unisg_blender.batches import BatchOptions, make_batch, plan_rooms
 from unisg_blender.batches.pictures.coco_files import coco_categories, run_lengths
+from unisg_blender.batches.pictures.contact_sheet import mask_colours
 from unisg_blender.batches.pictures.panoptic_image import write_panoptic
 from unisg_blender.batches.pictures.picture_labels import labelled
 from unisg_blender.batches.pictures.silhouette import silhouette
+from unisg_blender.batches.room_makers import WORLD
 from unisg_blender.cli import main
 from unisg_blender.commands.render import picture_size
 from unisg_blender.dataset import open_dataset
@@ -27,6 +31,8 @@ from unisg_blender.geometry.camera_view import looking
 from unisg_blender.scene import SceneBuilder
 from unisg_blender.worlds import cubes
 
+EXAMPLE = Path(__file__).resolve().parents[2] / "docs" / "examples" / "pictures_and_graphs.py"
+CUBES = {"world": "cubes", "function": ""}
 VIEW = looking("x", np.array([3.0, 0, 1]), np.zeros(3), (64, 48), 1.0)
 
 
@@ -236,3 +242,34 @@ def test_bad_input(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["render", scene, "--out", out, "--views", "eye=x", "-q"]) == 1
     assert len(capsys.readouterr().err.splitlines()) == 4
     assert not list((tmp_path / "out").glob("[!.]*/*")) if (tmp_path / "out").exists() else True
+
+
+@pytest.mark.slow
+def test_scenes_of_a_dataset_are_rendered_and_drawn_on_a_sheet(tmp_path: Path) -> None:
+    make_batch(plan_rooms([], 2, 0, "cubes"), tmp_path / "rooms", BatchOptions(WORLD, CUBES, "dataset"), jobs=1)
+    words = ["render", str(tmp_path / "rooms"), "--out", str(tmp_path / "out"), "--views", "turntable=1", "-q"]
+    words += ["--size", "64x48", "--engine", "workbench", "--jobs", "1", "--sheet", str(tmp_path / "sheet.png")]
+    assert main(words) == 0
+    names = sorted(path.stem for path in (tmp_path / "out" / "pictures").iterdir())
+    assert names == ["rooms-00000-00", "rooms-00001-00"]
+    for number, scene in enumerate(open_dataset(tmp_path / "rooms")):
+        labels = json.loads((tmp_path / "out" / "labels" / f"{names[number]}.json").read_text())
+        assert {each["uid"] for each in labels["objects"]} <= set(scene.strings("entity.uid"))
+        assert labels["objects"]
+    assert (tmp_path / "sheet.png").read_bytes()[:4] == b"\x89PNG"
+
+
+def test_masks_of_neighbours_have_other_colours() -> None:
+    colours = mask_colours(np.arange(60, dtype=np.int32)[None])[0].astype(int)
+    assert (colours[0] == 255).all()
+    assert np.abs(np.diff(colours[1:], axis=0)).sum(axis=1).min() > 50
+
+
+@pytest.mark.slow
+def test_the_example_learns_from_pictures_and_graphs(
+    rendered: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    pytest.importorskip("torch")
+    monkeypatch.setattr(sys, "argv", [str(EXAMPLE), str(rendered / "out"), "--seconds", "0.5"])
+    runpy.run_path(str(EXAMPLE), run_name="__main__")
+    assert "the right one is found for" in capsys.readouterr().out

@@ -8,25 +8,31 @@ import time
 from pathlib import Path
 from typing import Any
 
-from ..batches.batch_plan import PICTURES, BatchOptions, plan_rooms
+from ..batches.batch_folder import GRAPHS
+from ..batches.batch_plan import PICTURES, BatchOptions, Task, plan_rooms
+from ..batches.pictures.contact_sheet import write_contact_sheet
 from ..batches.pictures.view_choice import KINDS, parse_views
+from ..dataset import open_dataset
+from ..dataset.format.writer import MANIFEST
 from ..errors import DONE, SOME_FAILED, MissingPackageError, UniSGError
 from ..formats.scene_files import load_blender
+from ..runtime.atomic_files import checksum_of
 from ..runtime.process_pool import processors
 from .argument_types import SEED, whole
 from .batch_options import add_running_options, made_rooms
 from .common import add_form, add_mapping, print_report, vocabulary_of
-from .outputs import check_folder
+from .given_scenes import is_dataset
+from .outputs import check_file, check_folder
 
 HELP = "Take pictures of scenes, with masks, depth, boxes and the scenegraph of what each shows."
 ENGINES = ("cycles", "workbench", "eevee")
-LARGEST = 16_384
+LARGEST, ROWS = 16_384, 6
 SIZE = re.compile(r"(\d{1,5})(?:x(\d{1,5}))?")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """What the verb takes."""
-    parser.add_argument("inputs", metavar="IN", nargs="+", help="scene files, folders and globs")
+    parser.add_argument("inputs", metavar="IN", nargs="+", help="scene files, folders, globs and datasets")
     parser.add_argument("--out", metavar="DIR", type=Path, required=True, help="folder of pictures and labels")
     parser.add_argument(
         "--views", metavar="WHAT",
@@ -39,6 +45,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--seed", metavar="S", type=SEED, default=0, help="of the chosen views (0)")
     parser.add_argument(
         "--vocabulary", metavar="DATASET", type=Path, help="number categories as it does (COCO: from 1 on)"
+    )
+    parser.add_argument(
+        "--sheet", metavar="FILE", type=Path, help="draw the first pictures beside their masks, depth and scenegraphs"
     )
     add_mapping(parser)
     add_form(parser)
@@ -53,6 +62,8 @@ def run(args: argparse.Namespace) -> int:
     from ..words import read_mapping
 
     check_folder("--out", args.out)
+    if args.sheet is not None:
+        check_file("--sheet", args.sheet, (".png", ".pdf", ".svg"))
     settings: dict[str, Any] = {
         "views": None if args.views is None else parse_views(args.views),
         "size": picture_size(args.size),
@@ -61,8 +72,11 @@ def run(args: argparse.Namespace) -> int:
         "mapping": None if args.mapping is None else read_mapping(args.mapping),
         "assets": "" if args.assets is None else str(args.assets.absolute()),
     }
-    tasks = [{**task, "room": task["room"][:-6]} for task in plan_rooms(find_sources(args.inputs), 1, 0, "")]
-    tasks = [{**task, "seed": args.seed} for task in tasks]
+    datasets = [path for path in map(Path, args.inputs) if is_dataset(path)]
+    files = [path for path in args.inputs if Path(path) not in datasets]
+    planned = plan_rooms(find_sources(files), 1, 0, "") if files else []
+    tasks = [{**task, "room": task["room"][:-6], "seed": args.seed} for task in planned]
+    tasks += [{**task, "seed": args.seed} for path in datasets for task in dataset_tasks(path)]
     load_blender()
     if "bpy" not in sys.modules:
         raise MissingPackageError("bpy", "blender")
@@ -75,12 +89,22 @@ def run(args: argparse.Namespace) -> int:
     seconds = time.perf_counter() - started
     bad = sum(record["status"] == "failed" for record in records)
     pictures = sum(len(record.get("pictures", ())) for record in records)
+    if args.sheet is not None:
+        names = [name for record in records for name in record.get("pictures", ())]
+        write_contact_sheet(args.out, args.out / GRAPHS, args.sheet, names[:ROWS])
     report = {"out": str(args.out), "scenes": len(records), "failed": bad, "pictures": pictures}
     notes = [f"{record['source']}: {record['note']}" for record in records if "note" in record]
     words = f", {bad} failed" if bad else ""
     line = f"{args.out}: {pictures} pictures of {len(records)} scenes{words} in {seconds:.1f} s"
     print_report(args, report | {"seconds": round(seconds, 3), "records": records}, [*notes, line])
     return SOME_FAILED if bad else DONE
+
+
+def dataset_tasks(folder: Path) -> list[Task]:
+    """A task for each scene of a dataset, named after its folder and its number."""
+    total, many = checksum_of(folder / MANIFEST), len(open_dataset(folder))
+    shared = {"path": str(folder.absolute()), "sha256": total}
+    return [{"room": f"{folder.resolve().name}-{number:05d}", "scene": number, **shared} for number in range(many)]
 
 
 def picture_size(text: str) -> list[int]:

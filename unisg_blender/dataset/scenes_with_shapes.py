@@ -19,19 +19,29 @@ def scenes_with_shapes(dataset: Dataset) -> Iterator[SceneGraph]:
 
     Where the dataset has no assets file every mesh is one box.
     """
-    file = dataset.assets()
-    if file is None:
-        yield from map(to_scenegraph, dataset)
-        return
-    parts, outlines = file.shapes("parts"), file.shapes("outlines")
-    known: dict[str, Mesh] = {}
-    for scene in dataset:
+    yield from map(ShapedScenes(dataset).scene, range(len(dataset)))
+
+
+class ShapedScenes:
+    """Scenes of a dataset by their numbers, as :func:`scenes_with_shapes` gives them one after another."""
+
+    def __init__(self, dataset: Dataset) -> None:
+        self._dataset, file = dataset, dataset.assets()
+        self._parts = None if file is None else file.shapes("parts")
+        self._outlines = {} if file is None else file.shapes("outlines")
+        self._known: dict[str, Mesh] = {}
+
+    def scene(self, number: int) -> SceneGraph:
+        """One scene."""
+        scene = self._dataset[number]
         graph = to_scenegraph(scene)
+        if self._parts is None:
+            return graph
         sums = mesh_checksums(scene.columns)
         for key, box in zip(sums, graph.meshes, strict=True):
-            if key not in known:
-                known[key] = _shape_mesh(box, parts.get(key), outlines.get(key))
-        yield graph.replace(meshes=tuple(known[key] for key in sums))
+            if key not in self._known:
+                self._known[key] = _shape_mesh(box, self._parts.get(key), self._outlines.get(key))
+        return graph.replace(meshes=tuple(self._known[key] for key in sums))
 
 
 def _shape_mesh(box: Mesh, parts: NDArray[np.float32] | None, outline: NDArray[np.float32] | None) -> Mesh:

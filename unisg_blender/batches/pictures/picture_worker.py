@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
+from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,7 +13,9 @@ import numpy as np
 from ...dataset.export.realized_instances import realize_objects
 from ...dataset.format.columns import Columns, Vocabulary, join
 from ...dataset.format.encoding import Sample, encode_scenes
+from ...dataset.format.reader import open_dataset
 from ...dataset.format.shards import pack_shard
+from ...dataset.scenes_with_shapes import ShapedScenes
 from ...formats.scene_files import load_blender, read_scene_file
 from ...geometry.arrays import Bools
 from ...runtime.atomic_files import checksum_of, replacing, write_file, write_named
@@ -40,6 +43,12 @@ def make_pictures(request: Mapping[str, Any], alive: Alive) -> dict[str, Any]:
     records = task_records(request, alive, batch.take)
     tired = used_memory() > request["most_memory"]
     return {"status": "ok", "records": records, "tired": tired, "part": batch.finish(records)}
+
+
+@lru_cache(maxsize=2)
+def _shaped(path: str, sha256: str) -> ShapedScenes:
+    """The scenes of a dataset, as long as it is that one."""
+    return ShapedScenes(open_dataset(path))
 
 
 class _Pictures:
@@ -80,7 +89,9 @@ class _Pictures:
         from ...blender.render.photograph import rendered_rows, show_as_rendered
 
         path, assets = Path(task["path"]), self.settings["assets"]
-        if is_of(path, SUFFIXES) and not is_of(path, (".usd", ".usda", ".usdc", ".usdz")):
+        if "scene" in task:
+            new_scene(_shaped(task["path"], task["sha256"]).scene(task["scene"]))
+        elif is_of(path, SUFFIXES) and not is_of(path, (".usd", ".usda", ".usdc", ".usdz")):
             open_file(path)
         else:
             new_scene(read_scene_file(path, assets=Path(assets) if assets else None)[0])
