@@ -20,6 +20,7 @@ from .free_space import NOBODY, FreeSpace
 from .scene_extension import Addition, Names, UidMaker
 from .settle_geometry import Support
 from .spanning_objects import fit_for
+from .ways_kept import WaysKept
 
 
 @dataclass(frozen=True)
@@ -60,6 +61,7 @@ class GrowingScene:
         self.space.take_up(room.obstacles, NOBODY)
         if room.structure is not None:
             self.space.take_up(doorways(room.structure.rooms), NOBODY)
+        self.ways = WaysKept(room, movable)
         self.labels = [
             Label(graph.uid[row], graph.name[row], bool(floor))
             for row, floor in zip(objects.row, room.floor, strict=True)
@@ -106,6 +108,8 @@ class GrowingScene:
         category, world, name = target.category, target.placeable.world(place), self.vocabulary[target.category]
         self.observed.add(category, support, world, target.placeable, place)
         self.space.add(target.placeable.boxes_at(place[None]), category)
+        if not self.tables.structural[category]:
+            self.ways.add(target.placeable, place)
         own = names.new(name)
         label = Label(make_uid(name), own, category == self.tables.floor)
         above = self.labels[support].uid if support >= 0 else ""

@@ -16,6 +16,7 @@ from ...spatial.level_surfaces import LEVEL, LevelSurfaces, rectangles, with_joi
 from ..observe.placeable import Placeable
 from ..observe.support_priors import AT_SIDE, HANGS, RESTS, SupportPrior
 from .free_space import FreeSpace
+from .ways_kept import WaysKept
 
 OUTSIDE = 0.001
 """Metres by which a footprint may leave the room."""
@@ -39,6 +40,9 @@ a metre beside a surface counts as so many metres of height."""
 
 WALL, FRONT = 0.3, 0.05
 """Half thickness of a wall at most, and how far in front of it one looks for the room, metres."""
+
+FLUSH = 5e-4
+"""Metres between what is fixed to a wall and its face, which is where the room ends."""
 
 PULLS, MARGIN = 4, 1e-4
 """Times that a footprint is pulled into the room, a corner at a time, and by how many metres more than need be."""
@@ -219,7 +223,7 @@ def _to_side(placeable: Placeable, places: Floats, support: Support, space: Free
         into = inside(space.outline, inner)
         if into[0] != into[1]:
             sides[:] = 1.0 if into[0] else -1.0
-    local[:, thin] = sides * (half[thin] + reach[:, thin] + max(support.prior.gap, 0.0))
+    local[:, thin] = sides * (half[thin] + reach[:, thin] + max(support.prior.gap, FLUSH))
     long = 1 - thin
     low, high = _extent(parts, middle, axes[:, long])
     between, room = (low + high) / 2, np.maximum((high - low) / 2 - reach[:, long], 0)
@@ -246,8 +250,11 @@ def fitting(placeable: Placeable, places: Floats, category: int, support: Suppor
     return good
 
 
-def search(placeable: Placeable, near: Floats, category: int, support: Support, space: FreeSpace) -> Floats | None:
-    """The free place nearest to ``near`` (4,) among a grid over the support's surface; None if there is none."""
+def search(
+    placeable: Placeable, near: Floats, category: int, support: Support, space: FreeSpace, ways: WaysKept | None = None
+) -> Floats | None:
+    """The free place nearest to ``near`` (4,) among a grid over the support's surface, one that does not cut the floor
+    if ``ways`` tell; None if there is none."""
     if support.contact != RESTS or support.is_slope:
         return None
     straight = near[3] + np.pi / 4
@@ -267,7 +274,8 @@ def search(placeable: Placeable, near: Floats, category: int, support: Support, 
     places = np.stack([np.array([x, y, near[2], yaw]) for x, y in grid[order] for yaw in turns])
     for start in range(0, len(places), CHUNK):
         some = rest(placeable, places[start : start + CHUNK], support, space)
-        good = np.flatnonzero(fitting(placeable, some, category, support, space))
-        if len(good):
-            return some[good[0]]
+        good = fitting(placeable, some, category, support, space)
+        best = ways.best(placeable, some, good) if ways is not None else int(good.argmax()) if good.any() else -1
+        if best >= 0:
+            return some[best]
     return None
