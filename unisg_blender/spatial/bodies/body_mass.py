@@ -2,7 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
+import numpy as np
+from scipy.spatial import ConvexHull, QhullError
+
 from ...scene.graph import SceneGraph
+from ...scene.hierarchy import world_matrices
+from .hull_pieces import convex_pieces
+
+LEAST = 1e-3
+"""Kilograms of a body at least: simulators divide by it."""
 
 USUAL = 250.0
 """Furniture: boards with air between them."""
@@ -22,3 +32,16 @@ def density_of(graph: SceneGraph, row: int) -> float:
     while row >= 0 and graph.category[row] < 0:
         row = int(graph.parent[row])
     return DENSITIES.get(graph.category_name(row), USUAL) if row >= 0 else USUAL
+
+
+def mass_of(graph: SceneGraph, meshes: Iterable[int]) -> float:
+    """Kilograms of the meshes at some rows: their densities times the volumes of the hulls of their parts."""
+    world, mass = world_matrices(graph), 0.0
+    for row in meshes:
+        size = abs(float(np.linalg.det(world[row, :3, :3])))
+        for points in convex_pieces(graph.meshes[graph.mesh[row]]):
+            try:
+                mass += density_of(graph, row) * size * float(ConvexHull(points).volume)
+            except QhullError:
+                continue
+    return max(mass, LEAST)
