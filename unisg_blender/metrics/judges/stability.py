@@ -21,14 +21,16 @@ from ...scene.graph import SceneGraph
 from ...scene.hierarchy import world_matrices
 from ...spatial.bodies import RigidBody, convex_pieces, rigid_bodies
 from ...spatial.bodies.body_mass import density_of
+from ...spatial.bodies.hull_pieces import face_prism
 from ...spatial.structure.scan import world_triangles
 
 SECONDS, STEP = 2.0, 0.002
 STILL, UPRIGHT = 0.02, np.radians(5.0)
 """Metres and radians that a thing may move and turn to count as stable."""
 
-BEHIND, NEAR = 0.05, 0.4
-"""Metres that a triangle of the building is thick; and around things in which its triangles are there."""
+BEHIND, NEAR, LEVEL = 0.05, 0.4, 0.3
+"""Metres that a triangle of the building is thick; and around things in which its triangles are there; and upward part
+of the normal of what bears things, whichever way it looks."""
 
 FINENESS, PIECES = 0.05, 24
 """CoACD's threshold of concavity, and the most pieces of a part."""
@@ -157,16 +159,9 @@ def _add_building(mujoco: Any, spec: Any, graph: SceneGraph, still: RigidBody, l
 def _prism(triangle: Floats, things: Floats) -> Floats | None:
     """A triangle (3, 3) with its thickness on the side where things (K, 3) are not; None where it has no area."""
     normal = np.cross(triangle[1] - triangle[0], triangle[2] - triangle[0])
-    length = float(np.linalg.norm(normal))
-    if length < 1e-8:
-        return None
-    normal = normal / length
-    if abs(normal[2]) > 0.3:
-        normal = normal * np.sign(normal[2])
-    else:
-        above = (things - triangle[0]) @ normal
-        normal = normal * (1.0 if np.sign(above).sum() >= 0 else -1.0)
-    return np.concatenate([triangle, triangle - BEHIND * normal])
+    slope = normal[2] / max(float(np.linalg.norm(normal)), 1e-12)
+    above = slope if abs(slope) > LEVEL else float(np.sign((things - triangle[0]) @ normal).sum())
+    return face_prism(triangle if above >= 0 else triangle[::-1], BEHIND)
 
 
 @cache

@@ -36,7 +36,10 @@ def simulated_scene(graph: SceneGraph, shape: str = "hull") -> SceneGraph:
     if RIGID_BODIES in graph.components:
         return graph
     bodies = rigid_bodies(graph)
-    rows, kinds, shapes, masses = [], [], [], []
+    rows: list[int] = []
+    kinds: list[str] = []
+    shapes: list[str] = []
+    masses: list[float] = []
     parent, local, world = graph.parent.copy(), graph.local.copy(), world_matrices(graph)
     for body in bodies:
         fixed = body.row < 0
