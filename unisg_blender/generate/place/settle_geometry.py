@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -16,6 +16,7 @@ from ...spatial.level_surfaces import LEVEL, LevelSurfaces, rectangles, with_joi
 from ..observe.placeable import Placeable
 from ..observe.support_priors import AT_SIDE, HANGS, RESTS, SupportPrior
 from .free_space import FreeSpace
+from .inner_levels import onto_level
 from .ways_kept import WaysKept
 
 OUTSIDE = 0.001
@@ -41,9 +42,6 @@ a metre beside a surface counts as so many metres of height."""
 WALL, FRONT = 0.3, 0.05
 """Half thickness of a wall at most, and how far in front of it one looks for the room, metres."""
 
-FLUSH = 5e-4
-"""Metres between what is fixed to a wall and its face, which is where the room ends."""
-
 PULLS, MARGIN = 4, 1e-4
 """Times that a footprint is pulled into the room, a corner at a time, and by how many metres more than need be."""
 
@@ -53,7 +51,8 @@ class Support:
     """What an object is to be held by: ``obj`` is its number (-1: the ground at height 0), ``prior`` how.
 
     ``floor`` says that it is the floor of the room, ``structural`` that what it is to
-    hold is part of the building and may reach out of the room.
+    hold is part of the building and may reach out of the room; ``levels`` are heights of what is level within it, for
+    what is to lie inside.
     """
 
     obj: int
@@ -61,6 +60,7 @@ class Support:
     parts: Boxes
     floor: bool
     structural: bool = False
+    levels: Floats = field(default_factory=lambda: np.zeros(0))
 
     @cached_property
     def tops(self) -> LevelSurfaces:
@@ -94,6 +94,8 @@ def rest(placeable: Placeable, places: Floats, support: Support, space: FreeSpac
             places[:, 2] = 0.0
         elif len(support.tops.top):
             places = _onto_surface(placeable, places, support.tops, clamp=not support.floor)
+        if len(support.levels):
+            places[:, 2] = onto_level(places[:, 2], support.levels)
         if support.floor:
             places = into_room(placeable, places, space)
     elif support.contact == HANGS and len(support.parts.center):
@@ -223,13 +225,16 @@ def _to_side(placeable: Placeable, places: Floats, support: Support, space: Free
         into = inside(space.outline, inner)
         if into[0] != into[1]:
             sides[:] = 1.0 if into[0] else -1.0
-    local[:, thin] = sides * (half[thin] + reach[:, thin] + max(support.prior.gap, FLUSH))
+    local[:, thin] = sides * (half[thin] + reach[:, thin] + max(support.prior.gap, 0.0))
     long = 1 - thin
     low, high = _extent(parts, middle, axes[:, long])
     between, room = (low + high) / 2, np.maximum((high - low) / 2 - reach[:, long], 0)
     local[:, long] = between + np.clip(local[:, long] - between, -room, room)
     result = places.copy()
     result[:, :2] = middle + local @ axes.T
+    bottom, top, high = part_bottoms(parts).min(), part_tops(parts).max(), 2 * placeable.half[2]
+    result[:, 2] = np.where(result[:, 2] > top - LOOSE, top - high, result[:, 2])  # at an edge nothing holds it
+    result[:, 2] = np.where(result[:, 2] + high < bottom + LOOSE, bottom, result[:, 2])
     return result
 
 
