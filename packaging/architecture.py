@@ -53,7 +53,7 @@ ARROWS: dict[str, set[str]] = {
         "predict": "dataset meshes spatial words scene geometry poses",
         "dataset": "formats spatial behaviour words scene geometry poses",
         "web": "formats interactivity behaviour scene",
-        "formats": "blender usd meshes interactivity scene geometry poses",
+        "formats": "blender usd meshes interactivity spatial scene geometry poses",
         "blender": "behaviour scene geometry poses",
         "usd": "scene",
         "interactivity": "behaviour scene geometry poses",

@@ -19,6 +19,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("target", metavar="OUT", type=Path, help="the file to write; its ending says which kind")
     add_scene_options(parser)
     parser.add_argument("--still", action="store_true", help="leave out how things move in a Blender scene")
+    parser.add_argument(
+        "--physics", metavar="SHAPE", default="",
+        help="make things rigid bodies that collide as box, hull or mesh, with masses, and the building firm, "
+        "where the scene says nothing of that (written to .usd files, .xml and .blend)",
+    )  # fmt: skip
     parser.add_argument("--realize", action="store_true", help="turn instances into entities of their own")
 
 
@@ -27,6 +32,7 @@ def run(args: argparse.Namespace) -> int:
     from ..formats.scene_files import write_scene_file
     from ..scene.realize_instances import realize
     from ..scene.scene_text import summary
+    from ..spatial.bodies import simulated_scene
 
     check_file("OUT", args.target, WRITABLE, [args.source])
     graph, lost = read_shown(
@@ -35,6 +41,8 @@ def run(args: argparse.Namespace) -> int:
     )  # fmt: skip
     if args.realize:
         graph = realize(graph)
+    if args.physics:
+        graph = simulated_scene(graph, args.physics)
     with shown(args.quiet or args.json, "entities written") as tell:  # instanced ones included
         lost.extend(write_scene_file(graph, args.target, tell))
     report = {"in": str(args.source), "out": str(args.target), **summary(graph), "not_represented": list(lost)}

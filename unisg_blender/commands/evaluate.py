@@ -32,9 +32,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """What the verb takes."""
     parser.add_argument(
         "model", metavar="MODEL_OR_ROOMS", type=Path,
-        help="a generator, a shipped one by name, or a folder of rooms that any other furnished: docs/evaluating.md",
+        help="a generator, a shipped one by name, or a folder of rooms that any other furnished: docs/evaluating.md; "
+        "with --judge a scene file or a folder of them",
     )  # fmt: skip
-    parser.add_argument("--data", metavar="DATASET", type=Path, required=True, help="rooms that it was not trained on")
+    parser.add_argument(
+        "--data", metavar="DATASET", type=Path, help="rooms that it was not trained on; needed without --judge"
+    )
+    parser.add_argument(
+        "--judge", metavar="WHICH", default="",
+        help="do not compare, but let others judge scenes (files, folders): all, or some of stability "
+        "(simulated in MuJoCo), navigability, openings (SceneEval's): docs/evaluating.md",
+    )  # fmt: skip
     add_mapping(parser)
     parser.add_argument(
         "--training", metavar="DATASET", type=Path,
@@ -63,6 +71,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Measure and print the table."""
+    if args.judge:
+        from .judged_scenes import run_judges
+
+        return run_judges(args)
+    if args.data is None:
+        raise UniSGError("give --data, rooms to compare with, or --judge to have scenes judged by themselves")
     from ..experiments.reports import made_by
     from ..experiments.rooms.generation_benchmark import compare
     from ..experiments.rooms.generation_report import table, write_report

@@ -57,6 +57,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     mode.add_argument("--bulk", action="store_true", help="propose places for all at once")
     parser.add_argument("--raw", action="store_true", help="take the model's first proposals without settling them")
     parser.add_argument(
+        "--no-ways", action="store_true", help="let things cut the floor into parts between which nobody can walk"
+    )
+    parser.add_argument(
         "--no-behaviour", action="store_true", help="give the new objects no actions and leave the lesson alone"
     )
     parser.add_argument(
@@ -95,7 +98,7 @@ def run(args: argparse.Namespace) -> int:
     start = time.perf_counter()
     result = generator.add(
         scene, counts, args.seed, bulk=args.bulk, settle=not args.raw, behaviour=not args.no_behaviour, on=args.on,
-        beside=args.beside, within=args.within, words=words,
+        beside=args.beside, within=args.within, words=words, ways=not args.no_ways,
     )  # fmt: skip
     spent = time.perf_counter() - start
     note = _write(args, result)

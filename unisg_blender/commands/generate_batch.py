@@ -45,7 +45,7 @@ def run_batch(args: argparse.Namespace) -> int:
         "assets": "" if args.assets is None else str(args.assets.absolute()),
         "how": {
             "bulk": args.bulk, "settle": not args.raw, "behaviour": not args.no_behaviour, "on": args.on,
-                "beside": args.beside, "within": args.within, "words": words},
+                "beside": args.beside, "within": args.within, "words": words, "ways": not args.no_ways},
     }  # fmt: skip
     tasks = plan_rooms(scenes, args.count or 1, args.seed or 0, model.stem)
     return make_and_report(args, tasks, batch_options(args, GENERATED, settings))

@@ -58,7 +58,7 @@ def dataset_of(args: argparse.Namespace, given: Path, work: Path, jobs: int | No
     depends = f"{given.resolve()} {mapping} {assets}"
     out = work / f"given-{hashlib.sha256(depends.encode()).hexdigest()[:16]}" / given.resolve().name
     steps = export_steps(
-        _scene_files(given), out, ExportOptions(mapping=mapping, assets=assets), jobs=jobs, resume=out.is_dir()
+        scene_files(given), out, ExportOptions(mapping=mapping, assets=assets), jobs=jobs, resume=out.is_dir()
     )
     out.parent.mkdir(parents=True, exist_ok=True)
     bar, done = Progress(0, "files read", args.quiet), list[Record]()
@@ -100,7 +100,7 @@ def _check_all_read(records: list[Record]) -> None:
         raise UniSGError(f"{len(failed)} of {len(records)} scene files cannot be read; {first}")
 
 
-def _scene_files(given: Path) -> list[Path]:
+def scene_files(given: Path) -> list[Path]:
     """A scene file, or those below a folder."""
     if not given.exists():
         raise UniSGError(f"there is no file or folder {given}: check the path")

@@ -26,6 +26,7 @@ from .licences import licence_of
 from .linked_files import files_beside
 from .mesh_scenes import mesh_scene
 from .scene_state_writer import write_scene_state
+from .simulators.mjcf_writer import is_mjcf, write_mjcf
 
 Progress = Callable[[int, int], None]
 PRIM = re.compile(r"(/\S+): (.*)", re.DOTALL)
@@ -241,6 +242,8 @@ def write_scene_file(graph: SceneGraph, path: Path | str, progress: Progress | N
         return ReadReport()
     if is_of(path, (SCENE_STATE,)):
         return write_scene_state(graph, path)
+    if is_mjcf(path):
+        return write_mjcf(graph, path)
     if is_of(path, JSON):
         write_json(graph, path)
         return ReadReport()

@@ -126,7 +126,7 @@ class Generator:
     def steps(
         self, scene: SceneGraph, counts: Mapping[str, int], seed: int | None = None, *, bulk: bool = False,
         settle: bool = True, assets: Mapping[str, Sequence[Asset]] | None = None, behaviour: bool = True,
-        on: str = "", beside: str = "", within: str = "", words: Mapping[str, str] | None = None,
+        on: str = "", beside: str = "", within: str = "", words: Mapping[str, str] | None = None, ways: bool = True,
     ) -> abc.Generator[Placement, None, Generated]:  # fmt: skip
         """Add objects to a scene, each a step; what is there already stays as it is. :meth:`add` is the same at once.
 
@@ -136,8 +136,7 @@ class Generator:
             Any scenegraph; it may be empty.
         counts
             How many objects of each category, in any words. Asked for a "Floor" in a scene in which no room can be
-            recognised, the generator starts with a room shell. What the model does not know, but the table of words
-            does, is placed by rules.
+            recognised, the generator starts with a room shell. What only the table of words knows, is placed by rules.
         seed
             Same seed, same result; None for another result every time.
         bulk
@@ -148,8 +147,7 @@ class Generator:
         assets
             Shapes to use, by category and in order, instead of drawing them from the scene or beside the model.
         behaviour
-            Give the new objects actions, and these places in the lesson, as far as a model of behaviour
-            lies beside this one.
+            Give the new objects actions and places in the lesson, if a model of behaviour lies beside this one.
         on, beside
             uid or name of an object of the scene on which, or beside which, all objects are wanted. What finds
             no room there is refused (on), or stands as near as there is room (beside). A group is meant as a whole.
@@ -157,16 +155,18 @@ class Generator:
             The room in which all are wanted: "kitchen", or a number, see :func:`~.observe.named_rooms.find_room`.
         words
             What the user says of words for things: word to category, before the table of words.
+        ways
+            Nothing may cut the floor into parts between which nobody can walk, see :mod:`~.place.ways_kept`.
 
         Raises
         ------
         UniSGError
-            For a category that the model does not know in any words, a number below 1, nothing to add or more than
+            For a category that is not known in any words, a number below 1, nothing to add or more than
             :data:`MOST_OBJECTS`, an object or a room that is missing, or a model that gives no finite numbers.
         """
         counts = self.understood(_checked(counts), words)
         given, scene = scene, with_instances(scene)
-        how = How(bulk, settle, assets or {}, on, beside, _point(scene, within, on or beside) if within else None)
+        how = How(bulk, settle, assets or {}, on, beside, _within(scene, within, on or beside), ways)
         reading = self.read(scene, words, near=on or beside, within=within)
         new = New(Names(scene.name), uid_maker(scene, seed), np.random.default_rng(seed))
         room, placements, wanted = self._with_room(scene, counts, reading, new)
@@ -243,6 +243,11 @@ class Generator:
         uids = [item.uid for item in placements if item.uid]
         made = add_behaviour(scene, uids, self.behaviour, new.make_uid, new.rng)
         return made.scene, [_with_behaviour(item, made) for item in placements]
+
+
+def _within(scene: SceneGraph, within: str, thing: str) -> Floats | None:
+    """A point in the room that is named, None where none is."""
+    return _point(scene, within, thing) if within else None
 
 
 def _point(scene: SceneGraph, within: str, thing: str) -> Floats | None:

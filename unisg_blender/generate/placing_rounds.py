@@ -36,6 +36,7 @@ class How:
     on: str
     beside: str
     within: Floats | None = None
+    ways: bool = True
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,7 +77,7 @@ class PlacingRounds:
                     yield made[-1]
             scene, told = extend(scene, work.scene.additions, self.new.names, self.new.make_uid), made
             if self.how.settle:
-                scene, told = only_what_holds(self.room, scene, made)
+                scene, told = only_what_holds(self.room, scene, made, self.how.ways)
             out = [new.refused and not old.refused for old, new in zip(made, told, strict=True)]
             done += [item for item, taken in zip(told, out, strict=True) if not (left and taken)]
             wanted = [item.category for item, taken in zip(told, out, strict=True) if taken]
@@ -88,5 +89,15 @@ class PlacingRounds:
         shapes = {vocabulary.index(name): given for name, given in how.assets.items() if name in wanted}
         seen = as_whole(as_whole(self.read(scene), how.on), how.beside)
         return ObjectPlacer(
-            self.proposer, self.library, seen, self.new.rng, how.settle, numbers, shapes, how.on, how.beside, how.within
+            self.proposer,
+            self.library,
+            seen,
+            self.new.rng,
+            how.settle,
+            numbers,
+            shapes,
+            how.on,
+            how.beside,
+            how.within,
+            how.ways,
         )

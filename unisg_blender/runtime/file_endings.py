@@ -30,7 +30,10 @@ READABLE = (*BLENDER, *USD, *JSON, *LAYOUTS, *MESHES)
 SCENE_STATE = ".scenestate.json"
 """Written for SceneEval; read by what it holds."""
 
-WRITABLE = (".blend", *JSON, *USD, *GLTF)
+MJCF = (".xml", ".mjcf")
+"""Written for MuJoCo; an .xml is read by what it holds."""
+
+WRITABLE = (".blend", *JSON, *USD, *GLTF, *MJCF)
 
 
 def is_of(path: Path, kinds: tuple[str, ...]) -> bool:

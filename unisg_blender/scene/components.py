@@ -103,3 +103,8 @@ JOINTS = "joints"
 """How entities can move against their parents, several per entity. ``name`` object (str); ``kind`` object (str):
 "revolute", "prismatic", "ball" or "free"; in the entity's frame ``axis`` (K, 3), a direction, and ``anchor`` (K, 3), a
 point on it; float64 ``low`` and ``high``: radians or metres from where the entity stands, infinite without a limit."""
+
+RIGID_BODIES = "rigid_bodies"
+"""What a simulator takes an entity for. ``kind`` object (str): "active" moves, "passive" does not; ``shape`` object
+(str), what collides: "box", "hull" (of each mesh), "mesh", "sphere", "capsule", "cylinder" or "cone"; float64: ``mass``
+in kilograms, ``friction`` and ``restitution``. Meshes under an entity without an entry of their own are of its body."""

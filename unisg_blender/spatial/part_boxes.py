@@ -46,16 +46,21 @@ def mesh_parts(mesh: Mesh) -> Floats:
     return _parts_of[mesh]
 
 
-def _find_parts(mesh: Mesh) -> Floats:
-    finite = np.isfinite(mesh.points).all(axis=1)
-    if not finite.any():
-        return np.zeros((0, 2, 3))
+def connected_parts(mesh: Mesh) -> tuple[Floats, Ints, Ints]:
+    """Places (W, 3) of a mesh, each once, the place of each point (V,), and the connected part (W,) of each place."""
     places, weld = np.unique(mesh.points, axis=0, return_inverse=True)
     weld = weld.reshape(-1)
     start = np.concatenate([weld[mesh.corners], weld[mesh.edges[:, 0]]])
     stop = np.concatenate([weld[mesh.corners[mesh.following]], weld[mesh.edges[:, 1]]])
     links = coo_array((np.ones(len(start), bool), (start, stop)), shape=(len(places),) * 2)
     _, part = connected_components(links, directed=False)
+    return places.astype(np.float64), weld.astype(np.int64), part.astype(np.int64)
+
+
+def _find_parts(mesh: Mesh) -> Floats:
+    if not np.isfinite(mesh.points).all(axis=1).any():
+        return np.zeros((0, 2, 3))
+    places, _, part = connected_parts(mesh)
     kept = np.isfinite(places).all(axis=1)
     boxes = _boxes_by_group(places[kept], part[kept])
     if len(boxes) > PART_LIMIT:

@@ -19,8 +19,10 @@ from ...scene.components import (  # fmt: skip
     LIGHT,
     MATERIALS,
     PARENTING,
+    RIGID_BODIES,
     VISIBILITY,
 )
+from ..rigid_body_objects import rigid_body_table
 from .object_data import bone_table, camera_table, empty_table, light_table
 from .object_hierarchy import Hierarchy, read_matrices
 
@@ -47,6 +49,7 @@ def component_tables(
         LIGHT: light_table(items),
         BONES: bone_table(items, depsgraph),
         EMPTY: empty_table(items),
+        RIGID_BODIES: rigid_body_table(items),
     }
     return {name: found for name, found in tables.items() if len(found.rows)}
 

@@ -125,7 +125,7 @@ def _setting_losses(item: bpy.types.Object, changed: list[str]) -> Iterator[str]
     yield from listed("settings that are not read", changed)
     field = item.field is not None and item.field.type != "NONE"
     collides = item.collision is not None and item.collision.use
-    if field or collides or item.rigid_body or item.rigid_body_constraint or item.soft_body:
+    if field or collides or item.rigid_body_constraint or item.soft_body:
         yield "physics settings are not read"
     if item.asset_data is not None:
         yield "that it is an asset is not kept"

@@ -42,7 +42,7 @@ def _scene_texts(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> Ite
     if len(scene.timeline_markers):
         yield "timeline markers are not read"
     if scene.rigidbody_world is not None:
-        yield "the rigid body world is not read"
+        yield "settings of the rigid body world are not read"
     if len(scene.keying_sets):
         yield "keying sets are not read"
     yield from listed("custom properties of the scene are not read", property_names(scene))

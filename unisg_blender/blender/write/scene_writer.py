@@ -14,6 +14,7 @@ from ...scene.components import INSTANCES, MATERIALS
 from ...scene.graph import SceneGraph
 from ..lookup import objects_by_uid
 from ..materials import write_materials
+from ..rigid_body_objects import set_rigid_bodies
 from ..scene_frames import set_frame_range
 from ..scene_units import in_scene_units
 from .animation_curves import write_animation
@@ -30,7 +31,7 @@ KEPT = frozenset((
     components.ACTIONS, components.LSA, components.RELATIONS, components.PROPERTIES, components.WORLD,
     components.PARENTING, components.CHANNELS, components.COLLECTIONS, components.VISIBILITY, components.MATERIALS,
     components.CAMERA, components.LIGHT, components.BONES, components.EMPTY, components.INSTANCES,
-    components.ANIMATION,
+    components.ANIMATION, components.RIGID_BODIES,
 ))  # fmt: skip
 """Components that Blender has a place for."""
 
@@ -163,6 +164,7 @@ def write_objects(
     set_visibility(graph, objects, place.scene)
     if place.scene is not None:
         set_active_camera(graph, objects, place.scene)
+        set_rigid_bodies(graph, objects, place.scene)
         write_animation(graph, objects, place.scene, writer.report)
     return list(objects.values())
 

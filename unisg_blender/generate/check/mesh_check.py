@@ -14,6 +14,7 @@ from ...scene import SceneGraph
 from ...scene.categories import STRUCTURE
 from ...scene.components import RELATIONS
 from ...scene.hierarchy import subtree, world_matrices
+from .floor_in_pieces import cutting_floor
 from .surroundings import PosedThing, Surroundings
 from .ways_through import in_the_way
 
@@ -49,11 +50,12 @@ def faults(
     ``holders`` are rows of what things hang from or are fixed to; else their relations say so, of their parents.
 
     A thing is *in* another where its mesh, made 5 mm smaller on every side (3 cm for what it hangs from), crosses a
-    face of it or lies within it, unless it is said to be inside that; in the *air* where no face is within 2 cm below
-    it, nor what holds it within 3 cm; *outside* where its middle is in no room; and *blocks* a door where it reaches
-    into the 0.4 m before it. In a room that was recognised none may cut a place off, nor narrow the way to it to less
-    than a person with ``spare`` metres on both sides, see :func:`~.ways_through.in_the_way`. Of two that are in each
-    other it is the later one of ``uids`` that does not hold.
+    face of it or lies within it; what is said to be inside something may lie within that; in the *air* where no face
+    is within 2 cm below it, nor what holds it within 3 cm; *outside* where its middle is in no room; and *blocks* a
+    door where it reaches into the 0.4 m before it. None may cut a place in its room off, nor, in a room that was
+    recognised, narrow the way to it to less than a person with ``spare`` metres on both sides, see
+    :func:`~.ways_through.in_the_way` and :func:`~.floor_in_pieces.cutting_floor`. Of two that are in each other it is
+    the later one of ``uids`` that does not hold.
     """
     around, found = Surroundings.of(graph, before), {}
     gone = np.zeros(len(graph), bool)
@@ -74,7 +76,11 @@ def _cutting(around: Surroundings, uids: Sequence[str], gone: Bools, spare: floa
     """Which of some things cut a place in their room off."""
     graph, structure = around.graph, around.room.structure
     if structure is None:
-        return []
+        room = around.room
+        if room.outline is None or not room.floor.any():
+            return []
+        ground = float((room.objects.center + room.objects.half)[room.floor, 2].max())
+        return cutting_floor(graph, room.outline, ground, uids, gone)
     new = {uid: np.isin(around.row, subtree(graph, graph.row_of_uid[uid])) for uid in uids}
     there = ~np.logical_or.reduce([gone[around.row], *new.values()])
     of_room: dict[int, list[str]] = {}
@@ -128,8 +134,9 @@ def pose_fault(around: Surroundings, thing: PosedThing) -> str:
         passed = skipped.copy()
         passed[thing.holders] = True
         inside_of = _within(around, skin, passed)
-    if not len(inside_of) and thing.held and not thing.inside:
-        inside_of = other_row[holder][meets(smaller(mine, thing.matrix, MOUNTED), others[holder])]
+    if not len(inside_of) and thing.held:
+        held_skin = skin if thing.inside else smaller(mine, thing.matrix, MOUNTED)
+        inside_of = other_row[holder][meets(held_skin, others[holder])]
     if len(inside_of):
         return f"it would be in {around.graph.name[int(inside_of[0])]}"
     return BLOCKING if _in_boxes(skin, around.doors) else ""

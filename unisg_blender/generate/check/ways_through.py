@@ -11,6 +11,7 @@ from ...geometry.arrays import Bools, Floats, Ints
 from ...geometry.boxes import Boxes
 from ...geometry.column_raster import Grid, cells_on, columns, slice_at
 from ...geometry.mask_outline import components
+from ...spatial.free_floor import PLACE
 from ...spatial.structure.doorways import doorways
 from ...spatial.structure.structure import Room
 
@@ -19,7 +20,7 @@ LARGE, LARGEST = 1_000.0, 20_000.0
 """Metres of a cell; square metres of a room's rectangle from which on a coarser one will do, and from which on nobody
 looks: no thing parts such a place."""
 
-PERSON, POCKET = 0.25, 1.0
+PERSON, POCKET = 0.25, PLACE
 """Metres from the middle of a person to what is beside; and the square metres of a place that is not to be cut off."""
 
 STEP, HEAD, CUTS = 0.12, 1.8, 9

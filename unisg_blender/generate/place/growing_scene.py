@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+
+import numpy as np
 
 from ...geometry.arrays import Bools, Floats
 from ...scene import SceneGraph
@@ -14,12 +16,17 @@ from ..observe.contract import Contract
 from ..observe.facing import facing
 from ..observe.observed_scene import ObservedScene
 from ..observe.placeable import Placeable
-from ..observe.support_priors import RESTS, SupportPrior
+from ..observe.support_priors import AT_SIDE, INSIDE, RESTS, SupportPrior
 from ..propose.proposer import Query
 from .free_space import NOBODY, FreeSpace
+from .inner_levels import inner_levels
 from .scene_extension import Addition, Names, UidMaker
 from .settle_geometry import Support
 from .spanning_objects import fit_for
+from .ways_kept import WaysKept
+
+FLUSH = 5e-4
+"""Metres between what is fixed to a wall and its face, which is where the room ends."""
 
 
 @dataclass(frozen=True)
@@ -60,11 +67,14 @@ class GrowingScene:
         self.space.take_up(room.obstacles, NOBODY)
         if room.structure is not None:
             self.space.take_up(doorways(room.structure.rooms), NOBODY)
+        self.ways = WaysKept(room, movable)
         self.labels = [
             Label(graph.uid[row], graph.name[row], bool(floor))
             for row, floor in zip(objects.row, room.floor, strict=True)
         ]
         self.additions: list[Addition] = []
+        self.graph, self._rows = graph, objects.row
+        self._shape_of: dict[int, tuple[SceneGraph, int, Floats]] = {}
         self._supports: dict[tuple[int, int], Support] = {}
 
     def find(self, graph: SceneGraph, text: str) -> int:
@@ -95,17 +105,34 @@ class GrowingScene:
             kind = int(self.observed.category[obj]) if obj >= 0 else -1
             known = obj < 0 or kind >= 0
             prior = self.tables.supports.get(category, {}).get(kind) if known else None
+            if prior is not None and prior.contact == AT_SIDE:
+                prior = replace(prior, gap=max(prior.gap, FLUSH))
             self._supports[category, obj] = Support(
                 obj, prior or SupportPrior("", 0, RESTS), self.space.parts_of(obj),
                 obj >= 0 and self.labels[obj].floor, bool(self.tables.structural[category]),
+                self._levels(obj, prior.relation if prior else ""),
             )  # fmt: skip
         return self._supports[category, obj]
+
+    def _levels(self, obj: int, relation: str) -> Floats:
+        """Heights of what is level in an object, for what is said to be inside it; none for anything else."""
+        if relation != INSIDE or obj < 0:
+            return np.zeros(0)
+        if obj in self._shape_of:
+            graph, row, world = self._shape_of[obj]
+        else:
+            graph, row = self.graph, int(self._rows[obj])
+            world = graph.world[row]
+        return inner_levels(graph.meshes[graph.mesh[row]], world) if graph.mesh[row] >= 0 else np.zeros(0)
 
     def add(self, target: Target, support: int, place: Floats, names: Names, make_uid: UidMaker) -> Addition:
         """Put an object at a place (4,) on a support (-1: the ground)."""
         category, world, name = target.category, target.placeable.world(place), self.vocabulary[target.category]
+        self._shape_of[len(self.labels)] = target.placeable.asset.graph, 0, world
         self.observed.add(category, support, world, target.placeable, place)
         self.space.add(target.placeable.boxes_at(place[None]), category)
+        if not self.tables.structural[category]:
+            self.ways.add(target.placeable, place)
         own = names.new(name)
         label = Label(make_uid(name), own, category == self.tables.floor)
         above = self.labels[support].uid if support >= 0 else ""

@@ -21,7 +21,7 @@ from ..propose.requests import Beside, On
 from .growing_scene import GrowingScene, Target
 from .placement_record import Placement
 from .proposal_selection import FoundPlace, first_fitting
-from .refusal_reason import why_not
+from .refusal_reason import CUTS_FLOOR, why_not
 from .scene_extension import Names, UidMaker
 from .shape_library import Library
 from .spanning_objects import reaches
@@ -37,6 +37,10 @@ OTHER_SHAPES = 2
 """Further shapes to try when the first one finds no place."""
 
 
+LIFT = 5e-7
+"""Metres under what stands, so that none of its faces crosses the one below it in single precision."""
+
+
 class ObjectPlacer:
     """One call of :meth:`Generator.add`: the scene while it grows, and what is to be placed there.
 
@@ -47,11 +51,12 @@ class ObjectPlacer:
     def __init__(
         self, proposer: Proposer, library: Library, graph: SceneGraph, rng: np.random.Generator, settle: bool,
         wanted: Sequence[int], assets: Mapping[int, Sequence[Asset]], on: str = "", beside: str = "",
-        within: Floats | None = None,
+        within: Floats | None = None, ways: bool = True,
     ) -> None:  # fmt: skip
         self.proposer, self.library, self.graph, self.rng, self.settle = proposer, library, graph, rng, settle
         near = middle_of(graph, on or beside) if on or beside else within
         self.scene = GrowingScene(graph, library.model.contract, near, within is not None)
+        self.scene.ways.wanted = ways
         self.coming = Counter(wanted)
         left = {category: [Placeable(asset) for asset in shapes] for category, shapes in assets.items()}
         self.targets = [
@@ -154,6 +159,8 @@ class ObjectPlacer:
         """Why nothing fits."""
         target, name = found.target, self.scene.labels[found.support].name if found.support >= 0 else ""
         support = self.scene.support(target.category, found.support)
+        if found.cuts:
+            return CUTS_FLOOR
         return why_not(target.placeable, found.place, target.category, support, name, self.scene.space)
 
     def _add(self, found: FoundPlace, names: Names, make_uid: UidMaker, note: str, spent: float) -> Placement:
@@ -163,6 +170,8 @@ class ObjectPlacer:
         if not self.settle:
             depth = float(self.scene.space.depth(target.placeable, place[None], target.category, support)[0])
         held_by = self.scene.labels[support].name if support >= 0 else ""
+        if self.settle and self.scene.support(target.category, support).contact == RESTS:
+            place = place + np.array([0, 0, LIFT, 0])
         made = self.scene.add(target, support, place, names, make_uid)
         return Placement(
             made.category, made.name, made.uid, held_by, made.world, depth, found.draws, found.searched, spent, note

@@ -19,7 +19,8 @@ SEARCHED = 4
 
 @dataclass(frozen=True, eq=False)
 class FoundPlace:
-    """A place (4,) for a target on an object (-1: the ground), whether it ``fits``, and how it was found."""
+    """A place (4,) for a target on an object (-1: the ground), whether it ``fits``, and how it was found; ``cuts``
+    where it fits nowhere but where it would cut the floor."""
 
     target: Target
     support: int
@@ -27,6 +28,7 @@ class FoundPlace:
     fits: bool = True
     draws: int = 1
     searched: bool = False
+    cuts: bool = False
 
 
 def first_fitting(scene: GrowingScene, target: Target, batches: Iterable[Proposals], keep_holders: bool) -> FoundPlace:
@@ -34,13 +36,14 @@ def first_fitting(scene: GrowingScene, target: Target, batches: Iterable[Proposa
 
     With ``keep_holders`` what hangs on walls is held by the very wall that was proposed, see :func:`nearest_holders`.
     """
-    draws, seen = 0, []
+    draws, seen, cuts = 0, [], False
     for drawn in batches:
         proposals = drawn if keep_holders else nearest_holders(scene, target, drawn)
         settled, good = settle(scene, target, proposals)
-        if good.any():
-            best = int(good.argmax())
+        best = scene.ways.best(target.placeable, settled.places, good)
+        if best >= 0:
             return FoundPlace(target, int(settled.support[best]), settled.places[best], draws=draws + best + 1)
+        cuts |= bool(good.any())
         draws += len(good)
         seen.append(proposals)
     supports = np.concatenate([proposals.support for proposals in seen])
@@ -48,10 +51,10 @@ def first_fitting(scene: GrowingScene, target: Target, batches: Iterable[Proposa
     _, first = np.unique(supports, return_index=True)
     for row in np.sort(first)[:SEARCHED]:
         support = scene.support(target.category, int(supports[row]))
-        found = search(target.placeable, places[row], target.category, support, scene.space)
+        found = search(target.placeable, places[row], target.category, support, scene.space, scene.ways)
         if found is not None:
             return FoundPlace(target, support.obj, found, draws=draws, searched=True)
-    return FoundPlace(target, int(supports[0]), places[0], fits=False, draws=draws)
+    return FoundPlace(target, int(supports[0]), places[0], fits=False, draws=draws, cuts=cuts)
 
 
 def settle(scene: GrowingScene, target: Target, proposals: Proposals) -> tuple[Proposals, Bools]:

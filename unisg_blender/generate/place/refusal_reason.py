@@ -13,6 +13,8 @@ from .settle_geometry import OUTSIDE, Support, rest
 NO_PLACE = "no free place was found"
 """Begins every note of an object that was not placed, or not moved."""
 
+CUTS_FLOOR = f"{NO_PLACE}: wherever there is room, it would cut the floor into parts that nobody can reach"
+
 
 def why_not(
     placeable: Placeable, place: Floats, category: int, support: Support, name: str, space: FreeSpace

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -16,6 +16,8 @@ from ...spatial.level_surfaces import LEVEL, LevelSurfaces, rectangles, with_joi
 from ..observe.placeable import Placeable
 from ..observe.support_priors import AT_SIDE, HANGS, RESTS, SupportPrior
 from .free_space import FreeSpace
+from .inner_levels import onto_level
+from .ways_kept import WaysKept
 
 OUTSIDE = 0.001
 """Metres by which a footprint may leave the room."""
@@ -49,7 +51,8 @@ class Support:
     """What an object is to be held by: ``obj`` is its number (-1: the ground at height 0), ``prior`` how.
 
     ``floor`` says that it is the floor of the room, ``structural`` that what it is to
-    hold is part of the building and may reach out of the room.
+    hold is part of the building and may reach out of the room; ``levels`` are heights of what is level within it, for
+    what is to lie inside.
     """
 
     obj: int
@@ -57,6 +60,7 @@ class Support:
     parts: Boxes
     floor: bool
     structural: bool = False
+    levels: Floats = field(default_factory=lambda: np.zeros(0))
 
     @cached_property
     def tops(self) -> LevelSurfaces:
@@ -90,6 +94,8 @@ def rest(placeable: Placeable, places: Floats, support: Support, space: FreeSpac
             places[:, 2] = 0.0
         elif len(support.tops.top):
             places = _onto_surface(placeable, places, support.tops, clamp=not support.floor)
+        if len(support.levels):
+            places[:, 2] = onto_level(places[:, 2], support.levels)
         if support.floor:
             places = into_room(placeable, places, space)
     elif support.contact == HANGS and len(support.parts.center):
@@ -226,6 +232,9 @@ def _to_side(placeable: Placeable, places: Floats, support: Support, space: Free
     local[:, long] = between + np.clip(local[:, long] - between, -room, room)
     result = places.copy()
     result[:, :2] = middle + local @ axes.T
+    bottom, top, high = part_bottoms(parts).min(), part_tops(parts).max(), 2 * placeable.half[2]
+    result[:, 2] = np.where(result[:, 2] > top - LOOSE, top - high, result[:, 2])  # at an edge nothing holds it
+    result[:, 2] = np.where(result[:, 2] + high < bottom + LOOSE, bottom, result[:, 2])
     return result
 
 
@@ -246,8 +255,11 @@ def fitting(placeable: Placeable, places: Floats, category: int, support: Suppor
     return good
 
 
-def search(placeable: Placeable, near: Floats, category: int, support: Support, space: FreeSpace) -> Floats | None:
-    """The free place nearest to ``near`` (4,) among a grid over the support's surface; None if there is none."""
+def search(
+    placeable: Placeable, near: Floats, category: int, support: Support, space: FreeSpace, ways: WaysKept | None = None
+) -> Floats | None:
+    """The free place nearest to ``near`` (4,) among a grid over the support's surface, one that does not cut the floor
+    if ``ways`` tell; None if there is none."""
     if support.contact != RESTS or support.is_slope:
         return None
     straight = near[3] + np.pi / 4
@@ -267,7 +279,8 @@ def search(placeable: Placeable, near: Floats, category: int, support: Support, 
     places = np.stack([np.array([x, y, near[2], yaw]) for x, y in grid[order] for yaw in turns])
     for start in range(0, len(places), CHUNK):
         some = rest(placeable, places[start : start + CHUNK], support, space)
-        good = np.flatnonzero(fitting(placeable, some, category, support, space))
-        if len(good):
-            return some[good[0]]
+        good = fitting(placeable, some, category, support, space)
+        best = ways.best(placeable, some, good) if ways is not None else int(good.argmax()) if good.any() else -1
+        if best >= 0:
+            return some[best]
     return None

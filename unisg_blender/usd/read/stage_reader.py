@@ -26,6 +26,7 @@ from .entity_selection import find_entities
 from .instancers import read_instances
 from .layer_files import quiet
 from .mesh_prims import MeshPrims
+from .physics_prims import read_bodies
 from .stage import first_reason, stage_frame
 from .stage_frames import with_frame_range
 from .time_samples import read_motion
@@ -46,6 +47,7 @@ class StageReader:
     rate: float  # time codes per second
     shelf: MeshPrims
     progress: Progress | None
+    kilograms: float = 1.0  # a unit of mass
     prototypes: dict[Any, SceneGraph] = field(default_factory=dict)
     reading: set[Any] = field(default_factory=set)  # prototypes that are being read
 
@@ -91,6 +93,7 @@ def _read_scene(stage: Any, title: str, progress: Progress | None) -> SceneGraph
     frame = stage_frame(stage)
     metres = float(np.abs(frame[:3, :3]).max())
     reader = StageReader(frame, metres, float(stage.GetTimeCodesPerSecond()), MeshPrims(frame), progress)
+    reader.kilograms = float(stage.GetMetadata("kilogramsPerUnit") or 1.0)
     tops = stage.GetPseudoRoot().GetChildren()
     scene = next((prim for prim in tops if prim.HasAttribute(schema.SCENE_VERSION)), None)
     if scene is None:
@@ -123,6 +126,7 @@ def read_graph(
     column[shelf_mesh >= 0] = mesh.reshape(-1)
     tables = read_components(holder, uids) | frames.tables | read_motion(found, frames, reader.rate)
     tables |= read_instances(found, reader.frame, reader.read_prototype)
+    tables |= read_bodies(found, tables, reader.kilograms)
     told = read_data(found, tables, reader.metres)
     tables = {name: each for name, each in tables.items() if name not in STANDARD} | told
     uid_of_path = {prim.GetPath(): uid for prim, uid in zip(found.prim, uids, strict=True)}

@@ -23,6 +23,7 @@ from .camera_light_specs import write_camera, write_light, write_visibility
 from .component_specs import write_components
 from .instance_specs import write_instances
 from .mesh_specs import write_materials, write_mesh
+from .physics_specs import write_labels, write_physics
 from .specs import Types, attribute, custom, define, define_class, matrices
 from .time_sample_specs import write_frame_range, write_motion
 
@@ -62,6 +63,8 @@ def write_layer(graph: SceneGraph, layer: Any, tick: Tick = lambda: None) -> Non
     """Author the scenegraph in an empty layer; ``tick`` is called once per entity."""
     layer.pseudoRoot.SetInfo("upAxis", "Z")
     layer.pseudoRoot.SetInfo("metersPerUnit", 1.0)
+    if components.RIGID_BODIES in graph.components:
+        layer.pseudoRoot.SetInfo("kilogramsPerUnit", 1.0)
     frames = frame_range_of(graph)
     with Sdf.ChangeBlock():
         identifier = Identifiers().take(graph.title)
@@ -83,6 +86,7 @@ def write_graph(parent: Any, graph: SceneGraph, writer: LayerWriter, identifiers
     write_behaviour(prims, graph)
     write_motion(prims, graph, writer.rate)
     write_visibility(prims, graph)
+    write_physics(prims, graph)
     write_components(parent, graph)
     write_instances(prims, graph, writer.prototype_path)
 
@@ -144,6 +148,7 @@ def _write_entities(parent: Any, graph: SceneGraph, writer: LayerWriter, top: Id
         custom(prim, schema.UID, Types.String, clean(graph.uid[row]))
         if graph.category[row] >= 0:
             custom(prim, schema.CATEGORY, Types.String, clean(graph.vocabulary[graph.category[row]]))
+            write_labels(prim, graph.vocabulary[graph.category[row]])
         if counts[row] != [0, 1, int(graph.mesh[row] >= 0), 0]:
             custom(prim, schema.INFO, Types.Int4, tuple(counts[row]))
         _write_shape(prim, graph, row, hidden_names, writer, (cameras, lights))
