@@ -62,7 +62,7 @@ hooks: $(READY)  ## let git run what `make lint` runs before each commit
 $(READY): pyproject.toml constraints.txt
 	test -d $(VENV) || $(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet "torch==2.13.0"
-	$(BIN)/python -m pip install --quiet --constraint constraints.txt "bpy==$(BPY)" --editable ".[ga,learn,cluster,blender,figures,docs,dev]"
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt "bpy==$(BPY)" --editable ".[ga,learn,cluster,judge,blender,figures,docs,dev]"
 	touch $(READY)
 
 player:  ## the script of the page in which lessons are played, from npm -> unisg_blender/web/player.js
