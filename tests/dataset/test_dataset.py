@@ -177,6 +177,20 @@ def test_split_is_a_partition_by_seed(tmp_path: Path, make_scene: Make) -> None:
         dataset.split([0.8, 0.3], seed=0)
 
 
+def test_scenes_of_one_source_stay_together(tmp_path: Path, make_scene: Make) -> None:
+    names = [f"file {number % 7}" for number in range(40)]
+    write_dataset([Sample(make_scene(0, 0), name) for name in names], tmp_path / "ds")
+    dataset = open_dataset(tmp_path / "ds")
+    assert dataset.sources() == names
+    assert dataset.licences() == [""] * 40
+    parts = dataset.split([0.5, 0.5], seed=1, by_source=True)
+    assert sorted(np.concatenate(parts).tolist()) == list(range(40))
+    of_part = [{names[row] for row in rows} for rows in parts]
+    assert of_part[0].isdisjoint(of_part[1])
+    assert 12 <= len(parts[0]) <= 28
+    assert_array_equal(dataset.split([0.5, 0.5], seed=1, by_source=True)[0], parts[0])
+
+
 def test_the_reader_in_the_documentation_reads(tmp_path: Path, scenes: list[SceneGraph]) -> None:
     manifest = write_dataset(scenes, tmp_path / "ds")
     code = re.search(r"```python\n(import json.*?)```", DOCS.read_text(), re.DOTALL)

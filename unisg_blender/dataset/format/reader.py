@@ -242,9 +242,21 @@ class Dataset:
         self.files()
         self.assets()
 
-    def split(self, fractions: Sequence[float], seed: int) -> list[NDArray[np.int64]]:
-        """Scene numbers for training, validation ...; see :func:`split_rows`."""
-        return split_rows(len(self), fractions, seed)
+    def split(self, fractions: Sequence[float], seed: int, by_source: bool = False) -> list[NDArray[np.int64]]:
+        """Scene numbers for training, validation ...; see :func:`split_rows`.
+
+        With ``by_source`` scenes of one file stay together, so that none is tested on what it was trained on.
+        """
+        return split_rows(len(self), fractions, seed, self.sources() if by_source else None)
+
+    def sources(self) -> list[str]:
+        """The file, or the maker, that each scene comes from."""
+        return [scene.source for scene in self]
+
+    def licences(self) -> list[str]:
+        """The licence of each scene's file and how that is known, "" for unknown."""
+        of_file = {record["source"]: str(record.get("licence", "")) for record in self.files()}
+        return [of_file.get(source, "") for source in self.sources()]
 
 
 def open_dataset(

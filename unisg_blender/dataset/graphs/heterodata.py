@@ -202,9 +202,13 @@ class UniSGDataset(GraphDataset):
         columns = gather(self.columns, numbers, (*TABLES, "world"))
         return with_edge_poses(graph_arrays(columns, self.vocabulary["relations"]), columns, self.form, self.edges)
 
-    def split(self, fractions: Sequence[float], seed: int) -> list[UniSGDataset]:
-        """Subsets for training, validation ..., at random by ``seed``; see :func:`..format.splits.split_rows`."""
-        return [self.index_select(rows.tolist()) for rows in split_rows(len(self), fractions, seed)]
+    def split(self, fractions: Sequence[float], seed: int, by_source: bool = False) -> list[UniSGDataset]:
+        """Subsets for training, validation ..., at random by ``seed``; see :func:`..format.splits.split_rows`.
+
+        With ``by_source`` scenes of one file stay together.
+        """
+        sources = np.asarray(self.columns.sources())[self._own_numbers].tolist() if by_source else None
+        return [self.index_select(rows.tolist()) for rows in split_rows(len(self), fractions, seed, sources)]
 
     def loader(self, batch_size: int, shuffle: bool = False, workers: int = 0, seed: int = 0) -> Any:
         """A ``torch.utils.data.DataLoader`` of batches; ``shuffle`` draws another order each time, by ``seed``."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from .hull_pieces import convex_pieces
+from .made_bodies import simulated_scene
 from .moving_bodies import RigidBody, rigid_bodies
-from .simulated_scene import simulated_scene
 
 __all__ = ["RigidBody", "convex_pieces", "rigid_bodies", "simulated_scene"]
