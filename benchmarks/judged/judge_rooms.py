@@ -1,7 +1,7 @@
 """Rooms before judges that are not ours: SceneEval's own code, and MuJoCo; beside them our own meters.
 
-    python benchmarks/judged/measure.py rooms SCENEEVAL [--rooms 30] [--out FILE.json]
-    python benchmarks/judged/measure.py added INTERIORS [--seeds 1] [--out FILE.json]
+    python benchmarks/judged/judge_rooms.py rooms SCENEEVAL [--rooms 30] [--out FILE.json]
+    python benchmarks/judged/judge_rooms.py added INTERIORS [--seeds 1] [--out FILE.json]
 
 SCENEEVAL is a clone of https://github.com/3dlg-hcvc/SceneEval, used as it is (sceneeval.py says what it needs).
 INTERIORS is the folder of benchmarks/interiors/placing.py: six things are wanted in each interior, and those that were
