@@ -75,6 +75,19 @@ def test_what_hangs_is_carried_where_it_touches() -> None:
     assert bodies == {-1: ["floor", "north", "picture"], "pole": ["pole", "bag"], "lost": ["lost"]}
 
 
+def test_what_stands_on_what_is_fixed_moves_and_what_touches_a_wall_alone_does_not() -> None:
+    scene = Scene()
+    walls(scene)
+    scene.box("counter", (1, 0.5, 0.9), (0, 1, 0), category="")
+    scene.box("cup", (0.1, 0.1, 0.1), (0, 1, 0.9), relation=("on_top_of", "counter"))
+    scene.box("pot", (0.1, 0.1, 0.1), (0.3, 1, 0.9))
+    scene.box("clock", (0.3, 0.03, 0.3), (0, 1.985, 1.5))
+    graph = scene.build()
+    bodies = rigid_bodies(graph, fixed=[graph.row_of_uid["counter"]])
+    assert {graph.name[body.row] for body in bodies[1:]} == {"cup", "pot"}
+    assert "clock" in [graph.name[row] for row in bodies[0].objects]
+
+
 def test_what_is_fixed_is_as_firm_as_the_building() -> None:
     scene = Scene()
     scene.box("shelf", (0.5, 0.3, 0.02), (0, 0, 1.0))

@@ -9,9 +9,10 @@ import numpy as np
 
 from ...geometry.arrays import Bools, Ints
 from ...geometry.box_overlap import penetration
+from ...geometry.boxes import part_tops
 from ...scene.categories import STRUCTURE, has_category
 from ...scene.graph import SceneGraph
-from ..supports import Supports, find_supports
+from ..supports import CONTACT, Supports, find_supports
 
 TOUCHES = 0.03
 """Metres between the boxes of a thing and of what holds it within which it is fixed there."""
@@ -70,15 +71,24 @@ def _carriers(supports: Supports, still: Bools) -> Ints:
     objects = supports.objects
     names = [objects.graph.category_name(row) for row in objects.rows]
     found = np.full(len(objects), -1, np.int64)
-    upright = [obj for obj in np.flatnonzero(still).tolist() if names[obj] not in ("Floor", "Stairs")]
+    upright = [obj for obj, name in enumerate(names) if name in STRUCTURE and name not in ("Floor", "Stairs")]
     for obj in np.flatnonzero(~still).tolist():
         holder, kind = int(supports.first[obj]), str(supports.first_kind[obj])
         if kind == "hangs_from" or (kind == "inside" and still[holder]):
             asked = [holder]
         else:
-            asked = upright if holder < 0 or holder in upright else []
+            told = kind or (holder >= 0 and (names[holder] not in STRUCTURE or _rests(supports, obj, holder)))
+            asked = [] if told else upright
         found[obj] = next((other for other in asked if _touch(supports, obj, other)), -1)
     return found
+
+
+def _rests(supports: Supports, obj: int, holder: int) -> bool:
+    """Is the bottom of an object as high as the top of some part of another?"""
+    center, half = supports.objects.upright
+    parts = supports.objects.parts
+    tops = part_tops(parts.boxes.take(np.flatnonzero(parts.owner == holder)))
+    return bool((np.abs(tops - (center[obj, 2] - half[obj, 2])) <= CONTACT).any())
 
 
 def _touch(supports: Supports, obj: int, other: int) -> bool:
