@@ -175,11 +175,11 @@ class Placing:
     def _measure_soon(self) -> None:
         if bpy.app.timers.is_registered(self._measure):
             bpy.app.timers.unregister(self._measure)
-        if self.ghost is not None and self.ghost.wrong and not bpy.app.background:
+        if self.ghost is not None and not bpy.app.background:
             bpy.app.timers.register(self._measure, first_interval=STILL)
 
     def _measure(self) -> None:
-        """Measure in the background by how much something is wrong."""
+        """Measure in the background by how much something is wrong, and look whether there is still a way."""
         from ...unisg_blender.generate.pointing.ghosts import measured
 
         room, ghost = self.room, self.ghost
