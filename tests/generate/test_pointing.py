@@ -100,7 +100,9 @@ def test_by_hand_it_stands_at_the_point_and_what_is_wrong_is_said() -> None:
     assert ghost.wrong[0].startswith("collides with ")
     told = measured(asked, ghost)
     assert told.wrong[0].endswith(("cm", "m"))
-    assert measured(asked, ghost_at(asked, np.array([0.0, 0.0, 2.0, 0.0]))).wrong[0].startswith("floats")
+    high = ghost_at(asked, np.array([0.0, 0.0, 2.0, 0.0]))
+    assert high.wrong == ("floats",)
+    assert measured(asked, high).wrong[0].startswith("floats by ")
     assert ghost_at(asked, np.array([30.0, 0.0, 0.0, 0.0])).wrong == ("is outside the building",)
 
 
@@ -174,6 +176,9 @@ def test_of_a_house_it_is_the_room_in_which_one_points() -> None:
     assert not kitchen.has(np.array([8.0, 1.0, 0.1]))
     bedroom = PlacingRoom.of(generator(), kitchen.graph, kitchen.wanted, np.array([7.0, 1.0, 0.0]), before=kitchen)
     assert bedroom.check is kitchen.check
+    assert bedroom.scene is not kitchen.scene
+    cup = PlacingRoom.of(generator(), kitchen.graph, Wanted("Cup"), np.array([2.0, 1.0, 0.0]), before=kitchen)
+    assert cup.scene is kitchen.scene
     assert (bedroom.map.aim[bedroom.map.fits][:, 0] > 5.0).all()
 
 

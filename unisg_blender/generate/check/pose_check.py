@@ -17,6 +17,7 @@ from .scene_check import WOULD_BE_IN, WOULD_BLOCK, SceneShapes, measured
 from .surroundings import PosedThing, Surroundings
 from .ways_through import in_the_way
 
+SHORT = {OUTSIDE: "is outside the building", FLOATING: "floats"}
 BLOCKS_NOW = (WOULD_BLOCK, "blocks")
 
 
@@ -35,9 +36,11 @@ class PoseCheck:
     def reason(self, thing: PosedThing) -> str:
         """What is wrong with a thing, in words without measures, "" if nothing is: takes milliseconds."""
         reason = pose_fault(self.around, thing)
+        if reason in SHORT:
+            return SHORT[reason]
         if reason.startswith(WOULD_BE_IN):
             return f"collides with {reason.removeprefix(WOULD_BE_IN)}"
-        return {OUTSIDE: "is outside the building", FLOATING: "floats"}.get(reason, reason.replace(*BLOCKS_NOW))
+        return reason.replace(*BLOCKS_NOW)
 
     def measured(self, thing: PosedThing, category: str) -> str:
         """The same with by how much, and whether it cuts the way; "" for what turns out to hang on the building."""
