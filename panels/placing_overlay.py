@@ -139,7 +139,8 @@ def _write() -> None:
     blf.size(0, TEXT * scale)
     blf.enable(0, blf.SHADOW)
     blf.shadow(0, 3, 0.0, 0.0, 0.0, 1.0)
-    for number, line in enumerate(current.lines()):
+    mine = context.region.as_pointer() == current.region  # not in the other viewports
+    for number, line in enumerate(current.lines() if mine else ()):
         left, low = current.mouse[0] + 24 * scale, current.mouse[1] - (18 + 18 * number) * scale
         width, height = blf.dimensions(0, line)
         _box(left - 6 * scale, low - 5 * scale, width + 12 * scale, height + 10 * scale)

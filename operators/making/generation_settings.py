@@ -94,7 +94,7 @@ def scene_in_words(scene: bpy.types.Scene, mapping: dict[str, dict[str, str]]) -
     from ...unisg_blender.blender import read_scene
     from ...unisg_blender.words import apply_mapping
 
-    graph = read_scene(scene, details=False)
+    graph = read_scene(scene, details=False, instances="kept")  # what they show is in the way
     return apply_mapping(graph, mapping) if mapping else graph
 
 

@@ -9,7 +9,7 @@ import bpy
 from ..base import SearchOperator
 from ..making.generation_settings import chosen_model, is_loaded, load_generator, load_soon
 
-OWN = "OBJECT:"
+OWN, COLLECTION = "OBJECT:", "COLLECTION:"
 _items: list[tuple[str, str, str]] = []
 
 
@@ -20,6 +20,9 @@ def _choices(operator: object, context: bpy.types.Context | None) -> list[tuple[
         active = context.active_object
         if active is not None and active.type in ("MESH", "EMPTY"):
             found.append((f"{OWN}{active.name}", f"Another {active.name}", "The active object once more"))
+        for each in bpy.data.collections:
+            if each.asset_data is not None:
+                found.append((f"{COLLECTION}{each.name}", f"{each.name} (Collection)", "An instance of the collection"))
         names = load_generator(chosen_model(context)).categories
         found += [(name, name, f"{name}, as the model knows it") for name in names]
     _items[:] = found  # Blender keeps no reference to the strings of a computed enum: we must
@@ -27,7 +30,7 @@ def _choices(operator: object, context: bpy.types.Context | None) -> list[tuple[
 
 
 class UNISG_OT_choose_and_place(SearchOperator):
-    """Choose what to place by pointing: what the model knows, or the active object once more"""
+    """Choose what to place by pointing: what the model knows, the active object once more, or a collection asset"""
 
     bl_idname = "unisg.choose_and_place"
     bl_label = "Place..."
@@ -43,6 +46,8 @@ class UNISG_OT_choose_and_place(SearchOperator):
     def run(self, context: bpy.types.Context) -> None:
         if self.thing.startswith(OWN):
             bpy.ops.unisg.place("INVOKE_DEFAULT", source=self.thing.removeprefix(OWN))
+        elif self.thing.startswith(COLLECTION):
+            bpy.ops.unisg.place("INVOKE_DEFAULT", collection=self.thing.removeprefix(COLLECTION))
         else:
             bpy.ops.unisg.place("INVOKE_DEFAULT", category=self.thing)
 

@@ -16,6 +16,7 @@ from ..making.generation_settings import chosen_model, load_generator, read_word
 from ..making.new_objects import bring_in, select_new
 from ..window_wording import in_window
 from .choose_and_place import ask_what
+from .collection_of_thing import instanced, read_shown, show_collection
 from .placing_session import Placing, PlacingChoice, begin_placing, end_placing, look_at_room, placing
 from .pointed_at import pointed_at, viewport_under
 
@@ -54,6 +55,10 @@ class UNISG_OT_place(Operator):
     source: bpy.props.StringProperty(
         name="Object", options={"SKIP_SAVE"},
         description="An object of the scene, of which another one is placed, its mesh shared if it has no modifiers",
+    )  # fmt: skip
+    collection: bpy.props.StringProperty(
+        name="Collection", description="A collection of this file, of which an instance is placed",
+        options={"SKIP_SAVE"},
     )  # fmt: skip
     how: bpy.props.EnumProperty(name="Where", items=HOWS, options={"SKIP_SAVE"})
     location: bpy.props.FloatVectorProperty(
@@ -106,7 +111,7 @@ class UNISG_OT_place(Operator):
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         settings = context.window_manager.unisg
         self.behaviour = self.behaviour and settings.behaviour
-        if not self.category and not self.source:
+        if not self.category and not self.source and not self.collection:
             return self.reporting(ask_what, context)
         return self.reporting(self._begin, context, event)
 
@@ -136,7 +141,7 @@ class UNISG_OT_place(Operator):
         """What can be changed afterwards."""
         layout = self.layout
         layout.use_property_split = True
-        layout.label(text=self.category or self.source)
+        layout.label(text=self.category or self.source or self.collection)
         layout.prop(self, "how")
         if self.how != "ANYWHERE":
             layout.prop(self, "location")
@@ -148,8 +153,10 @@ class UNISG_OT_place(Operator):
         """What is chosen here, and in the panel as far as nothing is."""
         words = read_words(self.words or context.window_manager.unisg.words)
         path = bpy.path.abspath(self.model or chosen_model(context))
+        shown = read_shown(context.scene, self.collection) if self.collection else None
         return PlacingChoice(
-            path, self.category, self.source, self.shape, words, self.on, self.beside, max(self.seed, 0)
+            path, self.category, self.source, self.collection, shown, self.shape, words, self.on, self.beside,
+            max(self.seed, 0),
         )  # fmt: skip
 
     def _begin(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
@@ -183,7 +190,7 @@ class UNISG_OT_place(Operator):
     ) -> None:
         current = placing()
         if current is not None:
-            current.mouse = mouse
+            current.mouse, current.region = mouse, under[0].as_pointer()
             current.point_at(pointed_at(context, *under, mouse, current.room, current.metres))
 
     def _press(self, event: bpy.types.Event) -> None:
@@ -249,7 +256,9 @@ class UNISG_OT_place(Operator):
 
         ghost = measured(room, ghost)
         result = place_ghost(room, ghost, self.seed, self.behaviour)
-        objects = bring_in(context, result)
+        objects = bring_in(context, instanced(result) if self.collection else result)
+        if self.collection:
+            show_collection(objects[0], self.collection)
         if self.lock:
             set_locked(objects[:1], True)
         select_new(context, objects, (self.on, self.beside))

@@ -31,11 +31,14 @@ STILL = 0.15
 @dataclass(frozen=True)
 class PlacingChoice:
     """What is placed, by whose model (a file): a category in its ``shape``-th form, or the object ``source`` of the
-    scene; with the words of a mapping file, and the object ``on`` or ``beside`` which it is wanted."""
+    scene, or what ``shown`` is of a ``collection``; with the words of a mapping file, and the object ``on`` or
+    ``beside`` which it is wanted."""
 
     model: str
     category: str = ""
     source: str = ""
+    collection: str = ""
+    shown: SceneGraph | None = None
     shape: int = 0
     words: dict[str, dict[str, str]] | None = None
     on: str = ""
@@ -53,7 +56,7 @@ def look_at_room(
     UniSGError
         If nobody knows what the thing is, or where it is wanted.
     """
-    from ...unisg_blender.dataset.assets.asset import object_graph
+    from ...unisg_blender.dataset.assets.asset import Asset, object_graph, whole_thing
     from ...unisg_blender.generate.pointing.placing_room import PlacingRoom, Wanted
     from ...unisg_blender.spatial.object_rows import object_rows
 
@@ -70,6 +73,12 @@ def look_at_room(
         if not category:
             raise UniSGError(f"what is {choice.source!r}? Assign it a category first")
         wanted = replace(wanted, category=category, asset=object_graph(read, row))
+    if choice.shown is not None:
+        thing = whole_thing(choice.shown, choice.collection)
+        category = choice.category or generator.seen(thing, words).category_name(0)
+        if not category:
+            raise UniSGError(f"what is {choice.collection!r}? Give a category, or call it by a word for a thing")
+        wanted = replace(wanted, category=category, asset=Asset(category, thing))
     point = None if near is None else np.array(near)
     return PlacingRoom.of(generator, graph, wanted, point, words, choice.seed, before)
 
@@ -86,9 +95,10 @@ class Placing:
         self.room: PlacingRoom | None = None
         self.ghost: Ghost | None = None
         self.pointed: Pointed | None = None
-        self.number, self.turn = 0, 0.0
+        self.number = 0
+        self.yaw: float | None = None
         self.locked, self.drawn = False, False
-        self.mouse = (0, 0)
+        self.mouse, self.region = (0, 0), 0
         self.text, self.failed = LOOKING, ""
         self._rng = np.random.default_rng()
         self._looking: Background[PlacingRoom] = Background()
@@ -123,16 +133,18 @@ class Placing:
         self.number, self.drawn, self.pointed = 0, False, pointed
         if self.room is not None and pointed is not None and not self.room.has(np.array(pointed.point)):
             self.look()  # another room of the house
-        self.update()
+        else:
+            self.update()
 
     def next_place(self, step: int) -> None:
         """Another likely place near the mouse."""
-        self.number, self.turn, self.drawn = self.number + step, 0.0, False
+        self.number, self.yaw, self.drawn = self.number + step, None, False
         self.update()
 
     def turn_by(self, angle: float) -> None:
-        """Turned by hand it stands at the very point."""
-        self.turn, self.drawn = self.turn + angle, False
+        """Turned by hand it stands at the very point, and keeps its turn until another likely place is asked for."""
+        usual = 0.0 if self.ghost is None else float(self.ghost.place[3])
+        self.yaw, self.drawn = (usual if self.yaw is None else self.yaw) + angle, False
         self.update()
 
     def other_shape(self) -> None:
@@ -153,15 +165,15 @@ class Placing:
         """Put the ghost where it belongs now."""
         from ...unisg_blender.generate.pointing.ghosts import ghost_by_hand, ghost_near
 
-        if self.room is None or self.pointed is None:
+        if self.room is None or self.pointed is None or self._looking.busy:
             self.ghost = None
             return
         point = np.array(self.pointed.point)
-        self.ghost = None if self.turn else ghost_near(self.room, point, self.number)
+        self.ghost = None if self.yaw is not None else ghost_near(self.room, point, self.number)
         self.text = ""
         if self.ghost is None:
-            self.ghost = ghost_by_hand(self.room, point, self.turn, self.pointed.level)
-            self.text = "" if self.turn else NOWHERE
+            self.ghost = ghost_by_hand(self.room, point, self.yaw, self.pointed.level)
+            self.text = NOWHERE if self.yaw is None else ""
         self._measure_soon()
 
     def lines(self) -> list[str]:
@@ -175,11 +187,11 @@ class Placing:
     def _measure_soon(self) -> None:
         if bpy.app.timers.is_registered(self._measure):
             bpy.app.timers.unregister(self._measure)
-        if self.ghost is not None and self.ghost.wrong and not bpy.app.background:
+        if self.ghost is not None and not bpy.app.background:
             bpy.app.timers.register(self._measure, first_interval=STILL)
 
     def _measure(self) -> None:
-        """Measure in the background by how much something is wrong."""
+        """Measure in the background by how much something is wrong, and look whether there is still a way."""
         from ...unisg_blender.generate.pointing.ghosts import measured
 
         room, ghost = self.room, self.ghost

@@ -10,6 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.generate.house import house
+from tests.spatial.built_rooms import box, mesh
 from unisg_blender.dataset.assets.asset import object_graph
 from unisg_blender.errors import UniSGError
 from unisg_blender.generate import Generator
@@ -99,7 +100,9 @@ def test_by_hand_it_stands_at_the_point_and_what_is_wrong_is_said() -> None:
     assert ghost.wrong[0].startswith("collides with ")
     told = measured(asked, ghost)
     assert told.wrong[0].endswith(("cm", "m"))
-    assert measured(asked, ghost_at(asked, np.array([0.0, 0.0, 2.0, 0.0]))).wrong[0].startswith("floats")
+    high = ghost_at(asked, np.array([0.0, 0.0, 2.0, 0.0]))
+    assert high.wrong == ("floats",)
+    assert measured(asked, high).wrong[0].startswith("floats by ")
     assert ghost_at(asked, np.array([30.0, 0.0, 0.0, 0.0])).wrong == ("is outside the building",)
 
 
@@ -173,6 +176,9 @@ def test_of_a_house_it_is_the_room_in_which_one_points() -> None:
     assert not kitchen.has(np.array([8.0, 1.0, 0.1]))
     bedroom = PlacingRoom.of(generator(), kitchen.graph, kitchen.wanted, np.array([7.0, 1.0, 0.0]), before=kitchen)
     assert bedroom.check is kitchen.check
+    assert bedroom.scene is not kitchen.scene
+    cup = PlacingRoom.of(generator(), kitchen.graph, Wanted("Cup"), np.array([2.0, 1.0, 0.0]), before=kitchen)
+    assert cup.scene is kitchen.scene
     assert (bedroom.map.aim[bedroom.map.fits][:, 0] > 5.0).all()
 
 
@@ -182,3 +188,25 @@ def test_without_a_room_it_stands_on_the_ground() -> None:
     made = place_ghost(asked, ghost, seed=0)
     assert (made.added, ghost.wrong) == (1, ())
     np.testing.assert_allclose(asked.target.placeable.motion(ghost.place)[:2, 3], (1, 1), atol=0.5)
+
+
+def test_what_cuts_the_way_through_a_room_is_told_when_one_rests() -> None:
+    shelf = mesh(box((-2.45, -0.2, 0), (2.45, 0.2, 2.2)))
+    builder = SceneBuilder("Shelf")
+    builder.add("Shelf", uid="Shelf", mesh=shelf, category="Bookshelf")
+    asked = PlacingRoom.of(
+        generator(), house(things={}), Wanted("Bookshelf", asset=object_graph(builder.build(), 0)),
+        near=np.array([2.5, 2.0, 0.0]),
+    )  # fmt: skip
+    ghost = ghost_at(asked, np.array([2.5, 2.0, 0.0, 0.0]))
+    assert ghost.wrong == ()
+    assert measured(asked, ghost).wrong == ("blocks the way through the room",)
+
+
+def test_what_stands_before_a_door_is_told_at_once() -> None:
+    crate = SceneBuilder("Crate")
+    crate.add("Crate", uid="Crate", mesh=mesh(box((-0.15, -0.2, 0), (0.15, 0.2, 0.5))), category="Side Table")
+    given = Wanted("Side Table", asset=object_graph(crate.build(), 0))
+    asked = PlacingRoom.of(generator(), house(), given, near=np.array([2.5, 2.0, 0.0]))
+    assert ghost_at(asked, np.array([4.8, 0.85, 0.0, 0.0])).wrong == ("blocks a door",)
+    assert ghost_at(asked, np.array([2.5, 1.5, 0.0, 0.0])).wrong == ()

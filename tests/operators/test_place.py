@@ -155,6 +155,9 @@ def test_the_ghost_follows_the_mouse_and_the_words_say_what_is_wrong(extension: 
     current.point_at(module.pointed_at.Pointed((sofa.x, sofa.y, 0.0), True))
     current.turn_by(0.2)
     np.testing.assert_allclose(current.ghost.place[:2], (sofa.x, sofa.y), atol=1e-6)
+    turned = current.yaw
+    current.point_at(module.pointed_at.Pointed((sofa.x + 0.1, sofa.y, 0.0), True))
+    assert current.ghost.place[3] == turned
     assert current.lines()[0].startswith("Chair: collides with ")
     current.locked = True
     assert "locked" in current.lines()
@@ -220,3 +223,22 @@ def test_the_heat_is_blue_to_yellow_and_stronger(extension: ModuleType) -> None:
     assert (np.diff(colours[:, 3]) > 0).all()
     light = colours[:, :3] @ (0.2126, 0.7152, 0.0722)
     assert (np.diff(light) > 0).all()
+
+
+def test_of_a_collection_an_instance_is_placed(room: None) -> None:
+    bpy.ops.mesh.primitive_cube_add(size=0.4, location=(20.0, 0.0, 0.2))
+    cube = bpy.context.object
+    collection = bpy.data.collections.new("Stool")
+    collection.instance_offset = (20.0, 0.0, 0.0)
+    for each in cube.users_collection:
+        each.objects.unlink(cube)
+    collection.objects.link(cube)
+    count = len(bpy.data.objects)
+    new = placed("Side Table", collection="Stool", how="EXACT", location=(0.5, 0.4, 0.0))
+    assert (new.instance_type, new.instance_collection) == ("COLLECTION", collection)
+    assert len(bpy.data.objects) == count + 1
+    np.testing.assert_allclose(new.matrix_world.translation, (0.5, 0.4, 0.0), atol=1e-5)
+    near = placed("Side Table", collection="Stool", location=(0.5, 0.4, 0.0))
+    assert (near.matrix_world.translation - new.matrix_world.translation).length > 0.3, "the first one is in the way"
+    with pytest.raises(RuntimeError, match="is no collection"):
+        bpy.ops.unisg.place(collection="Nothing", **OPTIONS)

@@ -114,7 +114,7 @@ def test_one_after_another_each_is_a_step_of_undo_and_esc_leaves(window: Blender
     window.click(5)
     assert window.run(f"result = list({SESSION}.ghost.place)") != first
     window.click(5, shift=True)
-    assert window.run(f"result = {SESSION}.turn")
+    assert window.run(f"result = {SESSION}.yaw") is not None
     window.key("l")
     assert "locked" in window.run(f"result = {SESSION}.lines()")
     window.key("Escape")

@@ -52,6 +52,7 @@ class SceneReader:
     shelf: MeshShelf
     report: ReadReport
     losses: bool  # whether somebody wants to hear what is lost: telling it takes as long as reading
+    instances: bool = True  # whether they are read
     prototypes: dict[bpy.types.Collection, SceneGraph] = field(default_factory=dict)
 
     def read_collection(self, collection: bpy.types.Collection) -> SceneGraph:
@@ -66,7 +67,7 @@ def read_scene(
     *,
     geometry: Geometry = "evaluated",
     details: bool = True,
-    instances: Literal["kept", "realized"] = "kept",
+    instances: Literal["kept", "realized", "as details"] = "as details",
     animation: bool = False,
     report: ReadReport | None = None,
     progress: Callable[[int, int], None] | None = None,
@@ -86,7 +87,7 @@ def read_scene(
         into a file.
     instances
         Of collections, and those that geometry nodes and particles make: "kept" as
-        the component ``instances``, or "realized" as entities. Part of the details.
+        the component ``instances``, or "realized" as entities; kept with the details if nothing is said.
     animation
         Step through the scene's frames and keep how its objects move, as the component
         ``animation``; the scene ends at the frame where it was.
@@ -104,7 +105,8 @@ def read_scene(
     losses, report = details and report is not None, ReadReport() if report is None else report
     view_layer, depsgraph = updated_depsgraph(scene)
     shelf = MeshShelf(depsgraph, geometry == "evaluated", report)
-    reader = SceneReader(depsgraph, view_layer, geometry, details, animation, shelf, report, losses)
+    shown = details or instances != "as details"
+    reader = SceneReader(depsgraph, view_layer, geometry, details, animation, shelf, report, losses, shown)
     graph = read_objects(scene.objects, scene.name, scene.collection, reader)
     graph = in_metres(graph, scene).replace(frames=read_frame_range(scene, report))
     report_unit(scene, report)
@@ -122,6 +124,18 @@ def read_scenes(
     return {
         scene.name: read_scene(scene, geometry=geometry, details=details, report=report) for scene in bpy.data.scenes
     }
+
+
+def read_collection(collection: bpy.types.Collection, scene: bpy.types.Scene) -> SceneGraph:
+    """The scenegraph of a collection as its instances show it, in metres by a scene's unit, without details."""
+    view_layer, depsgraph = updated_depsgraph(scene)
+    report = ReadReport()
+    shelf = MeshShelf(depsgraph, True, report)
+    reader = SceneReader(depsgraph, view_layer, "evaluated", False, False, shelf, report, False)
+    graph = read_objects(collection.all_objects, collection.name, collection, reader)
+    local = graph.local.copy()
+    local[graph.parent < 0, :3, 3] -= np.array(collection.instance_offset)
+    return in_metres(graph.replace(local=local), scene)
 
 
 def read_objects(
@@ -142,6 +156,7 @@ def read_objects(
     components[COLLECTIONS] = collection_table(items, top)
     if reader.details:
         components |= component_tables(objects, items, hierarchy, top, reader.view_layer, reader.depsgraph)
+    if reader.instances:
         components |= instance_table(items, reader.shelf, reader.read_collection, reader.report)
     if reader.losses:
         instanced = not top.is_embedded_data  # a scene's own collection is part of it

@@ -17,6 +17,9 @@ from numpy.typing import NDArray
 from ...geometry.planar import heading, turn
 from ...scene import STRUCTURE, SceneGraph, take, world_matrices
 from ...scene.categories import FLOOR, has_category
+from ...scene.graph import TYPES
+from ...scene.identity import derived_uid
+from ...scene.merge import append
 from ...spatial.object_rows import object_rows
 
 
@@ -68,6 +71,17 @@ def object_graph(
     kept = {name: value for name, value in part.components.items() if name not in _SCENE_WIDE}
     part = part.replace(local=local, components=kept)
     return Asset(graph.category_name(row), _lean(part), _action_targets(graph, part))
+
+
+def whole_thing(graph: SceneGraph, name: str) -> SceneGraph:
+    """All of a scenegraph as one object: an entity of that name above it, its parts without categories."""
+    root = SceneGraph(
+        name=(name,), uid=(derived_uid("whole", name),), type=np.array([TYPES.index("EMPTY")], np.int8),
+        parent=np.full(1, -1, np.int32), category=np.full(1, -1, np.int32), vocabulary=(), local=np.eye(4)[None],
+        mesh=np.full(1, -1, np.int32), meshes=(),
+    )  # fmt: skip
+    parts = graph.replace(category=np.full(len(graph), -1, np.int32), vocabulary=())
+    return append(root, [parts], [root.uid[0]])
 
 
 _SCENE_WIDE = ("world", "relations", "lsa", "animation", "recording", "channels", "parenting")

@@ -11,11 +11,14 @@ from ...scene import SceneGraph
 from ...scene.hierarchy import subtree
 from ...spatial.structure.scan import world_triangles
 from ..observe.placeable import Placeable
-from .mesh_check import FLOATING, OUTSIDE, pose_fault
+from .holding_scene import SPARE
+from .mesh_check import CUTTING, FLOATING, OUTSIDE, pose_fault
 from .scene_check import WOULD_BE_IN, WOULD_BLOCK, SceneShapes, measured
 from .surroundings import PosedThing, Surroundings
+from .ways_through import in_the_way
 
-BLOCKS_NOW = (WOULD_BLOCK, "blocks ")
+SHORT = {OUTSIDE: "is outside the building", FLOATING: "floats"}
+BLOCKS_NOW = (WOULD_BLOCK, "blocks")
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,18 +36,28 @@ class PoseCheck:
     def reason(self, thing: PosedThing) -> str:
         """What is wrong with a thing, in words without measures, "" if nothing is: takes milliseconds."""
         reason = pose_fault(self.around, thing)
+        if reason in SHORT:
+            return SHORT[reason]
         if reason.startswith(WOULD_BE_IN):
             return f"collides with {reason.removeprefix(WOULD_BE_IN)}"
-        return {OUTSIDE: "is outside the building", FLOATING: "floats"}.get(reason, reason.replace(*BLOCKS_NOW))
+        return reason.replace(*BLOCKS_NOW)
 
     def measured(self, thing: PosedThing, category: str) -> str:
-        """The same with by how much; "" as well for what turns out to hang on the building."""
+        """The same with by how much, and whether it cuts the way; "" for what turns out to hang on the building."""
         reason = pose_fault(self.around, thing)
         if not reason:
-            return ""
+            return CUTTING.replace(*BLOCKS_NOW) if self._cuts(thing) else ""
         nothing = np.zeros(len(self.shapes.triangles), bool)
         fault = measured(self.shapes, -1, category, thing.triangles, thing.matrix, nothing, reason)
         return "" if fault is None else fault.text
+
+    def _cuts(self, thing: PosedThing) -> bool:
+        """Does a thing cut a place in its room off, or narrow the way to it?"""
+        structure, mine = self.around.room.structure, thing.triangles
+        if structure is None or not len(mine):
+            return False
+        number = structure.room_at((mine.min(axis=(0, 1)) + mine.max(axis=(0, 1))) / 2)
+        return number >= 0 and bool(in_the_way(structure.rooms[number], self.around.triangles, [mine], SPARE))
 
 
 def posed_thing(

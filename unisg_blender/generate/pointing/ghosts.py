@@ -63,14 +63,15 @@ def ghost_near(room: PlacingRoom, point: Floats, number: int = 0) -> Ghost | Non
     return found[0] if found[-1].wrong else found[-1]
 
 
-def ghost_by_hand(room: PlacingRoom, point: Floats, turn: float, level: bool = True) -> Ghost:
-    """At the very point (3,), turned by some radians from how the model would.
+def ghost_by_hand(room: PlacingRoom, point: Floats, yaw: float | None = None, level: bool = True) -> Ghost:
+    """At the very point (3,) with a turn in radians, or None for that of the nearest place of the map.
 
     Where what is pointed at is not ``level``, such as a wall, it is settled onto what would hold it.
     """
     nearest = _nearest(room, point)
     support, density = _of(room, nearest) if nearest >= 0 else (_under(room, point), -np.inf)
-    place = np.append(point, turn + (float(room.map.places[nearest, 3]) if nearest >= 0 else 0.0))
+    usual = float(room.map.places[nearest, 3]) if nearest >= 0 else 0.0
+    place = np.append(point, usual if yaw is None else yaw)
     if not level:
         place[2] -= room.target.placeable.half[2]
         place = settle(room.scene, room.target, Proposals(np.array([support]), place[None]))[0].places[0]
@@ -135,9 +136,7 @@ def _ghost(room: PlacingRoom, place: Floats, support: int, density: float) -> Gh
 
 
 def measured(room: PlacingRoom, ghost: Ghost) -> Ghost:
-    """The ghost with by how much it collides or floats: takes up to some tenths of a second where it does."""
-    if not ghost.wrong:
-        return ghost
+    """The ghost with by how much it collides or floats, and whether it cuts the way: takes up to tenths of a second."""
     told = room.check.measured(_posed(room, ghost.place, ghost.support), room.wanted.category)
     return replace(ghost, wrong=_with_wishes(room, ghost.place, ghost.support, told))
 

@@ -22,6 +22,9 @@ DRAWN, POINT = 96, 0.03
 """Places that are drawn where something neither stands nor is at a wall, and half the side of what is drawn of each,
 metres."""
 
+TOGETHER = 128
+"""Places that are settled at a time."""
+
 SCALE, LEAST = 8.0, 0.01
 """Nats below the likeliest cell at which a place is cold, and the heat of what is cold and yet free."""
 
@@ -123,11 +126,19 @@ def _on_candidate(
         raw, density, cells = drawn.places, np.zeros(DRAWN), single_points(drawn.places, POINT)
     if not len(raw):
         return None
-    settled, fits = settle(scene, target, Proposals(np.full(len(raw), obj), raw))
+    settled, fits = _settled(scene, target, obj, raw)
     density = density - np.logaddexp.reduce(density + np.log(cells.area)) + np.log(max(chance, 1e-12))
     at_side, hangs = obj >= 0 and support.contact == AT_SIDE, obj >= 0 and support.contact not in (RESTS, AT_SIDE)
     aim = settled.places[:, :3] + (0, 0, target.placeable.half[2] if at_side else 0.0)
     return PlaceMap(settled.places, settled.support, density, fits, aim, np.full(len(raw), hangs), cells)
+
+
+def _settled(scene: GrowingScene, target: Target, obj: int, raw: Floats) -> tuple[Proposals, Bools]:
+    """Places (N, 4) settled on an object, and which fit: some at a time, for what is side by side meets few things."""
+    parts = np.array_split(raw, max(len(raw) // TOGETHER, 1))
+    done = [settle(scene, target, Proposals(np.full(len(part), obj), part)) for part in parts]
+    support, places = (np.concatenate([getattr(found, name) for found, _ in done]) for name in ("support", "places"))
+    return Proposals(support, places), np.concatenate([good for _, good in done])
 
 
 def _at_wall(

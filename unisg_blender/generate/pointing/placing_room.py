@@ -48,8 +48,8 @@ class PlacingRoom:
     ----------
     generator
         A generator that knows the thing's category.
-    graph, shown
-        The scene as it was given, and with what its instances show.
+    graph, shown, read
+        The scene as it was given, with what its instances show, and that in the generator's words.
     wanted, target
         What is to be placed, by its category in the generator's words, and as the generator sees it.
     shapes
@@ -71,6 +71,7 @@ class PlacingRoom:
     generator: Generator
     graph: SceneGraph
     shown: SceneGraph
+    read: SceneGraph
     wanted: Wanted
     target: Target
     shapes: int
@@ -109,12 +110,15 @@ class PlacingRoom:
         knowing, wanted = generator.knowing([category]), replace(wanted, category=category)
         same = before if before is not None and before.graph is graph else None
         shown = same.shown if same else with_instances(graph)
-        read = knowing.seen(shown, words)
+        alike = same if same and same.generator is knowing else None
+        read = alike.read if alike else knowing.seen(shown, words)
         seen = as_whole(as_whole(read, wanted.on), wanted.beside)
         if wanted.on or wanted.beside:
             near = middle_of(seen, wanted.on or wanted.beside)
         number, near = _room(seen, near)
-        scene = GrowingScene(seen, knowing.contract, near, number >= 0)
+        wishes = wanted.on + wanted.beside + (alike.wanted.on + alike.wanted.beside if alike else "")
+        again = alike is not None and alike.number == number and not wishes
+        scene = alike.scene if alike and again else GrowingScene(seen, knowing.contract, near, number >= 0)
         rng = np.random.default_rng(seed)
         shape, shapes = _shape(knowing, wanted, seen, rng)
         target = Target(knowing.categories.index(category), shape, True)
@@ -129,7 +133,7 @@ class PlacingRoom:
             half = target.placeable.half
             found = replace(found, fits=found.fits & [wish.has(scene.observed, half, place) for place in found.places])
         return PlacingRoom(
-            knowing, graph, shown, wanted, target, shapes, scene, number, holders, note, found,
+            knowing, graph, shown, read, wanted, target, shapes, scene, number, holders, note, found,
             same.check if same else PoseCheck.of(read), beside,
         )  # fmt: skip
 
