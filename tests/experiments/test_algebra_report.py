@@ -14,8 +14,8 @@ pytest.importorskip("matplotlib")
 
 from unisg_blender.cli import main
 from unisg_blender.experiments.algebra import algebra_report
-from unisg_blender.experiments.algebra.algebra_plan import AlgebraPlan, algebra_runs
-from unisg_blender.experiments.algebra.algebra_tables import REFERENCE, mean_rows, paired_rows
+from unisg_blender.experiments.algebra.algebra_plan import AlgebraPlan, algebra_runs, long_runs
+from unisg_blender.experiments.algebra.algebra_tables import LONG, REFERENCE, mean_rows, paired_rows, training_rows
 from unisg_blender.learn.symmetry.symmetry_networks import NETWORKS
 
 TINY = AlgebraPlan(("supports", "foreign kinds"), (4,), 1, parameters=4000, steps=25, seconds=0.0, tests=2)
@@ -72,6 +72,10 @@ def test_the_plan_is_balanced_and_has_each_training_once() -> None:
     runs = algebra_runs(AlgebraPlan(), foreign=True)
     assert len({run.key for run in runs}) == len(runs) == 10 * len(NETWORKS) * (5 * 5 + 3)
     assert [run.settings["seed"] for run in runs] == sorted(run.settings["seed"] for run in runs)
+    longer = long_runs(AlgebraPlan())
+    assert not {run.key for run in longer} & {run.key for run in runs}
+    assert {run.settings["steps"] for run in longer} == {5 * AlgebraPlan().steps}
+    assert not long_runs(AlgebraPlan(rooms=(10,)))
     assert not any(run.settings["task"] == "foreign kinds" for run in algebra_runs(AlgebraPlan(), foreign=False))
 
 
@@ -93,6 +97,18 @@ def test_differences_are_tested_over_seeds_and_few_rooms() -> None:
     assert table["PGA"]["better"] == 12
     assert table["PGA"]["p_holm"] < 0.01
     assert table["EGNN"]["p"] is None  # nothing differs
+
+
+def test_longer_trainings_stand_apart() -> None:
+    runs = [*algebra_runs(AlgebraPlan(("supports",), (30,), 1), False), *long_runs(AlgebraPlan(seeds=1))]
+    result = {
+        "parameters": 5,
+        "steps": {"step": 25, "seconds": 1.0, "own": 0.2},
+        "time": {"step": 50, "seconds": 3.0, "own": 0.1},
+    }
+    rows = training_rows(runs, {run.key: {"result": result} for run in runs})
+    assert {(row["budget"], row["error"]) for row in rows} == {("equal steps", 0.2), ("equal time", 0.1), (LONG, 0.2)}
+    assert LONG not in {row["budget"] for row in paired_rows(rows)}
 
 
 def test_means_have_intervals() -> None:

@@ -18,7 +18,7 @@ from ...scene import SceneGraph
 from ..paper.runs import finished, run_all
 from ..reports import Table, claim_folder, made_by, write_csv, write_json
 from .algebra_figure import draw_algebra
-from .algebra_plan import QUICK_PLAN, AlgebraPlan, algebra_runs
+from .algebra_plan import QUICK_PLAN, AlgebraPlan, algebra_runs, long_runs
 from .algebra_tables import mean_rows, paired_rows, training_rows
 
 HOUSES = "oneroom.jsonl.gz"
@@ -49,7 +49,7 @@ def write_algebra_report(args: argparse.Namespace, folder: Path, progress: Calla
     data = folder / "data"
     if not args.tables_only:
         make_rooms(data, max(plan.rooms), plan.tests, houses(args.data, data), jobs, progress)
-    runs = algebra_runs(plan, (data / "foreign-train.npz").is_file())
+    runs = algebra_runs(plan, (data / "foreign-train.npz").is_file()) + long_runs(plan)
     if args.tables_only:
         results = finished(runs, folder)
         if not results:

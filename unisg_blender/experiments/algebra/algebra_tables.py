@@ -16,6 +16,9 @@ from ..reports import Table
 BUDGETS = {"steps": "equal steps", "time": "equal time"}
 """By the name in a result: every network has as many parameters; either as many steps, or as much time."""
 
+LONG = "more steps"
+"""The budget of trainings that were given no time of their own, see :func:`.algebra_plan.long_runs`."""
+
 KEYS = ("task", "tested", "budget", "rooms", "network")
 REFERENCE = "relative"
 """The network that the others are compared with: poses relative to each other, in 6D."""
@@ -29,7 +32,8 @@ def training_rows(runs: Sequence[Run], results: Mapping[str, Mapping[str, Any]])
     table: Table = []
     for run in runs:
         result = results[run.key]["result"] if run.key in results else {}
-        for budget, title in BUDGETS.items():
+        budgets = BUDGETS if run.settings["seconds"] else {"steps": LONG}
+        for budget, title in budgets.items():
             tested = {name: value for name, value in result.get(budget, {}).items() if name not in ("step", "seconds")}
             table += [
                 {
@@ -64,7 +68,8 @@ def paired_rows(rows: Table) -> Table:
     among those of its larger numbers, so pairs of one seed are not quite independent.
     """
     family: Table = []
-    for keys, group in grouped([row for row in rows if row["rooms"] <= FEW], KEYS[:3]):
+    few = [row for row in rows if row["rooms"] <= FEW and row["budget"] in BUDGETS.values()]
+    for keys, group in grouped(few, KEYS[:3]):
         own = {name["network"]: {(row["rooms"], row["seed"]): row["error"] for row in part}
                for name, part in grouped(group, ("network",))}  # fmt: skip
         base = own.pop(REFERENCE, {})

@@ -13,7 +13,7 @@ import math
 import torch
 from torch import Tensor, nn
 
-from .pga_products import geometric_product, inner_product, join
+from .pga_products import METRIC, geometric_product, inner_product, join
 from .symmetry_maps import commuting_maps, invariant_elements, invariant_parts
 
 SMOOTHING = 0.01
@@ -123,9 +123,8 @@ class InvariantAttention(nn.Module):
         multiples of the heads. ``mask`` bool (..., Q, T) says which keys there are; without any, nothing is gathered.
         """
         (q, s), (k, r), (v, u) = (self._split(pair) for pair in (query, key, value))
-        logits = (torch.cat([_weighed(q), s], -1) @ torch.cat([_weighed(k), r], -1).transpose(-1, -2)).div(
-            math.sqrt(8 * query[0].shape[-2] / self.heads)
-        )
+        asked, told = torch.cat([(q * METRIC.to(q)).flatten(-2), s], -1), torch.cat([k.flatten(-2), r], -1)
+        logits = asked @ told.transpose(-1, -2) / math.sqrt(8 * q.shape[-2])
         near = torch.nn.functional.softplus(self.nearness)[:, None, None]
         logits = logits - near * _squared_distances(q, k)
         there = mask.unsqueeze(-3)
@@ -144,18 +143,12 @@ class InvariantAttention(nn.Module):
         return x.movedim(-4, -3).flatten(-3, -2)
 
 
-def _weighed(x: Tensor) -> Tensor:
-    """The eight coefficients of each channel that the inner product sees, one after another."""
-    seen = [0, 2, 3, 4, 8, 9, 10, 14]
-    return torch.stack([x[..., place] for place in seen], dim=-1).flatten(-2)
-
-
 def _squared_distances(q: Tensor, k: Tensor) -> Tensor:
     """Mean over channels of squared distances (..., Q, T) of the points in (..., Q, C, 16) and (..., T, C, 16).
 
     A point of weight w counts as much as w^2 / (w^2 + smoothing) says: what is at infinity is at no distance.
     """
-    (a, p), (b, r) = ((x[..., 14, None], x[..., 11:14]) for x in (q, k))
+    (p, a), (r, b) = (x[..., 11:15].split([3, 1], dim=-1) for x in (q, k))
     left = torch.cat([a * a, (p * p).sum(-1, keepdim=True), a * p], -1) / (a * a + SMOOTHING)
     right = torch.cat([(r * r).sum(-1, keepdim=True), b * b, -2 * b * r], -1) / (b * b + SMOOTHING)
     return (left.flatten(-2) @ right.flatten(-2).transpose(-1, -2)) / q.shape[-2]
