@@ -12,7 +12,7 @@ from pathlib import Path
 
 from architecture import ROOT, modules
 from sphinx.ext.napoleon import Config, NumpyDocstring
-from tested_examples import TestedCode, example
+from tested_examples import TestedCode, example, library_example
 from write_api_page import definition, describe, public_packages
 
 KINDS = {ast.FunctionDef: "function", ast.ClassDef: "class"}
@@ -61,7 +61,7 @@ def name_page(package: str, name: str) -> str:
         for each in node.body:
             if isinstance(each, ast.FunctionDef) and not each.name.startswith("_"):
                 parts.append(textwrap.indent(_described(each, each.name, ast.get_docstring(each) or "", True), "   "))
-    found = example(name) or example_of_a_maker(name)
+    found = example(name) or example_of_a_maker(name) or library_example(name)
     return "\n".join(parts) + ("" if found is None else _example(found))
 
 

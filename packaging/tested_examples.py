@@ -1,11 +1,11 @@
-"""Lines that use a public name: of pages of the guide, examples or tests, which tests run; else of the library."""
+"""Lines that use a public name: of pages of the guide, examples or tests, which tests run; or of the library."""
 
 from __future__ import annotations
 
 import ast
 import re
 import textwrap
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -27,14 +27,19 @@ class TestedCode:
 
 
 def example(name: str) -> TestedCode | None:
-    """The shortest block of a page, else script, test, function of the library that uses a name; None if none does."""
-    return _by_name().get(name)
+    """The shortest block of a page, else script, else test that uses a name; None if none does."""
+    return _by_name((_pages, _scripts, _tests)).get(name)
+
+
+def library_example(name: str) -> TestedCode | None:
+    """The shortest function of the library that uses a name."""
+    return _by_name((_library,)).get(name)
 
 
 @cache
-def _by_name() -> dict[str, TestedCode]:
+def _by_name(kinds: tuple[Callable[[], Iterator[TestedCode]], ...]) -> dict[str, TestedCode]:
     found: dict[str, TestedCode] = {}
-    for kind in (_pages, _scripts, _tests, _library):
+    for kind in kinds:
         for code in sorted(kind(), key=lambda each: each.source.count("\n")):
             for name in code.names:
                 found.setdefault(name, code)
@@ -64,17 +69,19 @@ def _tests() -> Iterator[TestedCode]:
 
 def _library() -> Iterator[TestedCode]:
     for path in sorted((ROOT / LIBRARY).rglob("*.py")):
-        yield from _functions(path)
+        yield from _functions(path, types=True)
 
 
-def _functions(path: Path) -> Iterator[TestedCode]:
+def _functions(path: Path, types: bool = False) -> Iterator[TestedCode]:
     text = path.read_text("utf-8")
     tree = ast.parse(text)
     known = _imported(tree) | {node.name for node in tree.body if isinstance(node, ast.ClassDef | ast.FunctionDef)}
     for node in ast.walk(tree):
         if isinstance(node, ast.FunctionDef) and node.end_lineno and node.end_lineno - node.lineno < LONGEST:
             source = textwrap.dedent(" " * node.col_offset + (ast.get_source_segment(text, node) or ""))
-            yield TestedCode(source + "\n", path, frozenset(_used(node) & (known | _imported(node)) - {node.name}))
+            yield TestedCode(
+                source + "\n", path, frozenset(_used(node, types) & (known | _imported(node)) - {node.name})
+            )
 
 
 def _imported(tree: ast.AST) -> set[str]:
@@ -84,7 +91,12 @@ def _imported(tree: ast.AST) -> set[str]:
     return {alias.name for line in own for alias in line.names}
 
 
-def _used(tree: ast.AST) -> set[str]:
-    """Names that stand in expressions."""
-    named = {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)}
-    return named | {node.attr for node in ast.walk(tree) if isinstance(node, ast.Attribute)}
+def _used(tree: ast.AST, types: bool = False) -> set[str]:
+    """Names that stand in expressions, with ``types`` those that say what something is, too."""
+    nodes = list(ast.walk(tree))
+    if not types:
+        said = [getattr(node, kind, None) for node in nodes for kind in ("annotation", "returns")]
+        left_out = {node for each in said if isinstance(each, ast.AST) for node in ast.walk(each)}
+        nodes = [node for node in nodes if node not in left_out]
+    named = {node.id for node in nodes if isinstance(node, ast.Name)}
+    return named | {node.attr for node in nodes if isinstance(node, ast.Attribute)}

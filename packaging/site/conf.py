@@ -6,7 +6,6 @@ from unisg_blender import __version__
 
 project = "UniSG for Blender"
 author = "UniSG for Blender developers"
-copyright = "MIT or GPL-3.0-or-later"  # Sphinx reads this name
 version = release = __version__
 
 extensions = ["myst_parser"]
@@ -21,4 +20,4 @@ html_title = "UniSG for Blender"
 html_static_path = ["static"]
 html_css_files = ["site.css"]
 html_copy_source = False
-html_show_sphinx = False
+html_show_sphinx = html_show_copyright = False

@@ -16,6 +16,7 @@ pytest.importorskip("sphinx", reason="the extra 'docs'")
 NAMES = [(package, name) for package, names in sorted(public_packages().items()) for name in names]
 
 
+@pytest.mark.slow
 def test_every_public_name_has_a_page_with_lines_in_use() -> None:
     from api_reference import name_page
 
