@@ -122,7 +122,7 @@ class LessonExtension:
         try:
             self._add(document, settings)
         except UniSGError as error:
-            settings["log"].warning(f"No lesson in the file: {in_window(str(error))}", popup=True)
+            _tell(settings, f"No lesson in the file: {in_window(str(error))}")
 
     def _add(self, document: Any, settings: dict[str, Any]) -> None:
         from ...unisg_blender.formats.gltf.gltf_lessons import SELECTABLE, playable_lessons, selected_nodes
@@ -141,7 +141,7 @@ class LessonExtension:
             document.nodes[number].extensions = {**(document.nodes[number].extensions or {}), **SELECTABLE}
         document.extensions_used += SELECTABLE
         if len(report):
-            settings["log"].warning(f"Of the lesson: {in_window(report.summary(most=3))}", popup=True)
+            _tell(settings, f"Of the lesson: {in_window(report.summary(most=3))}")
 
     def _numbers(self, document: Any) -> dict[int, int]:
         """The number of each row's node; of an object that is instanced too, that of the object itself."""
@@ -167,6 +167,15 @@ class LessonExtension:
             objects = objects_by_uid(self._scene)
             self._rows = {objects[uid].name_full: row for row, uid in enumerate(graph.uid) if uid in objects}
         return self._graph
+
+
+def _tell(settings: Mapping[str, Any], text: str) -> None:
+    """Say something in the exporter's report; exporters that have none get it on the console."""
+    log = settings.get("log")
+    if log is None:
+        print(text)
+    else:
+        log.warning(text, popup=True)
 
 
 def _instancers(tree: Mapping[str, Any], node: Any) -> int:
