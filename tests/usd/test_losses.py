@@ -75,7 +75,7 @@ CASES = {
         ),
         "points that move",
     ),
-    "physics": (mesh("", 'prepend apiSchemas = ["PhysicsRigidBodyAPI"]'), "physics"),
+    "physics": (mesh("", 'prepend apiSchemas = ["PhysicsArticulationRootAPI"]'), "physics"),
     "point widths": (
         'def Points "Thing" {\npoint3f[] points = [(0,0,0)]\nfloat[] widths = [1]\n}\n', "widths not read",
     ),

@@ -98,9 +98,10 @@ def Xform "crate" (
     }
 }
 def Cube "ground" (
-    prepend apiSchemas = ["PhysicsCollisionAPI"]
+    prepend apiSchemas = ["PhysicsCollisionAPI", "SemanticsLabelsAPI:category"]
 ) {
     double size = 4
+    token[] semantics:labels:category = ["Floor", "Ground"]
 }
 """
 
@@ -108,7 +109,10 @@ def Cube "ground" (
 def test_bodies_of_other_tools_are_read(tmp_path: Path) -> None:
     path = tmp_path / "foreign.usda"
     path.write_text(FOREIGN, "utf-8")
-    assert bodies(read_scene_file(path)[0]) == {"crate": ("active", "box", 2.5), "ground": ("passive", "mesh", 0.0)}
+    graph, lost = read_scene_file(path)
+    assert bodies(graph) == {"crate": ("active", "box", 2.5), "ground": ("passive", "mesh", 0.0)}
+    assert graph["ground"].category == "Floor"
+    assert not list(lost)
 
 
 def test_the_command_line_makes_bodies(tmp_path: Path, capsys) -> None:

@@ -80,6 +80,9 @@ def _entry(prim: Any, shape: Any) -> Entry:
     for item in authored:
         if item in _OWN:
             values[_OWN[item]] = plain(prim.GetAttribute(item).Get())
+        elif item == schema.LABELS and schema.CATEGORY not in authored:
+            labels = prim.GetAttribute(item).Get()
+            values |= {properties.CATEGORY: str(labels[0])} if labels else {}
         elif item == schema.TYPE:
             kind = str(prim.GetAttribute(item).Get())
         elif item == schema.PROPERTIES:

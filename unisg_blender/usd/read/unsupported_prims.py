@@ -24,13 +24,15 @@ HELD = frozenset((
     "faceVertexIndices", "normals", "subdivisionScheme", "orientation", "doubleSided", "size", "radius", "radiusTop",
     "radiusBottom", "height", "axis", "width", "length", "curveVertexCounts", "prototypes", "protoIndices",
     "positions", "orientations", "orientationsf", "scales", "ids", "invisibleIds", "joints", "bindTransforms",
-    "restTransforms", "primvars:normals", "colorSpace:name", "trs", *CAMERA_NAMES,
+    "restTransforms", "primvars:normals", "colorSpace:name", "trs", schema.LABELS, "physics:mass",
+    "physics:approximation", *CAMERA_NAMES,
     *(f"inputs:{name}" for name in LIGHT_INPUTS),
 ))  # fmt: skip
 HELD_BEGINNINGS = ("xformOp:", "unisg:", schema.USER, "material:binding", "subsetFamily:", "collection:lightLink:",
                    "collection:shadowLink:", "collection:filterLink:")  # fmt: skip
 HELD_SCHEMAS = frozenset((
     "MaterialBindingAPI", "LightAPI", "ShapingAPI", "ShadowAPI", "GeomModelAPI", "SkelBindingAPI", "ColorSpaceAPI",
+    "SemanticsLabelsAPI", "PhysicsRigidBodyAPI", "PhysicsMassAPI", "PhysicsCollisionAPI", "PhysicsMeshCollisionAPI",
 ))  # fmt: skip
 OF_MATERIALS = frozenset(("Material", "Shader", "NodeGraph", "GeomSubset"))
 OF_TYPES = {
@@ -110,7 +112,7 @@ def _unknown(kind: str, names: tuple[str, ...]) -> tuple[str, ...]:
     if any(name in ("primvars:displayColor", "primvars:displayOpacity") for name in left):
         texts.append("vertex colours are not read")
     if any(name.startswith("physics:") for name in left):
-        texts.append("physics is not read")
+        texts.append("physics beside bodies, masses and colliders is not read")
     known = ("skel:", "primvars:skel:", "primvars:displayColor", "primvars:displayOpacity", "physics:")
     left = [name for name in left if not name.startswith(known) and not (kind.endswith("Curves") and name in CURVES)]
     return (*texts, f"{', '.join(left)} not read") if left else tuple(texts)
@@ -119,7 +121,9 @@ def _unknown(kind: str, names: tuple[str, ...]) -> tuple[str, ...]:
 @cache
 def _unknown_schemas(names: tuple[str, ...]) -> tuple[str, ...]:
     left = [name for name in names if name.split(":")[0] not in HELD_SCHEMAS and not name.startswith("Collection")]
-    physics = ("physics is not read",) * any(name.startswith("Physics") for name in left)
+    physics = ("physics beside bodies, masses and colliders is not read",) * any(
+        name.startswith("Physics") for name in left
+    )
     others = [name for name in left if not name.startswith("Physics")]
     return (*physics, *((f"the schemas {', '.join(others)} are not read",) if others else ()))
 

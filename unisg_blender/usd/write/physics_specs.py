@@ -9,10 +9,11 @@ from pxr import Sdf
 
 from ...scene import components
 from ...scene.graph import SceneGraph
+from .. import schema
 from ..names import clean
 from .specs import Types, attribute
 
-LABELS, LABELLED = "SemanticsLabelsAPI:category", "semantics:labels:category"
+LABELS = "SemanticsLabelsAPI:category"
 APPROXIMATIONS = {
     "box": "boundingCube", "hull": "convexHull", "mesh": "none", "sphere": "boundingSphere", "capsule": "convexHull",
     "cylinder": "convexHull", "cone": "convexHull",
@@ -23,7 +24,7 @@ APPROXIMATIONS = {
 def write_labels(prim: Any, category: str) -> None:
     """The category as a label of the taxonomy "category"."""
     also_apply(prim, LABELS)
-    attribute(prim, LABELLED, Types.TokenArray, [clean(category)], uniform=False)
+    attribute(prim, schema.LABELS, Types.TokenArray, [clean(category)], uniform=False)
 
 
 def write_physics(prims: Sequence[Any], graph: SceneGraph) -> None:
