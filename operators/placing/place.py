@@ -117,6 +117,8 @@ class UNISG_OT_place(Operator):
 
     def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         current = placing()
+        if current is not self._own:
+            return {"CANCELLED"}  # it was begun anew, by another button
         if current is None or current.scene != context.scene.name or context.mode != "OBJECT":
             return self._leave(context)
         under = viewport_under(context, event)
@@ -163,7 +165,7 @@ class UNISG_OT_place(Operator):
         begin_placing(Placing(context.scene, self._choice(context), self.behaviour))
         current = placing()
         assert current is not None
-        current.locked = self.lock
+        self._own, current.locked = current, self.lock
         under = viewport_under(context, event)
         if under is not None:
             self._move(context, under, (event.mouse_x - under[0].x, event.mouse_y - under[0].y))

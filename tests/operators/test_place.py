@@ -191,9 +191,13 @@ def test_esc_ends_it_and_other_keys_are_blenders(extension: ModuleType, room: No
     self = MagicMock(spec=operator)
     for name in ("_leave", "_is_blenders"):
         setattr(self, name, getattr(operator, name).__get__(self))
+    self._own = current
     for kind in ("MIDDLEMOUSE", "NUMPAD_1", "N"):
         assert operator.modal(self, context, event(kind)) == {"PASS_THROUGH"}
     assert operator.modal(self, context, event("Z", ctrl=True)) == {"PASS_THROUGH"}
+    assert module.placing_session.placing() is current
+    before = MagicMock(spec=operator, _own=None)
+    assert operator.modal(before, context, event("LEFTMOUSE")) == {"CANCELLED"}, "the one before lets go"
     assert module.placing_session.placing() is current
     assert operator.modal(self, context, event("ESC")) == {"CANCELLED"}
     assert module.placing_session.placing() is None
