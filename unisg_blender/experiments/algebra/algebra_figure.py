@@ -16,11 +16,16 @@ COLOURS = {
     "absolute": "#888888", "absolute, turned": "#c0504d", "relative": "#1f4e79", "EGNN": "#e6a117", "PGA": "#5b9e48",
     "PGA, upright": "#8064a2",
 }  # fmt: skip
+FEWEST = 3
+"""Seeds from which on an interval says something."""
+
 AXES = {"completion": "nats a place", "kinds": "share of rooms wrong", "foreign kinds": "share of rooms wrong"}
 
 
 def draw_algebra(means: Table, paths: Sequence[Path]) -> None:
-    """One row for each task and set of turned test rooms; equal steps left, equal time right; bands are 95 % intervals.
+    """One row for each task and set of turned test rooms; equal steps left, equal time right.
+
+    Bands are 95 % intervals, of :data:`FEWEST` seeds or more.
 
     Raises
     ------
@@ -34,7 +39,7 @@ def draw_algebra(means: Table, paths: Sequence[Path]) -> None:
             axes = places[line * len(BUDGETS) + column]
             for name, group in grouped([row for row in part if row["budget"] == title], ("network",)):
                 rooms, error = (np.array([row[key] for row in group], float) for key in ("rooms", "error"))
-                half = np.array([row["error_ci"] or 0 for row in group])
+                half = np.array([row["error_ci"] or 0 if row["seeds"] >= FEWEST else 0 for row in group])
                 colour = COLOURS[name["network"]]
                 axes.plot(rooms, error, "o-", ms=3, lw=1.4, color=colour, label=name["network"])
                 axes.fill_between(rooms, error - half, error + half, color=colour, alpha=0.13, linewidth=0)
