@@ -53,7 +53,7 @@ def executed(path: Path) -> Any:
     notebook = read(path)
     with tempfile.TemporaryDirectory() as folder:
         here = {"metadata": {"path": folder}}
-        os.environ |= {"PYTHONPATH": os.pathsep.join([str(FOLDER.parents[1]), *sys.path]), "OMP_NUM_THREADS": "1"}
+        os.environ |= {"PYTHONPATH": str(FOLDER.parents[1]), "OMP_NUM_THREADS": "1"}
         NotebookClient(notebook, timeout=SECONDS, kernel_name="python3", resources=here).execute()
     for number, cell in enumerate(notebook.cells):
         cell.id, cell.metadata = f"cell-{number}", {}

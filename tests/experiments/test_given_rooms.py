@@ -20,7 +20,7 @@ from unisg_blender.usd.pxr_library import missing_pxr
 from unisg_blender.worlds import cubes, living_room
 
 pytestmark = [pytest.mark.slow, pytest.mark.skipif(bool(missing_pxr()), reason="this Blender has no USD")]
-EXAMPLE = Path(__file__).resolve().parents[2] / "docs" / "examples" / "copied_rooms.py"
+EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "copied_rooms.py"
 ROOMS = 6
 
 

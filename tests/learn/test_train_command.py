@@ -116,7 +116,7 @@ def test_an_interrupted_training_goes_on_where_it_stopped(
 
 @pytest.mark.parametrize(
     ("scenes", "text"),
-    [(2, "has 2 scenes"), (0, "holds neither a dataset nor a scene file"), (-1, "at least two categories")],
+    [(2, "has 2 scenes"), (0, "there is no file or folder"), (-1, "at least two categories")],
 )
 def test_what_cannot_be_learned_from_is_told(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], scenes: int, text: str

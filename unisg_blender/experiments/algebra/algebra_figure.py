@@ -51,6 +51,6 @@ def draw_algebra(means: Table, paths: Sequence[Path]) -> None:
             axes.set_title(f"{keys['task']}: {keys['tested']} ({title})", fontsize=9)
             axes.set_ylabel(AXES.get(keys["task"], "1 - average precision"), fontsize=8)
             axes.set_xlabel("rooms to learn from", fontsize=8)
-    if lines:
-        places[0].legend(fontsize=7, frameon=False, ncols=2)
+    for axes in [axes for axes in places if axes.get_legend_handles_labels()[0]][:1]:
+        axes.legend(fontsize=7, frameon=False, ncols=2)
     save_figure(figure, paths)

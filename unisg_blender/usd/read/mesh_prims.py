@@ -124,6 +124,10 @@ class MeshPrims:
         return self._material_names[path]
 
 
+NO_GEOMETRY = ("physics:", "semantics:")
+"""Properties that one of several prims with the same mesh may have, and still have that mesh."""
+
+
 def _shown_once(prim: Any) -> Any:
     """The prim itself, or the one that all native instances share with it."""
     return prim.GetPrimInPrototype() if prim.IsInstanceProxy() else prim
@@ -132,5 +136,8 @@ def _shown_once(prim: Any) -> Any:
 def _geometry_key(prim: Any) -> tuple[Any, ...]:
     """The same for prims whose geometry comes from the same places: references and instances of one mesh."""
     prim = _shown_once(prim)
-    specs = [(spec.layer.identifier, spec.path) for spec in prim.GetPrimStack() if len(spec.properties)]
+    specs = [
+        (spec.layer.identifier, spec.path)
+        for spec in prim.GetPrimStack() if any(not each.name.startswith(NO_GEOMETRY) for each in spec.properties)
+    ]  # fmt: skip
     return tuple(specs) or (prim.GetPath(),)
