@@ -17,6 +17,9 @@ Steps: TypeAlias = Generator[tuple[float, str], None, None]
 SLICE = 0.05
 """Seconds of work between two redraws: the window stays responsive."""
 
+RELATIVE: set[str] = {"PATH_SUPPORTS_BLEND_RELATIVE"} if bpy.app.version >= (4, 5) else set()
+"""Options of paths that may begin with // for the folder of the file, of which Blender 5 warns else."""
+
 
 def redraw_views(context: bpy.types.Context) -> None:
     """Have all 3D viewports drawn again, their sidebars as well."""

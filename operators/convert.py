@@ -10,7 +10,7 @@ from bpy.app.handlers import persistent
 
 from ..unisg_blender.errors import UniSGError
 from ..unisg_blender.runtime.file_endings import JSON, USD, is_of
-from .base import FileOperator
+from .base import RELATIVE, FileOperator
 from .window_wording import in_window
 
 if TYPE_CHECKING:
@@ -102,7 +102,7 @@ class UNISG_OT_convert(FileOperator):
     bl_label = "Save Master File"
     bl_options = {"REGISTER"}
 
-    filepath: bpy.props.StringProperty(name="File", subtype="FILE_PATH", default="//scene.usdc")
+    filepath: bpy.props.StringProperty(name="File", subtype="FILE_PATH", options=RELATIVE, default="//scene.usdc")
     filter_glob: bpy.props.StringProperty(default=";".join(f"*{ending}" for ending in ENDINGS), options={"HIDDEN"})
     check_existing: bpy.props.BoolProperty(
         name="Check Existing", description="Warn before a file is replaced", default=True, options={"HIDDEN"}

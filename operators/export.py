@@ -5,7 +5,7 @@ from __future__ import annotations
 import bpy
 
 from ..unisg_blender.errors import UniSGError
-from .base import SLICE, SteppedOperator, Steps, redraw_views
+from .base import RELATIVE, SLICE, SteppedOperator, Steps, redraw_views
 
 FAILURES = "files-*.jsonl"
 _form_items: list[tuple[str, str, str]] = []
@@ -23,12 +23,16 @@ class DatasetSettings:
     """What the operator and the panel both ask for."""
 
     filepath: bpy.props.StringProperty(
-        name="Folder", description="Folder of the dataset; // is the folder of this file", subtype="DIR_PATH"
+        name="Folder",
+        description="Folder of the dataset; // is the folder of this file",
+        subtype="DIR_PATH",
+        options=RELATIVE,
     )
     inputs: bpy.props.StringProperty(
         name="Files",
         description="Folder with scene files, searched with all below it; empty writes what is open here",
         subtype="DIR_PATH",
+        options=RELATIVE,
     )
     form: bpy.props.EnumProperty(name="Form", description="How poses are represented in the dataset", items=_forms)
     instances: bpy.props.EnumProperty(

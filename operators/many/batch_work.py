@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import bpy
 
 from ...unisg_blender.errors import UniSGError
-from ..base import SLICE, Operator, SteppedOperator, Steps, redraw_views
+from ..base import RELATIVE, SLICE, Operator, SteppedOperator, Steps, redraw_views
 
 if TYPE_CHECKING:
     from ...unisg_blender.batches.batch_plan import BatchOptions, Task
@@ -22,7 +22,10 @@ class BatchChoices:
     """Where to, and with which seed."""
 
     folder: bpy.props.StringProperty(
-        name="Folder", description="Where it is written; // is the folder of this file", subtype="DIR_PATH"
+        name="Folder",
+        description="Where it is written; // is the folder of this file",
+        subtype="DIR_PATH",
+        options=RELATIVE,
     )
     seed: bpy.props.IntProperty(name="Seed", description="The same seed makes the same", default=0, min=0)
     overwrite: bpy.props.BoolProperty(
