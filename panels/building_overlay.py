@@ -9,11 +9,7 @@ import bpy
 
 from ..operators.room.recognised import Recognised, looking, problem, recognise_soon, recognised
 from ..operators.room.structure_shapes import LEGEND, StructureShapes
-
-TEXT, MARGIN = 13, 22
-"""Size of the labels, and how high the legend is over the lower edge, pixels."""
-
-_handles: list[Any] = []
+from .viewport_drawing import MARGIN, DrawHandlers, shadowed_text
 
 
 @dataclass
@@ -81,35 +77,30 @@ def _write() -> None:
     import blf
     from bpy_extras.view3d_utils import location_3d_to_region_2d
 
-    scale = context.preferences.system.ui_scale
-    blf.size(0, TEXT * scale)
-    blf.color(0, 1.0, 1.0, 1.0, 1.0)
-    blf.enable(0, blf.SHADOW)
-    blf.shadow(0, 3, 0.0, 0.0, 0.0, 1.0)
-    for text, place in shapes.labels:
-        at = location_3d_to_region_2d(context.region, context.region_data, place)
-        if at is not None:
-            width, height = blf.dimensions(0, text)
-            blf.position(0, at.x - width / 2, at.y - height / 2, 0)
-            blf.draw(0, text)
-    left = max(context.region.width - blf.dimensions(0, LEGEND)[0], 0) / 2  # the redo panel is in the corner
-    blf.position(0, left, MARGIN * scale, 0)
-    blf.draw(0, LEGEND)
-    blf.disable(0, blf.SHADOW)
+    with shadowed_text(context) as scale:
+        for text, place in shapes.labels:
+            at = location_3d_to_region_2d(context.region, context.region_data, place)
+            if at is not None:
+                width, height = blf.dimensions(0, text)
+                blf.position(0, at.x - width / 2, at.y - height / 2, 0)
+                blf.draw(0, text)
+        left = max(context.region.width - blf.dimensions(0, LEGEND)[0], 0) / 2  # the redo panel is in the corner
+        blf.position(0, left, MARGIN * scale, 0)
+        blf.draw(0, LEGEND)
 
 
 CLASSES = ()
 
 
+_handlers = DrawHandlers(_draw, _write)
+
+
 def register() -> None:
     """Start drawing."""
-    if not bpy.app.background:
-        for draw, when in ((_draw, "POST_VIEW"), (_write, "POST_PIXEL")):
-            _handles.append(bpy.types.SpaceView3D.draw_handler_add(draw, (), "WINDOW", when))
+    _handlers.start()
 
 
 def unregister() -> None:
     """Stop drawing, and let go of what was drawn."""
     _drawn.found, _drawn.batches = None, []
-    while _handles:
-        bpy.types.SpaceView3D.draw_handler_remove(_handles.pop(), "WINDOW")
+    _handlers.stop()

@@ -12,8 +12,7 @@ from ..operators.action_properties import active_action
 from ..operators.base import redraw_views
 from ..operators.play import session
 from .main import LessonPanel
-
-_handles: list[Any] = []
+from .viewport_drawing import DrawHandlers
 
 
 @dataclass
@@ -121,14 +120,15 @@ PROPERTIES = (
 )  # fmt: skip
 
 
+_handlers = DrawHandlers(_draw)
+
+
 def register() -> None:
     """Start drawing."""
-    if not bpy.app.background:
-        _handles.append(bpy.types.SpaceView3D.draw_handler_add(_draw, (), "WINDOW", "POST_VIEW"))
+    _handlers.start()
 
 
 def unregister() -> None:
     """Stop drawing."""
     _loaded()
-    while _handles:
-        bpy.types.SpaceView3D.draw_handler_remove(_handles.pop(), "WINDOW")
+    _handlers.stop()

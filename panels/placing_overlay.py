@@ -10,6 +10,7 @@ import numpy as np
 
 from ..operators.placing.placing_session import Placing, placing
 from ..operators.preferences import preference
+from .viewport_drawing import MARGIN, TEXT, DrawHandlers, shadowed_text
 
 SOLID = 0.8
 """Opacity of the ghost, whose colour says whether it fits; the words beside it say the same."""
@@ -23,10 +24,8 @@ LIGHT, DARK = np.array([0.36, 0.48, 0.8]), 0.45
 OFF = 0.006
 """Metres that the heat lies before its surface."""
 
-TEXT, MARGIN, BAR = 13, 22, 90
-"""Size of the words; how high the legend is over the lower edge, and how long its bar, pixels."""
-
-_handles: list[Any] = []
+BAR = 90
+"""How long the bar of the legend is, pixels."""
 
 
 @dataclass
@@ -135,21 +134,16 @@ def _write() -> None:
         return
     import blf
 
-    scale = context.preferences.system.ui_scale
-    blf.size(0, TEXT * scale)
-    blf.enable(0, blf.SHADOW)
-    blf.shadow(0, 3, 0.0, 0.0, 0.0, 1.0)
     mine = context.region.as_pointer() == current.region  # not in the other viewports
-    for number, line in enumerate(current.lines() if mine else ()):
-        left, low = current.mouse[0] + 24 * scale, current.mouse[1] - (18 + 18 * number) * scale
-        width, height = blf.dimensions(0, line)
-        _box(left - 6 * scale, low - 5 * scale, width + 12 * scale, height + 10 * scale)
-        blf.color(0, 1.0, 1.0, 1.0, 1.0)
-        blf.position(0, left, low, 0)
-        blf.draw(0, line)
-    if current.room is not None:
-        _legend(context, current, scale)
-    blf.disable(0, blf.SHADOW)
+    with shadowed_text(context) as scale:
+        for number, line in enumerate(current.lines() if mine else ()):
+            left, low = current.mouse[0] + 24 * scale, current.mouse[1] - (18 + 18 * number) * scale
+            width, height = blf.dimensions(0, line)
+            _box(left - 6 * scale, low - 5 * scale, width + 12 * scale, height + 10 * scale)
+            blf.position(0, left, low, 0)
+            blf.draw(0, line)
+        if current.room is not None:
+            _legend(context, current, scale)
 
 
 def _legend(context: bpy.types.Context, current: Placing, scale: float) -> None:
@@ -165,7 +159,6 @@ def _legend(context: bpy.types.Context, current: Placing, scale: float) -> None:
     bar = BAR * scale * free
     width = blf.dimensions(0, first)[0] + bar + blf.dimensions(0, last)[0]
     left, low = max(context.region.width - width, 0) / 2, MARGIN * scale
-    blf.color(0, 1.0, 1.0, 1.0, 1.0)
     blf.position(0, left, low, 0)
     blf.draw(0, first)
     left += blf.dimensions(0, first)[0]
@@ -205,15 +198,15 @@ def _box(left: float, low: float, width: float, height: float) -> None:
 CLASSES = ()
 
 
+_handlers = DrawHandlers(_draw, _write)
+
+
 def register() -> None:
     """Start drawing."""
-    if not bpy.app.background:
-        for draw, when in ((_draw, "POST_VIEW"), (_write, "POST_PIXEL")):
-            _handles.append(bpy.types.SpaceView3D.draw_handler_add(draw, (), "WINDOW", when))
+    _handlers.start()
 
 
 def unregister() -> None:
     """Stop drawing, and let go of what was drawn."""
     _drawn.room = _drawn.heat = _drawn.shape = None
-    while _handles:
-        bpy.types.SpaceView3D.draw_handler_remove(_handles.pop(), "WINDOW")
+    _handlers.stop()

@@ -19,7 +19,7 @@ STATUS = "unisg_batch_status"
 
 
 class BatchChoices:
-    """Where to, and with which seed."""
+    """Where to, and with which seed; and when that can be asked."""
 
     folder: bpy.props.StringProperty(
         name="Folder",
@@ -32,12 +32,6 @@ class BatchChoices:
         name="Overwrite", description="Replace what an earlier batch made in that folder", options={"SKIP_SAVE"}
     )
 
-
-class BatchOperator(BatchChoices, SteppedOperator):
-    """An operator that makes a batch of a copy of the open scene; Esc stops it, what was made stays."""
-
-    what = "rooms"
-
     @classmethod
     def why_grey(cls, context: bpy.types.Context) -> str:
         if context.mode != "OBJECT":
@@ -45,6 +39,12 @@ class BatchOperator(BatchChoices, SteppedOperator):
         if getattr(context.window_manager, STATUS):
             return "A batch is running"
         return "" if context.scene.objects else "The scene is empty"
+
+
+class BatchOperator(BatchChoices, SteppedOperator):
+    """An operator that makes a batch of a copy of the open scene; Esc stops it, what was made stays."""
+
+    what = "rooms"
 
     def batch(self, context: bpy.types.Context, copy: Path) -> tuple[list[Task], BatchOptions]:
         """What to make of the copy."""
@@ -89,14 +89,6 @@ class BatchDialog(BatchChoices, Operator):
     """An operator that asks for the choices of another one, ``starts``, and starts that."""
 
     starts = ""
-
-    @classmethod
-    def why_grey(cls, context: bpy.types.Context) -> str:
-        if context.mode != "OBJECT":
-            return "Leave edit mode first"
-        if getattr(context.window_manager, STATUS):
-            return "A batch is running"
-        return "" if context.scene.objects else "The scene is empty"
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         return context.window_manager.invoke_props_dialog(self, width=360)

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
+from shutil import copy
 
 import numpy as np
 import pytest
@@ -13,20 +15,7 @@ from unisg_blender.errors import UniSGError
 from unisg_blender.scene import ActionData, LessonNode, SceneBuilder, Thresholds
 from unisg_blender.usd import write_usd
 
-FILE = """
-def lift(batch, moment):
-    return moment.world[batch.target, 2, 3] >= batch.distance
-
-def raise_it(hand, batch):
-    row = int(batch.target[0])
-    goal = hand.world[row]
-    goal[2, 3] = batch.distance[0]
-    hand.move(row, goal)
-    hand.wait(batch.hold[0] + 2 / hand.rate)
-
-CONDITIONS = {"Lift": lift}
-GESTURES = {"Lift": raise_it}
-"""
+FILE = Path(__file__).parents[2] / "examples" / "own_action_type.py"
 
 
 @pytest.fixture(autouse=True)
@@ -38,9 +27,7 @@ def forgotten():
 
 @pytest.fixture
 def types(tmp_path):
-    path = tmp_path / "my_types.py"
-    path.write_text(FILE)
-    return path
+    return copy(FILE, tmp_path / "my_types.py")
 
 
 def scene(kind="Lift", reference=None):

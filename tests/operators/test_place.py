@@ -11,23 +11,10 @@ import pytest
 
 bpy = pytest.importorskip("bpy")
 
+SEED = 5
+"""Of the fixture ``room``."""
+
 OPTIONS = {"model": "living_room", "seed": 1}
-
-
-@pytest.fixture(scope="module")
-def saved(extension: ModuleType, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A living room in a file."""
-    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
-    bpy.ops.unisg.add_room(kind="living-room", seed=5)
-    path = tmp_path_factory.mktemp("room") / "room.blend"
-    bpy.ops.wm.save_as_mainfile(filepath=str(path))
-    return path
-
-
-@pytest.fixture
-def room(saved: Path) -> None:
-    bpy.ops.wm.open_mainfile(filepath=str(saved))
-    bpy.ops.object.select_all(action="DESELECT")
 
 
 def things(category: str) -> list[bpy.types.Object]:

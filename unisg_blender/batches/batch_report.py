@@ -51,6 +51,7 @@ def other_records(folder: Path, tasks: Sequence[Task], kind: str) -> list[dict[s
     files, rooms = {f"{task['room']}.{kind}" for task in tasks}, {task["room"] for task in tasks}
 
     def other(record: Mapping[str, Any]) -> bool:
+        """Whether a record is of a room that this batch does not make."""
         if "file" in record:
             return record["file"] not in files and (folder / record["file"]).is_file()
         return kind not in ("dataset", PICTURES) and record["source"] not in rooms

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import MissingPackageError
 from ..geometry.boxes import corners
 from ..runtime.made_files import filling
+from ..runtime.matplotlib_figure import new_figure
 from ..spatial import oriented_boxes
 from .dataset_description import describe_dataset, entity_sizes, scene_numbers
 from .format.reader import Dataset, Scene, open_dataset
@@ -30,15 +30,11 @@ def draw_dataset(path: str | os.PathLike[str], out: str | os.PathLike[str]) -> l
     UniSGError
         If matplotlib is missing, there is no dataset, or the folder cannot be written.
     """
-    try:
-        from matplotlib.figure import Figure
-    except ImportError:
-        raise MissingPackageError("matplotlib", "figures") from None
     dataset, record = open_dataset(path), describe_dataset(path)
     folder = Path(out)
     pictures = {
-        "histograms.png": _histograms(Figure(figsize=(12, 8), layout="constrained"), dataset, record),
-        "scenes.png": _contact_sheet(Figure(layout="constrained"), dataset),
+        "histograms.png": _histograms(new_figure(12, 8), dataset, record),
+        "scenes.png": _contact_sheet(new_figure(6.4, 4.8), dataset),
     }
     with filling(folder) as draft:
         for name, figure in pictures.items():

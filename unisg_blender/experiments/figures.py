@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from ..errors import MissingPackageError
+from ..runtime.matplotlib_figure import new_figure
 
 
 def figure_of(size: tuple[float, float], rows: int, columns: int) -> tuple[Any, Any]:
@@ -17,13 +17,7 @@ def figure_of(size: tuple[float, float], rows: int, columns: int) -> tuple[Any, 
     MissingPackageError
         Without matplotlib.
     """
-    try:
-        from matplotlib.backends.backend_agg import FigureCanvasAgg
-        from matplotlib.figure import Figure
-    except ImportError:
-        raise MissingPackageError("matplotlib", "figures") from None
-    figure = Figure(figsize=size, layout="constrained")
-    FigureCanvasAgg(figure)
+    figure = new_figure(*size)
     return figure, figure.subplots(rows, columns, squeeze=False).reshape(-1)
 
 

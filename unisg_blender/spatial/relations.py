@@ -121,6 +121,7 @@ def _surer(objects: Objects, between: list[Found], tolerances: RelationTolerance
     size = objects.high - objects.low
 
     def order(entry: Found) -> tuple[bool, bool, float]:
+        """The greater, the surer."""
         subject, kind, target = entry
         sheet = size[target, 2] <= tolerances.overlap and size[target].max() > size[subject].max()
         return kind == "inside", bool(sheet), float(objects.low[subject, 2])

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ...dataset import open_dataset
 from ...dataset.format.reader import Scene
-from ...errors import MissingPackageError
+from ...runtime.matplotlib_figure import new_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -32,15 +32,10 @@ def write_contact_sheet(folder: Path, graphs: Path, path: Path, names: Sequence[
     MissingPackageError
         Without matplotlib.
     """
-    try:
-        from matplotlib.backends.backend_agg import FigureCanvasAgg
-        from matplotlib.figure import Figure
-        from matplotlib.image import imread
-    except ImportError:
-        raise MissingPackageError("matplotlib", "figures") from None
+    figure = new_figure(14, 3.1 * len(names))
+    from matplotlib.image import imread
+
     known = {scene.source: scene for scene in open_dataset(graphs)}
-    figure = Figure(figsize=(14, 3.1 * len(names)), layout="constrained")
-    FigureCanvasAgg(figure)
     for axes, name in zip(np.atleast_2d(figure.subplots(len(names), len(TITLES))), names, strict=True):
         picture = imread(folder / "pictures" / f"{name}.png")
         with np.load(folder / "truth" / f"{name}.npz") as truth:

@@ -6,7 +6,7 @@ import os
 from collections.abc import Mapping
 from typing import Any
 
-from ...errors import MissingPackageError
+from ...runtime.matplotlib_figure import new_figure
 
 OPEN, DONE, EARLY, WRONG = "#f0c36d", "#2e8b57", "#c0392b", "#8e44ad"
 
@@ -19,14 +19,8 @@ def draw_timeline(record: Mapping[str, Any], path: str | os.PathLike[str]) -> No
     MissingPackageError
         Without matplotlib.
     """
-    try:
-        from matplotlib.backends.backend_agg import FigureCanvasAgg
-        from matplotlib.figure import Figure
-    except ImportError:
-        raise MissingPackageError("matplotlib", "figures") from None
     rows = [node for node in record["nodes"] if node["kind"] != "operation"]
-    figure = Figure(figsize=(11, 1.6 + 0.26 * len(rows)), layout="constrained")
-    FigureCanvasAgg(figure)
+    figure = new_figure(11, 1.6 + 0.26 * len(rows))
     axes = figure.add_subplot()
     for place, node in enumerate(rows):
         _draw_node(axes, place, node, record["end"])

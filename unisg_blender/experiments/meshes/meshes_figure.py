@@ -8,12 +8,13 @@ from typing import Any
 
 import numpy as np
 
-from ...errors import MissingPackageError
 from ...meshes import decode_mesh
 from ...meshes.shape_feature import default_encoder
 from ...meshes.shape_files import ShapeFile
 from ...meshes.triangulate import inner_triangles
+from ...runtime.matplotlib_figure import new_figure
 from ...scene.mesh import Mesh
+from ..figures import save_figure
 
 LIGHT = np.array([0.35, -0.6, 0.72])
 COLUMNS = 6
@@ -27,25 +28,15 @@ def draw_meshes(models: Sequence[ShapeFile], paths: Sequence[Path]) -> None:
     MissingPackageError
         If matplotlib is not installed.
     """
-    try:
-        import matplotlib
-    except ImportError:
-        raise MissingPackageError("matplotlib", "figures") from None
-    matplotlib.use("Agg")
-    from matplotlib import pyplot
-
     shown = list(models)[:COLUMNS]
-    figure = pyplot.figure(figsize=(2.2 * COLUMNS, 4.6))
+    figure = new_figure(2.2 * COLUMNS, 4.6)
     for place, model in enumerate(shown):
         decoded = decode_mesh(default_encoder().encode([model.mesh])[0], 2000)
         for row, mesh in enumerate((model.mesh, decoded)):
             axes: Any = figure.add_subplot(2, COLUMNS, 1 + place + row * COLUMNS, projection="3d")
             _draw(axes, mesh, model.mesh)
             axes.set_title(f"{model.name}" if row == 0 else "decoded", fontsize=9)
-    figure.tight_layout()
-    for path in paths:
-        figure.savefig(path, dpi=110)
-    pyplot.close(figure)
+    save_figure(figure, paths)
 
 
 def _draw(axes: Any, mesh: Mesh, frame: Mesh) -> None:

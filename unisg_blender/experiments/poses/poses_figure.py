@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ...errors import MissingPackageError
+from ..figures import figure_of
 from ..reports import Table
 
 
@@ -23,14 +23,7 @@ def draw_poses(tables: dict[str, Table], paths: list[Path]) -> None:
     MissingPackageError
         Without matplotlib.
     """
-    try:
-        from matplotlib.backends.backend_agg import FigureCanvasAgg
-        from matplotlib.figure import Figure
-    except ImportError:
-        raise MissingPackageError("matplotlib", "figures") from None
-    figure = Figure(figsize=(11, 4.5), layout="constrained")
-    FigureCanvasAgg(figure)
-    left, right = figure.subplots(1, 2)
+    figure, (left, right) = figure_of((11, 4.5), 1, 2)
     _draw_times(left, tables["speed"])
     _draw_errors(right, tables["exactness"])
     for path in paths:

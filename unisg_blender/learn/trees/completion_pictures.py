@@ -82,6 +82,7 @@ def completion_svg(completion: Completion) -> str:
     scale = WIDE / max(float((high - low).max()), 1e-6)
 
     def polygon(corners: Floats, style: str) -> str:
+        """A footprint (4, 2), metres, in the picture."""
         x, y = (corners[:, 0] - low[0]) * scale, (high[1] - corners[:, 1]) * scale
         path = " ".join(f"{a:.1f},{b:.1f}" for a, b in zip(x, y, strict=True))
         return f'<polygon points="{path}" style="{style}"/>'

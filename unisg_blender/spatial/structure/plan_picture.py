@@ -8,8 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from ...errors import MissingPackageError, UniSGError
+from ...errors import UniSGError
 from ...geometry.arrays import Floats
+from ...runtime.matplotlib_figure import new_figure
 from .room_things import RoomName
 from .structure import Room, Structure
 
@@ -27,10 +28,7 @@ def check_plan(path: Path) -> None:
     UniSGError
         Without matplotlib or the folder, or for another kind of file.
     """
-    try:
-        import matplotlib  # noqa: F401
-    except ImportError:
-        raise MissingPackageError("matplotlib", "figures") from None
+    new_figure(1, 1)
     if path.suffix.lower() not in ENDINGS:
         raise UniSGError(f"cannot draw {path}: the known kinds are {', '.join(ENDINGS)}")
     if not path.parent.is_dir():
@@ -42,12 +40,8 @@ def draw_plan(structure: Structure, path: Path, names: Sequence[RoomName] | None
 
     Rooms are labelled with what they are, if that is known.
     """
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
     storeys = max(structure.storeys, 1)
-    figure = Figure(figsize=(7 * storeys, 7), layout="constrained")
-    FigureCanvasAgg(figure)
+    figure = new_figure(7 * storeys, 7)
     for storey in range(storeys):
         axes = figure.add_subplot(1, storeys, storey + 1)
         for number, room in enumerate(structure.rooms):
