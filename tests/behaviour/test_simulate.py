@@ -189,6 +189,7 @@ def test_tracks_keep_scale_and_hold_outside():
     [
         ("{", "not valid JSON"),
         ("[]", "must be a JSON object"),
+        ('{"a": 1}', "this has neither"),
         ('{"version": 2}', "update it"),
         ('{"tracks": [{"entity": "Nobody", "keys": []}]}', "names 'Nobody', which is not in the scene"),
         ('{"tracks": [{"entity": "Knee", "keys": []}]}', "has no keys"),

@@ -118,7 +118,8 @@ def test_a_folder_that_cannot_be_written_is_told_before_the_work(
     assert "it is no folder" in refused(FOLDERS[verb], tmp_path / "thesis.txt", capsys)
     refused(FOLDERS[verb], tmp_path / "thesis.txt" / "below", capsys)
     assert "name too long" in refused(FOLDERS[verb], tmp_path / "new" / ("a" * 300), capsys)
-    assert "that names a file" in refused(FOLDERS[verb], tmp_path / "fuller.blend", capsys)
+    for name in ("fuller.blend", "picture.png"):
+        assert "that names a file" in refused(FOLDERS[verb], tmp_path / name, capsys)
     assert [path.name for path in tmp_path.iterdir()] == ["thesis.txt"]
 
 

@@ -35,7 +35,7 @@ Make = Callable[..., SceneGraph]
 
 
 def contents(folder: Path) -> dict[str, bytes]:
-    return {path.name: path.read_bytes() for path in folder.iterdir()}
+    return {path.name: path.read_bytes() for path in folder.iterdir() if path.is_file()}
 
 
 def fill(folder: Path, count: int, seconds: float = 0.0) -> Path:

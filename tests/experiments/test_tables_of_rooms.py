@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -79,6 +80,14 @@ def test_who_is_nearer_is_tested_in_pairs() -> None:
     assert more == pytest.approx(p)
     worse = row_of("theirs", [ours], measured(0.2), [theirs]).values["p_model_better"]
     assert worse > 0.9
+
+
+def test_rows_of_different_rooms_are_not_paired() -> None:
+    """A model that knows nothing in a room leaves it out, so its errors are of other rooms than those beside them."""
+    ours, theirs = measured(0.0), measured(0.5)
+    fewer = replace(ours, found={name: rows[1:] for name, rows in ours.found.items()})
+    for mine, other in (([fewer], [theirs]), ([ours], [fewer]), ([fewer, fewer], [theirs])):
+        assert "p_model_better" not in row_of("theirs", other, measured(0.2), mine).values
 
 
 def test_what_does_not_apply_is_left_out() -> None:

@@ -66,7 +66,8 @@ def test_the_table_has_the_model_beside_real_rooms_and_baselines(
 
 
 def test_counts_are_read_from_words() -> None:
+    assert parse_counts("Room 101=1, Box2, 3D Printer") == {"Room 101": 1, "Box2": 1, "3D Printer": 1}
     assert parse_counts("Scalpel=2, IV Pole, Monitor=1") == {"Scalpel": 2, "IV Pole": 1, "Monitor": 1}
-    for text in ("", "=2", "Cup=", "Cup=1.5", "Cup=-1", "Cup=1,,Table"):
+    for text in ("", "=2", "Cup=", "Cup=1.5", "Cup=-1", "Cup=1,,Table", "Cup:2", "Cup 2", "2 Cup", "Cup x2", "Cup * 2"):
         with pytest.raises(UniSGError):
             parse_counts(text)

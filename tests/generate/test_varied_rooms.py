@@ -204,3 +204,9 @@ def test_nothing_refers_to_what_is_gone(seed: int, number: int) -> None:
 
 def test_a_variation_is_a_plain_record() -> None:
     assert Variation() == variation_from({})
+
+
+def test_names_that_mean_nothing_are_told() -> None:
+    made = varied({"remove": ["Zebra", "Cup"], "lock": ["Sofa", "Yeti*"]})
+    assert made.nothing == ("Zebra", "Yeti*")
+    assert varied({"reroll": ["Chair"]}).nothing == ()

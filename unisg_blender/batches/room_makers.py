@@ -42,7 +42,9 @@ def generated_room(settings: Mapping[str, Any], task: Mapping[str, Any]) -> Made
     variation = known_variation(variation_from(settings["variation"]), generator, how["words"])
     made = vary(generator, scene, variation, seed, how, settings["add"])
     changed = {"removed": made.gone, "swapped": made.swapped, "moved": made.moved}
-    record = {name: len(uids) for name, uids in changed.items()} | {"redrawn": made.redrawn}
+    record: dict[str, Any] = {name: len(uids) for name, uids in changed.items()} | {"redrawn": made.redrawn}
+    if made.nothing:
+        record["note"] = f"nothing is called {' or '.join(map(repr, made.nothing))}"
     return MadeRoom(
         made.scene, added_record(made.generated) | record, label, base, new_rows(scene, made), lost_uids(scene, made),
         made.moved, changed=True,

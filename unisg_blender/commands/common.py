@@ -6,7 +6,7 @@ import argparse
 import json
 import sys
 import time
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 from ..errors import UniSGError
 from ..runtime.process_pool import limit_threads, processes
 from ..runtime.progress import Progress
-from ..runtime.wording import first_lines
+from ..runtime.wording import first_lines, some_of
 from .argument_types import whole
 
 if TYPE_CHECKING:
@@ -152,6 +152,15 @@ def read_shown(
     with shown(args.quiet or args.json, unit) as tell:
         graph, lost = read_scene_file(path, tell, assets=args.assets, **options)
     return graph if mapping is None else apply_mapping(graph, mapping), lost
+
+
+def noted(records: Iterable[Mapping[str, Any]]) -> list[str]:
+    """What is to be said of the rooms of a batch, a line for what is said of several."""
+    rooms: dict[str, list[str]] = {}
+    for record in records:
+        if "note" in record:
+            rooms.setdefault(record["note"], []).append(record["source"])
+    return [f"{some_of(names)}: {note}" for note, names in rooms.items()]
 
 
 def print_report(args: argparse.Namespace, report: dict[str, Any], lines: Iterable[str]) -> None:

@@ -13,7 +13,7 @@ from ..batches.room_makers import GENERATED
 from ..dataset import open_dataset
 from ..errors import DONE, SOME_FAILED, UniSGError
 from .batch_options import batch_options, made_rooms, variation_words
-from .common import print_report, words_of
+from .common import noted, print_report, words_of
 from .outputs import check_folder
 
 if TYPE_CHECKING:
@@ -84,5 +84,6 @@ def make_and_report(args: argparse.Namespace, tasks: Sequence[Task], options: Ba
     report = {"out": str(args.out), "rooms": len(records), "failed": failed, "seconds": round(seconds, 3)}
     report |= {"format": options.format, "records": records}
     words = f", {failed} failed" if failed else ""
-    print_report(args, report, [f"{args.out}: {len(records)} rooms{words} in {seconds:.1f} s ({REPORT} says more)"])
+    line = f"{args.out}: {len(records)} rooms{words} in {seconds:.1f} s ({REPORT} says more)"
+    print_report(args, report, [*noted(records), line])
     return SOME_FAILED if failed else DONE

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from ..errors import UniSGError
 from ..runtime.atomic_files import made_folder
-from ..runtime.file_endings import WRITABLE, is_of
+from ..runtime.file_endings import NO_FOLDERS, is_of
 from ..runtime.made_files import check_own
 
 
@@ -64,7 +64,7 @@ def check_folder(option: str, path: Path | None, others: Iterable[Path | None] =
         _check_differs(option, path, others)
         if path.exists() and not path.is_dir():
             raise UniSGError(f"cannot write to {path}: it is no folder; give another {option}")
-        if is_of(path, WRITABLE) and not path.is_dir():
+        if is_of(path, NO_FOLDERS) and not path.is_dir():
             raise UniSGError(f"cannot write to {path}: that names a file, and a folder is made; give another {option}")
         with made_folder(path), tempfile.TemporaryFile(dir=path):
             pass

@@ -20,7 +20,7 @@ from ..runtime.atomic_files import checksum_of
 from ..runtime.process_pool import processors
 from .argument_types import SEED, whole
 from .batch_options import add_running_options, made_rooms
-from .common import add_form, add_mapping, print_report, vocabulary_of
+from .common import add_form, add_mapping, noted, print_report, vocabulary_of
 from .given_scenes import is_dataset
 from .outputs import check_file, check_folder
 
@@ -93,10 +93,9 @@ def run(args: argparse.Namespace) -> int:
         names = [name for record in records for name in record.get("pictures", ())]
         write_contact_sheet(args.out, args.out / GRAPHS, args.sheet, names[:ROWS])
     report = {"out": str(args.out), "scenes": len(records), "failed": bad, "pictures": pictures}
-    notes = [f"{record['source']}: {record['note']}" for record in records if "note" in record]
     words = f", {bad} failed" if bad else ""
     line = f"{args.out}: {pictures} pictures of {len(records)} scenes{words} in {seconds:.1f} s"
-    print_report(args, report | {"seconds": round(seconds, 3), "records": records}, [*notes, line])
+    print_report(args, report | {"seconds": round(seconds, 3), "records": records}, [*noted(records), line])
     return SOME_FAILED if bad else DONE
 
 

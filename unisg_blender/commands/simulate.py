@@ -152,7 +152,7 @@ def _moments(args: argparse.Namespace, graph: SceneGraph, lesson: Any) -> tuple[
         try:
             motion = motion_from_json(graph, read_plain(args.motion).decode("utf-8"))
         except (OSError, UnicodeDecodeError) as error:
-            raise UniSGError(f"cannot read {args.motion}: {error}") from None
+            raise UniSGError(f"cannot read {args.motion}: {getattr(error, 'strerror', None) or error}") from None
         return list(moments(graph, replace(motion, rate=args.rate or motion.rate))), None
     motion = recorded_motion(graph, args.rate or 30.0)
     if motion.tracks or motion.inputs:

@@ -40,6 +40,8 @@ def check_kinds(source: Path | None, target: Path | None = None) -> None:
     UniSGError
         If a file is of an unknown kind.
     """
+    if source is not None and source.is_dir():
+        raise UniSGError(f"cannot read {source}: it is a folder; name a file in it")
     if source is not None and not is_of(source, READABLE):
         raise UniSGError(f"cannot read {source}: the known kinds are {', '.join(READABLE)}")
     if target is not None and not is_of(target, WRITABLE):

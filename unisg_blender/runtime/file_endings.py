@@ -34,6 +34,8 @@ MJCF = (".xml", ".mjcf")
 """Written for MuJoCo; an .xml is read by what it holds."""
 
 WRITABLE = (".blend", *JSON, *USD, *GLTF, *MJCF)
+NO_FOLDERS = (*WRITABLE, ".png", ".jpg", ".svg", ".pdf", ".html", ".onnx", ".csv", ".txt", ".zip")
+"""Endings that nobody gives to a folder on purpose."""
 
 
 def is_of(path: Path, kinds: tuple[str, ...]) -> bool:

@@ -67,6 +67,8 @@ def motion_from_json(graph: SceneGraph, text: str) -> Motion:
         raise UniSGError(f"the motion is not of the form that docs/behaviour.md describes: {error!r}") from None
     if not 0 < rate < math.inf:
         raise UniSGError("the rate of a motion must be a positive number of frames per second")
+    if not {"tracks", "inputs"} & record.keys():
+        raise UniSGError("a motion has tracks, or inputs, and this has neither: docs/behaviour.md describes its form")
     return Motion(tracks, inputs, rate)
 
 

@@ -285,8 +285,10 @@ def open_dataset(
     """
     folder = Path(path)
     manifest = read_manifest(folder)
+    if manifest is None and not folder.exists():
+        raise UniSGError(f"there is no file or folder {folder}: check the path")
     if manifest is None or manifest.get("schema") != SCHEMA:
-        raise UniSGError(f"{folder} holds no dataset: make one with 'unisg export IN --out {folder}'")
+        raise UniSGError(f"{folder} holds no dataset: make one of scenes with 'unisg export SCENES --out DATASET'")
     if not isinstance(manifest.get("version"), int) or manifest["version"] > VERSION:
         raise UniSGError(f"{folder} was written by a newer version of this software: update it")
     known = manifest.get("form")

@@ -73,11 +73,10 @@ def row_of(name: str, seeds: Sequence[Measured], real: Measured, ours: Sequence[
     single = [_values(one, real) for one in seeds]
     values = {key: float(np.mean([one[key] for one in single])) for key in single[0]}
     spread = {key: float(np.std([one[key] for one in single], ddof=1)) for key in single[0]} if len(single) > 1 else {}
-    errors, our_errors = (_errors(group) for group in (seeds, ours))
-    if len(errors) == len(our_errors) and seeds is not ours:
+    met = ours if len(ours) == len(seeds) else ours[:1]  # a row without seeds meets the model's first one
+    errors, our_errors = (_errors(group) for group in (seeds, met))
+    if seeds is not ours and len(errors) == len(our_errors):  # else they know things in different rooms
         values["p_model_better"] = paired_test(our_errors, errors, "less")
-    elif seeds is not ours and len(errors):  # a row without seeds meets the model's first one
-        values["p_model_better"] = paired_test(our_errors[: len(errors)], errors, "less")
     counts = np.concatenate([one.found["counts"] for one in seeds])
     objects = int(counts[:, COUNTS.index("objects")].sum())
     return TableRow(name, len(seeds), len(seeds[0].found["counts"]), objects, values, spread, _intervals(seeds))

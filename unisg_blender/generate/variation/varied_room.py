@@ -31,13 +31,14 @@ MODEL, OWN = "model", "scene"
 @dataclass(frozen=True, eq=False)
 class VariedRoom:
     """A variation: what was ``generated`` into it, uids of what was taken out of its scene, has another shape, or was
-    moved, and how often it was ``redrawn`` because too much found no place."""
+    moved, how often it was ``redrawn`` because too much found no place, and which names mean ``nothing`` there."""
 
     generated: Generated
     gone: tuple[str, ...] = ()
     swapped: tuple[str, ...] = ()
     moved: tuple[str, ...] = ()
     redrawn: int = 0
+    nothing: tuple[str, ...] = ()
 
     @property
     def scene(self) -> SceneGraph:
@@ -88,7 +89,9 @@ def vary(
         if len(made.refused) <= variation.refused * sum(wanted.values()):
             if not variation.lesson:
                 made = replace(made, scene=without_lesson(made.scene), actions=0)
-            return replace(room, generated=made, redrawn=tried)
+            names = dict.fromkeys((*variation.remove, *variation.reroll, *variation.swap, *variation.lock))
+            nothing = tuple(name for name in names if not things.named((name,)))
+            return replace(room, generated=made, redrawn=tried, nothing=nothing)
     found = Counter(item.category for item in made.refused)
     missing = some_of(f"{many} x {name}" for name, many in found.items())
     raise UniSGError(f"no place for {missing} in {variation.tries} draws: ask for fewer, or let 'refused' be more")
