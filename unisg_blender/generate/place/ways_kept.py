@@ -43,10 +43,14 @@ class WaysKept:
         self._put(placeable.half, place)
 
     def _put(self, half: Floats, place: Floats) -> None:
-        self.floors = [
-            floor.without(place[:2], half[:2], float(place[3])) if taken else floor
-            for floor, taken in zip(self.floors, self._is_in_the_way(half, place), strict=False)
-        ]
+        self.floors = self._with(half, place)
+
+    def _with(self, half: Floats, place: Floats) -> list[FreeFloor]:
+        """The floors with a thing on those on which it is in the way; worked out once where both are one."""
+        taken = self._is_in_the_way(half, place)
+        there = {floor for floor, each in zip(self.floors, taken, strict=False) if each}
+        new = {floor: floor.without(place[:2], half[:2], float(place[3])) for floor in there}
+        return [new[floor] if each else floor for floor, each in zip(self.floors, taken, strict=False)]
 
     def _is_in_the_way(self, half: Floats, place: Floats) -> tuple[bool, bool]:
         low = place[2] + half[2] - self.ground <= HEAD
@@ -54,10 +58,8 @@ class WaysKept:
 
     def kept(self, placeable: Placeable, place: Floats) -> int:
         """One of :data:`CUTS`, :data:`ROUND` and :data:`CLEAR` for a thing at a place (4,)."""
-        found = [
-            not taken or _whole(floor, floor.without(place[:2], placeable.half[:2], float(place[3])))
-            for floor, taken in zip(self.floors, self._is_in_the_way(placeable.half, place), strict=False)
-        ]
+        after = self._with(placeable.half, place)
+        found = [old is new or _whole(old, new) for old, new in zip(self.floors, after, strict=True)]
         return CLEAR if all(found) else ROUND if found[0] else CUTS
 
     def best(self, placeable: Placeable, places: Floats, good: Bools) -> int:
