@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from ...geometry.arrays import Bools, Floats
@@ -29,6 +31,7 @@ class WaysKept:
         """``movable`` (K,) are the objects of the room that are no building."""
         self.ground, self.wanted = 0.0, True
         self.floors: list[FreeFloor] = []
+        self._asked: dict[tuple[Any, ...], FreeFloor] = {}  # what a thing would leave, until one is put
         if room.outline is None or room.structure is not None or not room.floor.any():
             return
         objects = room.objects
@@ -44,13 +47,21 @@ class WaysKept:
 
     def _put(self, half: Floats, place: Floats) -> None:
         self.floors = self._with(half, place)
+        self._asked.clear()
 
     def _with(self, half: Floats, place: Floats) -> list[FreeFloor]:
-        """The floors with a thing on those on which it is in the way; worked out once where both are one."""
+        """The floors with a thing on those on which it is in the way."""
         taken = self._is_in_the_way(half, place)
-        there = {floor for floor, each in zip(self.floors, taken, strict=False) if each}
-        new = {floor: floor.without(place[:2], half[:2], float(place[3])) for floor in there}
-        return [new[floor] if each else floor for floor, each in zip(self.floors, taken, strict=False)]
+        return [
+            self._without(floor, half, place) if each else floor
+            for floor, each in zip(self.floors, taken, strict=False)
+        ]
+
+    def _without(self, floor: FreeFloor, half: Floats, place: Floats) -> FreeFloor:
+        asked = floor, *half[:2].tolist(), *place[[0, 1, 3]].tolist()
+        if asked not in self._asked:
+            self._asked[asked] = floor.without(place[:2], half[:2], float(place[3]))
+        return self._asked[asked]
 
     def _is_in_the_way(self, half: Floats, place: Floats) -> tuple[bool, bool]:
         low = place[2] + half[2] - self.ground <= HEAD
