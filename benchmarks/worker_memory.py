@@ -61,7 +61,10 @@ def grown(
             for path in (folder, parts):
                 path.mkdir(exist_ok=True)
             answer = handle(job | {"left_out": {}})
-            assert answer["status"] == "ok" and all(one["status"] == "ok" for one in answer["records"]), answer
+            failed = (
+                [one for one in answer["records"] if one["status"] != "ok"] if answer["status"] == "ok" else [answer]
+            )
+            assert not failed, failed
             for path in (*folder.iterdir(), *parts.iterdir()):
                 path.unlink()
             before, made = made, made + len(job["tasks"])

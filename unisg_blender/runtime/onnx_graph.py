@@ -67,7 +67,7 @@ def part_for(data: bytes, outputs: Collection[str]) -> bytes:
     needed, nodes = {name.encode() for name in outputs}, []
     for node in reversed(graph.node):  # each stands behind those that it needs
         if needed.intersection(node.output):
-            needed.update(node.input)
+            needed.update(filter(None, node.input))
             nodes.append(node)
     _keep(graph.node, nodes[::-1])
     _keep(graph.output, [each for each in graph.output if _name(each) in {name.encode() for name in outputs}])

@@ -226,7 +226,10 @@ def _reach(points: Floats, there: Floats, back: Floats, triangles: Floats) -> bo
 
 def _corners(triangles: Floats) -> Floats:
     """Corners and middles of triangles: flat things on flat things may have no corner over another's face."""
-    return np.concatenate([np.unique(triangles.reshape(-1, 3), axis=0), triangles.mean(axis=1)])
+    points = triangles.reshape(-1, 3)
+    points = points[np.lexsort(points.T)]  # numpy's unique sorts rows as a whole, which takes much longer
+    first = np.append(len(points) > 0, (points[1:] != points[:-1]).any(axis=1))
+    return np.concatenate([points[first[: len(points)]], triangles.mean(axis=1)])
 
 
 def _relations(graph: SceneGraph, row: int) -> set[str]:
