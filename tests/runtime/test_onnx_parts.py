@@ -10,8 +10,8 @@ import pytest
 from unisg_blender.runtime.onnx_graph import part_for
 from unisg_blender.runtime.onnx_session import KEY, OFTEN, OnnxModel, metadata_text, open_model
 
-onnx = pytest.importorskip("onnx")
-from onnx import TensorProto, helper
+pytest.importorskip("onnx")
+from onnx import ModelProto, TensorProto, checker, helper
 
 
 def two_branches() -> bytes:
@@ -41,7 +41,7 @@ def opened(folder: Path) -> OnnxModel:
 
 
 @pytest.mark.parametrize(
-    "outputs, nodes, inputs, weights",
+    ("outputs", "nodes", "inputs", "weights"),
     [
         (["sum"], ["sum"], ["a"], ["weight"]),
         (["both"], ["product", "both"], ["a", "b"], ["weight"]),
@@ -50,8 +50,8 @@ def opened(folder: Path) -> OnnxModel:
     ],
 )
 def test_a_part_has_what_its_outputs_need(outputs, nodes, inputs, weights):
-    graph = onnx.ModelProto.FromString(part_for(two_branches(), outputs)).graph
-    onnx.checker.check_graph(graph)
+    graph = ModelProto.FromString(part_for(two_branches(), outputs)).graph
+    checker.check_graph(graph)
     assert [name for node in graph.node for name in node.output] == nodes
     assert [each.name for each in graph.input] == inputs
     assert [each.name for each in graph.initializer] == weights
@@ -59,7 +59,7 @@ def test_a_part_has_what_its_outputs_need(outputs, nodes, inputs, weights):
 
 
 def test_metadata_stay_with_a_part():
-    parts = onnx.ModelProto.FromString(part_for(two_branches(), ["sum"]))
+    parts = ModelProto.FromString(part_for(two_branches(), ["sum"]))
     assert [each.key for each in parts.metadata_props] == [KEY]
     assert parts.opset_import[0].version == 17
 
