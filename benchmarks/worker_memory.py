@@ -61,9 +61,7 @@ def grown(
             for path in (folder, parts):
                 path.mkdir(exist_ok=True)
             answer = handle(job | {"left_out": {}})
-            failed = (
-                [one for one in answer["records"] if one["status"] != "ok"] if answer["status"] == "ok" else [answer]
-            )
+            failed = [one for one in answer.get("records", [answer]) if one["status"] != "ok"]
             assert not failed, failed
             for path in (*folder.iterdir(), *parts.iterdir()):
                 path.unlink()
