@@ -41,7 +41,8 @@ class Network(nn.Module):
         for number, told in enumerate(self.told):
             source, target = relations[:, kind == number]
             said = torch.relu(told(looks[source]))
-            heard = heard.index_reduce(0, target, said, "amax")
+            to = target[:, None].expand_as(said)
+            heard = heard.scatter_reduce(0, to, said, "amax")
         return self.scores(torch.cat([looks, heard], dim=1))
 
 
