@@ -92,6 +92,7 @@ class UNISG_OT_generate(GenerationChoices, SteppedOperator):
         self._began = time.perf_counter()
         graph, asked = scene_in_words(context.scene, mapping), {"bulk": self.bulk, "behaviour": self.behaviour}
         asked |= {"on": self.on, "beside": self.beside, "within": self.within, "words": mapping.get("words", {})}
+        asked["sampling"] = self.sampling()
         seed = self.seed
         self._result = yield from in_thread(
             lambda share: _generated(model, graph, counts, seed, asked, share), "Loading the model"
@@ -130,9 +131,8 @@ class UNISG_OT_generate(GenerationChoices, SteppedOperator):
         for word, name in (("on", self.on), ("beside", self.beside), ("in room", self.within)):
             if name:
                 layout.label(text=f"{word} {name}")
-        layout.prop(self, "seed")
-        layout.prop(self, "bulk")
-        layout.prop(self, "behaviour")
+        for name in ("seed", "variety", "candidates", "bulk", "behaviour"):
+            layout.prop(self, name)
 
     def _actions(self, count: int) -> str:
         """What is said of the actions that were asked for."""

@@ -14,6 +14,7 @@ from ...unisg_blender.errors import UniSGError
 from ..base import Operator, redraw_views
 from ..making.generation_settings import chosen_model, load_generator, read_words, scene_in_words
 from ..making.new_objects import bring_in, select_new
+from ..making.sampling_choices import VarietyChoice
 from ..window_wording import in_window
 from .choose_and_place import ask_what
 from .collection_of_thing import instanced, read_shown, show_collection
@@ -42,7 +43,7 @@ HOWS = (
 )
 
 
-class UNISG_OT_place(Operator):
+class UNISG_OT_place(VarietyChoice, Operator):
     """Place a thing by pointing: the room glows where the model would put it; a click places it there"""
 
     bl_idname = "unisg.place"
@@ -111,6 +112,8 @@ class UNISG_OT_place(Operator):
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         settings = context.window_manager.unisg
         self.behaviour = self.behaviour and settings.behaviour
+        if not self.properties.is_property_set("variety"):
+            self.variety = settings.variety
         if not self.category and not self.source and not self.collection:
             return self.reporting(ask_what, context)
         return self.reporting(self._begin, context, event)
@@ -148,6 +151,8 @@ class UNISG_OT_place(Operator):
         if self.how != "ANYWHERE":
             layout.prop(self, "location")
             layout.prop(self, "turn")
+        else:
+            layout.prop(self, "variety")
         for name in ("shape", "behaviour", "lock"):
             layout.prop(self, name)
 
@@ -158,7 +163,7 @@ class UNISG_OT_place(Operator):
         shown = read_shown(context.scene, self.collection) if self.collection else None
         return PlacingChoice(
             path, self.category, self.source, self.collection, shown, self.shape, words, self.on, self.beside,
-            max(self.seed, 0),
+            max(self.seed, 0), self.variety,
         )  # fmt: skip
 
     def _begin(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
@@ -235,13 +240,15 @@ class UNISG_OT_place(Operator):
 
     def _said(self, room: PlacingRoom, point: np.ndarray) -> Ghost:
         """The place that the properties say."""
+        from ...unisg_blender.generate import Sampling
         from ...unisg_blender.generate.pointing.ghosts import ghost_anywhere, ghost_at, ghost_by_hand, ghost_near
 
         if self.how == "EXACT":
             return ghost_at(room, np.append(point, self.turn))
         if self.how == "NEAR" and self.turn:
             return ghost_by_hand(room, point, self.turn)
-        found = ghost_anywhere(room, np.random.default_rng(self.seed)) if self.how == "ANYWHERE" else None
+        rng, drawn = np.random.default_rng(self.seed), Sampling(self.variety)
+        found = ghost_anywhere(room, rng, drawn) if self.how == "ANYWHERE" else None
         found = ghost_near(room, point) if self.how == "NEAR" else found
         if found is None:
             where = "near there" if self.how == "NEAR" else "in the room"

@@ -44,6 +44,7 @@ class PlacingChoice:
     on: str = ""
     beside: str = ""
     seed: int = 0
+    variety: float = 1.0
 
 
 def look_at_room(
@@ -104,6 +105,7 @@ class Placing:
         self._looking: Background[PlacingRoom] = Background()
         self._measuring: Background[Ghost] = Background()
         self._again = False
+        self._still = self._measure  # Blender knows a timer by the very object, and a method is another one each time
 
     def look(self, anew: bool = False) -> None:
         """Look at the room in the background: at a new state of the scene, if it is ``anew``."""
@@ -154,10 +156,11 @@ class Placing:
 
     def draw_anew(self) -> None:
         """A place of the room by chance, until the mouse is moved."""
+        from ...unisg_blender.generate import Sampling
         from ...unisg_blender.generate.pointing.ghosts import ghost_anywhere
 
         if self.room is not None:
-            self.ghost, self.drawn = ghost_anywhere(self.room, self._rng), True
+            self.ghost, self.drawn = ghost_anywhere(self.room, self._rng, Sampling(self.choice.variety)), True
             self.text = "" if self.ghost else NOWHERE
             self._measure_soon()
 
@@ -185,10 +188,10 @@ class Placing:
         return found + [line for line in (self.text, self.ghost.note, "locked" if self.locked else "") if line]
 
     def _measure_soon(self) -> None:
-        if bpy.app.timers.is_registered(self._measure):
-            bpy.app.timers.unregister(self._measure)
+        if bpy.app.timers.is_registered(self._still):
+            bpy.app.timers.unregister(self._still)
         if self.ghost is not None and not bpy.app.background:
-            bpy.app.timers.register(self._measure, first_interval=STILL)
+            bpy.app.timers.register(self._still, first_interval=STILL)
 
     def _measure(self) -> None:
         """Measure in the background by how much something is wrong, and look whether there is still a way."""
@@ -208,8 +211,8 @@ class Placing:
 
     def end(self) -> None:
         """Let go of what goes on in the background."""
-        if bpy.app.timers.is_registered(self._measure):
-            bpy.app.timers.unregister(self._measure)
+        if bpy.app.timers.is_registered(self._still):
+            bpy.app.timers.unregister(self._still)
         self._looking.end()
         self._measuring.end()
 

@@ -152,18 +152,15 @@ class BlenderWindow:
 
 
 @contextlib.contextmanager
-def blender_window(folder: Path, inside: str, display: str = ":91") -> Iterator[BlenderWindow]:
+def blender_window(folder: Path, inside: str) -> Iterator[BlenderWindow]:
     """A Blender in a window, with the preferences of ``folder/resources``; ``inside`` is the folder as it sees it."""
-    window = BlenderWindow(folder, inside, display)
     (folder / "driver.py").write_text(DRIVER, encoding="utf-8")
     for name in ("command.py", "answer.json"):
         (folder / name).unlink(missing_ok=True)
     size = [str(value) for value in SIZE]
-    screen = subprocess.Popen(["Xvfb", display, "-screen", "0", f"{size[0]}x{size[1]}x24", "-nolisten", "tcp"])
+    screen, display = _free_screen()
+    window = BlenderWindow(folder, inside, display)
     try:
-        end = time.monotonic() + PATIENCE
-        while not Path(f"/tmp/.X11-unix/X{display[1:]}").exists() and time.monotonic() < end:
-            time.sleep(0.1)
         command = [*shlex.split(os.environ["UNISG_BLENDER"]), "--window-geometry", "0", "0", *size]
         command += ["--python", f"{inside}/driver.py", "--", inside]
         with (folder / "blender.log").open("w") as log:
@@ -177,6 +174,19 @@ def blender_window(folder: Path, inside: str, display: str = ":91") -> Iterator[
             _end(blender)
     finally:
         _end(screen)
+
+
+def _free_screen() -> tuple[subprocess.Popen[bytes], str]:
+    """A virtual screen that nobody else has, and its name."""
+    reading, writing = os.pipe()
+    size = f"{SIZE[0]}x{SIZE[1]}x24"
+    command = ["Xvfb", "-displayfd", str(writing), "-screen", "0", size, "-nolisten", "tcp"]
+    screen = subprocess.Popen(command, pass_fds=[writing])
+    os.close(writing)
+    with os.fdopen(reading) as said:
+        number = said.readline().strip()
+    assert number, "Xvfb does not start"
+    return screen, f":{number}"
 
 
 def _end(process: subprocess.Popen[bytes]) -> None:

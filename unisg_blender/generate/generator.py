@@ -34,6 +34,7 @@ from .placing_rounds import How, New, Placing, PlacingRounds
 from .propose.anchor_proposer import AnchorProposer
 from .propose.cgvae_proposer import CgvaeProposer
 from .propose.proposer import Proposer
+from .propose.sampling import USUAL, Sampling
 from .propose.trained_model import TrainedModel, load_model
 from .propose.trees_proposer import TreesProposer
 
@@ -127,6 +128,7 @@ class Generator:
         self, scene: SceneGraph, counts: Mapping[str, int], seed: int | None = None, *, bulk: bool = False,
         settle: bool = True, assets: Mapping[str, Sequence[Asset]] | None = None, behaviour: bool = True,
         on: str = "", beside: str = "", within: str = "", words: Mapping[str, str] | None = None, ways: bool = True,
+        sampling: Sampling = USUAL, shapes: Mapping[str, Sequence[Asset]] | None = None,
     ) -> abc.Generator[Placement, None, Generated]:  # fmt: skip
         """Add objects to a scene, each a step; what is there already stays as it is. :meth:`add` is the same at once.
 
@@ -157,6 +159,10 @@ class Generator:
             What the user says of words for things: word to category, before the table of words.
         ways
             Nothing may cut the floor into parts between which nobody can walk, see :mod:`~.place.ways_kept`.
+        sampling
+            How places are drawn: as the model learned, or with more or less variety.
+        shapes
+            Shapes by category to draw from, rather than from those of the scene or beside the model.
 
         Raises
         ------
@@ -166,7 +172,8 @@ class Generator:
         """
         counts = self.understood(_checked(counts), words)
         given, scene = scene, with_instances(scene)
-        how = How(bulk, settle, assets or {}, on, beside, _within(scene, within, on or beside), ways)
+        point = _within(scene, within, on or beside)
+        how = How(bulk, settle, assets or {}, on, beside, point, ways, sampling, shapes or {})
         reading = self.read(scene, words, near=on or beside, within=within)
         new = New(Names(scene.name), uid_maker(scene, seed), np.random.default_rng(seed))
         room, placements, wanted = self._with_room(scene, counts, reading, new)

@@ -18,6 +18,7 @@ from ..observe.placeable import Placeable
 from ..observe.support_priors import RESTS
 from ..propose.proposer import Proposals, Proposer, Query
 from ..propose.requests import Beside, On
+from ..propose.sampling import USUAL, Sampling
 from .growing_scene import GrowingScene, Target
 from .placement_record import Placement
 from .proposal_selection import FoundPlace, first_fitting
@@ -51,12 +52,12 @@ class ObjectPlacer:
     def __init__(
         self, proposer: Proposer, library: Library, graph: SceneGraph, rng: np.random.Generator, settle: bool,
         wanted: Sequence[int], assets: Mapping[int, Sequence[Asset]], on: str = "", beside: str = "",
-        within: Floats | None = None, ways: bool = True,
+        within: Floats | None = None, ways: bool = True, sampling: Sampling = USUAL,
     ) -> None:  # fmt: skip
         self.proposer, self.library, self.graph, self.rng, self.settle = proposer, library, graph, rng, settle
         near = middle_of(graph, on or beside) if on or beside else within
         self.scene = GrowingScene(graph, library.model.contract, near, within is not None)
-        self.scene.ways.wanted = ways
+        self.scene.ways.wanted, self.scene.sampling = ways, sampling
         self.coming = Counter(wanted)
         left = {category: [Placeable(asset) for asset in shapes] for category, shapes in assets.items()}
         self.targets = [
