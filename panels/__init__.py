@@ -25,6 +25,7 @@ from . import (
     recognised_building,
     recording,
     relations,
+    shapes,
     suggest,
 )
 
@@ -32,6 +33,7 @@ MODULES = (
     menus,
     main,
     generate,
+    shapes,
     suggest,
     check,
     recognised_building,

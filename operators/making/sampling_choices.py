@@ -38,6 +38,3 @@ class SamplingChoices(VarietyChoice):
         from ...unisg_blender.generate import Sampling
 
         return Sampling(self.variety, self.candidates)
-
-
-CLASSES = ()

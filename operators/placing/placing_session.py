@@ -17,6 +17,7 @@ from ..making.generation_settings import opened_generator, scene_in_words
 from ..room.background import Background
 
 if TYPE_CHECKING:
+    from ...unisg_blender.dataset.assets.asset import Asset
     from ...unisg_blender.generate.pointing.ghosts import Ghost
     from ...unisg_blender.generate.pointing.placing_room import PlacingRoom
     from ...unisg_blender.scene import SceneGraph
@@ -30,15 +31,15 @@ STILL = 0.15
 
 @dataclass(frozen=True)
 class PlacingChoice:
-    """What is placed, by whose model (a file): a category in its ``shape``-th form, or the object ``source`` of the
-    scene, or what ``shown`` is of a ``collection``; with the words of a mapping file, and the object ``on`` or
+    """What is placed, by whose model (a file): a category in its ``shape``-th form, the first of which are ``shapes``,
+    or the object ``source`` of the scene, or an ``asset``; with the words of a mapping file, and the object ``on`` or
     ``beside`` which it is wanted."""
 
     model: str
     category: str = ""
     source: str = ""
-    collection: str = ""
-    shown: SceneGraph | None = None
+    asset: Asset | None = None
+    shapes: tuple[Asset, ...] = ()
     shape: int = 0
     words: dict[str, dict[str, str]] | None = None
     on: str = ""
@@ -57,12 +58,12 @@ def look_at_room(
     UniSGError
         If nobody knows what the thing is, or where it is wanted.
     """
-    from ...unisg_blender.dataset.assets.asset import Asset, object_graph, whole_thing
+    from ...unisg_blender.dataset.assets.asset import object_graph
     from ...unisg_blender.generate.pointing.placing_room import PlacingRoom, Wanted
     from ...unisg_blender.spatial.object_rows import object_rows
 
     generator, words = opened_generator(choice.model), (choice.words or {}).get("words", {})
-    wanted = Wanted(choice.category, choice.shape, None, choice.on, choice.beside)
+    wanted = Wanted(choice.category, choice.shape, None, choice.on, choice.beside, choice.shapes)
     if choice.source:
         if choice.source not in graph.name:
             raise UniSGError(f"{choice.source!r} is not in the scene: choose an object of it")
@@ -74,12 +75,12 @@ def look_at_room(
         if not category:
             raise UniSGError(f"what is {choice.source!r}? Assign it a category first")
         wanted = replace(wanted, category=category, asset=object_graph(read, row))
-    if choice.shown is not None:
-        thing = whole_thing(choice.shown, choice.collection)
+    if choice.asset is not None:
+        thing = choice.asset.graph
         category = choice.category or generator.seen(thing, words).category_name(0)
         if not category:
-            raise UniSGError(f"what is {choice.collection!r}? Give a category, or call it by a word for a thing")
-        wanted = replace(wanted, category=category, asset=Asset(category, thing))
+            raise UniSGError(f"what is {thing.name[0]!r}? Give a category, or call it by a word for a thing")
+        wanted = replace(wanted, category=category, asset=replace(choice.asset, category=category))
     point = None if near is None else np.array(near)
     return PlacingRoom.of(generator, graph, wanted, point, words, choice.seed, before)
 

@@ -175,5 +175,6 @@ class ObjectPlacer:
             place = place + np.array([0, 0, LIFT, 0])
         made = self.scene.add(target, support, place, names, make_uid)
         return Placement(
-            made.category, made.name, made.uid, held_by, made.world, depth, found.draws, found.searched, spent, note
-        )
+            made.category, made.name, made.uid, held_by, made.world, depth, found.draws, found.searched, spent, note,
+            source=target.placeable.asset.source,
+        )  # fmt: skip
