@@ -12,6 +12,7 @@ from ..base import SteppedOperator, Steps
 from ..room.checking import check_again
 from ..threaded_steps import Share, in_thread
 from .generation_settings import opened_generator, read_words, scene_in_words, shipped_models
+from .movable_objects import LINKED, movable
 from .sampling_choices import SamplingChoices
 
 if TYPE_CHECKING:
@@ -40,8 +41,10 @@ class UNISG_OT_reroll(SamplingChoices, SteppedOperator):
     def why_grey(cls, context: bpy.types.Context) -> str:
         if context.mode != "OBJECT":
             return "Leave edit mode first"
-        meshes = any(item.type == "MESH" for item in context.selected_objects)
-        return "" if meshes else "Select objects with meshes first"
+        meshes = [item for item in context.selected_objects if item.type == "MESH"]
+        if not meshes:
+            return "Select objects with meshes first"
+        return "" if movable(meshes) else LINKED
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         settings = context.window_manager.unisg
@@ -62,8 +65,8 @@ class UNISG_OT_reroll(SamplingChoices, SteppedOperator):
         if self.seed < 0:
             self.seed = random.randrange(2**31)
         graph, items = scene_in_words(context.scene, mapping), objects_by_uid(context.scene)
-        chosen = {item.name for item in context.selected_objects}
-        rows = [row for row, uid in enumerate(graph.uid) if uid in items and items[uid].name in chosen]
+        chosen = set(movable(context.selected_objects))
+        rows = [row for row, uid in enumerate(graph.uid) if items.get(uid) in chosen]
         model, seed, words = bpy.path.abspath(self.model or str(shipped[0])), self.seed, mapping.get("words", {})
         sampling = self.sampling()
 

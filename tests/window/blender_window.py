@@ -62,6 +62,14 @@ with bpy.context.temp_override(window=window, area=area, region=region):
 """
 
 
+DRAW = """
+for window in bpy.context.window_manager.windows:
+    with bpy.context.temp_override(window=window):
+        bpy.ops.wm.redraw_timer(type="DRAW_WIN_SWAP", iterations=1)
+"""
+"""Draw all of it now: a machine that is busy takes seconds for it."""
+
+
 def missing_tools() -> str:
     """What is not there that these tests need, "" if nothing is missing."""
     lacking = [name for name in PROGRAMS if not shutil.which(name)]
@@ -142,6 +150,7 @@ class BlenderWindow:
         """What is on the screen, (H, W, 3) from 0 to 255; kept as NAME.png."""
         from PIL import Image
 
+        self.run(DRAW)
         time.sleep(1.0)
         path = self.folder / f"{name}.png"
         self._x("import", "-window", "root", str(path))
