@@ -25,15 +25,15 @@ from . import (
     recognised_building,
     recording,
     relations,
-    shapes,
     suggest,
+    where_from,
 )
 
 MODULES = (
     menus,
     main,
     generate,
-    shapes,
+    where_from,
     suggest,
     check,
     recognised_building,

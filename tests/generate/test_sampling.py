@@ -17,8 +17,8 @@ from unisg_blender.generate.place.growing_scene import GrowingScene, Target
 from unisg_blender.generate.place.shape_library import Library
 from unisg_blender.generate.pointing.ghosts import ghost_anywhere
 from unisg_blender.generate.pointing.placing_room import PlacingRoom, Wanted
+from unisg_blender.generate.propose.place_sampling import MOST_CANDIDATES
 from unisg_blender.generate.propose.proposer import NOTHING_ELSE, Query
-from unisg_blender.generate.propose.sampling import MOST_CANDIDATES
 from unisg_blender.generate.rerolled_scene import reroll_rows
 from unisg_blender.pretrained import shipped_generators
 from unisg_blender.scene import SceneGraph

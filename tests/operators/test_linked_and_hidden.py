@@ -75,7 +75,7 @@ def overridden(linked: str) -> None:
 
 
 def test_in_a_linked_room_things_are_made_and_stand_on_what_is_linked(linked: str) -> None:
-    with pytest.raises(RuntimeError, match="make a library override, .* untick \"With actions\""):
+    with pytest.raises(RuntimeError, match="make a library override"):
         generate("Cup=1")  # its lesson cannot be extended
     new = made(lambda: generate("Plant=1,Cup=1", behaviour=False))
     assert sorted(item["unisg_category"] for item in new) == ["Cup", "Plant"]

@@ -14,7 +14,7 @@ def labels(extension: ModuleType) -> list[str]:
     layout = MagicMock()
     for name in ("row", "column"):
         getattr(layout, name).return_value = layout
-    panel = extension.panels.shapes.UNISG_PT_shapes
+    panel = extension.panels.where_from.UNISG_PT_shapes
     panel.draw(SimpleNamespace(layout=layout), bpy.context)
     return [call.kwargs["text"] for call in layout.label.call_args_list]
 

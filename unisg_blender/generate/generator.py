@@ -33,8 +33,8 @@ from .place.shape_library import Library
 from .placing_rounds import How, New, Placing, PlacingRounds
 from .propose.anchor_proposer import AnchorProposer
 from .propose.cgvae_proposer import CgvaeProposer
+from .propose.place_sampling import USUAL, Sampling
 from .propose.proposer import Proposer
-from .propose.sampling import USUAL, Sampling
 from .propose.trained_model import TrainedModel, load_model
 from .propose.trees_proposer import TreesProposer
 
@@ -159,10 +159,8 @@ class Generator:
             What the user says of words for things: word to category, before the table of words.
         ways
             Nothing may cut the floor into parts between which nobody can walk, see :mod:`~.place.ways_kept`.
-        sampling
-            How places are drawn: as the model learned, or with more or less variety.
-        shapes
-            Shapes by category to draw from, rather than from those of the scene or beside the model.
+        sampling, shapes
+            How places are drawn; shapes by category to draw from, before those of the scene and beside the model.
 
         Raises
         ------
@@ -172,8 +170,8 @@ class Generator:
         """
         counts = self.understood(_checked(counts), words)
         given, scene = scene, with_instances(scene)
-        point = _within(scene, within, on or beside)
-        how = How(bulk, settle, assets or {}, on, beside, point, ways, sampling, shapes or {})
+        near = _within(scene, within, on or beside)
+        how = How(bulk, settle, assets or {}, on, beside, near, ways, sampling, shapes or {})
         reading = self.read(scene, words, near=on or beside, within=within)
         new = New(Names(scene.name), uid_maker(scene, seed), np.random.default_rng(seed))
         room, placements, wanted = self._with_room(scene, counts, reading, new)

@@ -17,8 +17,8 @@ from .place.placement_record import Placement
 from .place.placer import ObjectPlacer
 from .place.scene_extension import Names, UidMaker, extend
 from .place.shape_library import Library
+from .propose.place_sampling import USUAL, Sampling
 from .propose.proposer import Proposer
-from .propose.sampling import USUAL, Sampling
 
 ROUNDS = 3
 """How often places are looked for, for what the last check takes out."""

@@ -23,7 +23,7 @@ from .generator import Generator
 from .place.instanced_scene import with_instances
 from .place.placement_record import Placement
 from .place.settle_existing import held_by, kept_by_locks
-from .propose.sampling import USUAL, Sampling
+from .propose.place_sampling import USUAL, Sampling
 
 TRIES, NEW = 4, 0.1
 """Draws at most until an object stands elsewhere, and metres, or radians of turn, from which on it does."""

@@ -17,8 +17,8 @@ from ..observe.facing import facing
 from ..observe.observed_scene import ObservedScene
 from ..observe.placeable import Placeable
 from ..observe.support_priors import AT_SIDE, INSIDE, RESTS, SupportPrior
+from ..propose.place_sampling import USUAL
 from ..propose.proposer import Query
-from ..propose.sampling import USUAL
 from .free_space import NOBODY, FreeSpace
 from .inner_levels import inner_levels
 from .scene_extension import Addition, Names, UidMaker

@@ -16,9 +16,9 @@ from ...scene import SceneGraph
 from ...spatial.objects import middle_of
 from ..observe.placeable import Placeable
 from ..observe.support_priors import RESTS
+from ..propose.place_sampling import USUAL, Sampling
 from ..propose.proposer import Proposals, Proposer, Query
 from ..propose.requests import Beside, On
-from ..propose.sampling import USUAL, Sampling
 from .growing_scene import GrowingScene, Target
 from .placement_record import Placement
 from .proposal_selection import FoundPlace, first_fitting

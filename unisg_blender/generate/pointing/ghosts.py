@@ -11,9 +11,9 @@ from ..check.pose_check import posed_thing
 from ..check.surroundings import PosedThing
 from ..observe.support_priors import INSIDE, RESTS
 from ..place.proposal_selection import settle
+from ..propose.place_sampling import USUAL, Sampling
 from ..propose.proposer import Proposals
 from ..propose.requests import Beside
-from ..propose.sampling import USUAL, Sampling
 from .nearby_places import MOST, appeal, best_near, distances
 from .placing_room import PlacingRoom
 

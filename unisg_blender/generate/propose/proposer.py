@@ -13,7 +13,7 @@ from ...geometry.arrays import Bools, Floats, Ints
 from ..observe.observed_scene import ObservedScene
 from ..observe.placeable import Placeable
 from ..observe.support_candidates import SupportCandidates, SupportOccupancy
-from .sampling import USUAL, Sampling
+from .place_sampling import USUAL, Sampling
 
 DRAWN, KERNEL = 256, 0.15
 """Proposals of which a density is estimated, and the spread of each in metres."""
