@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import importlib
 import os
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -25,10 +26,20 @@ def actions(verb: str) -> list[argparse.Action]:
 def test_every_number_has_limits(verb: str) -> None:
     for action in actions(verb):
         assert action.type not in (int, float), action.option_strings
-        if getattr(action.type, "__module__", "") == argument_types.__name__:
+        if isinstance(action.type, partial):
             for text in ("nan", "inf", "-inf", "", "x", "1e999", "9" * 5000, "-" + "9" * 5000, "\ud800"):
                 with pytest.raises(argparse.ArgumentTypeError, match="must be a"):
-                    action.type(text)  # type: ignore[operator, misc]
+                    action.type(text)
+
+
+@pytest.mark.parametrize("verb", VERBS)
+def test_no_file_has_an_empty_name(verb: str) -> None:
+    for action in actions(verb):
+        assert action.type is not Path, action.option_strings
+        if action.type in (argument_types.PATH, argument_types.named):
+            for text in ("", " "):
+                with pytest.raises(argparse.ArgumentTypeError, match="must be the name of a file or folder"):
+                    action.type(text)  # type: ignore[operator]
 
 
 @pytest.mark.parametrize(

@@ -13,8 +13,10 @@ import pytest
 from tests.conftest import scene_files
 from tests.usd.test_edits import studio
 from unisg_blender.scene import SceneBuilder, SceneGraph, mesh_from_faces, table, world_matrices
+from unisg_blender.spatial.bodies import simulated_scene
 from unisg_blender.usd import read_usd, write_usd
 from unisg_blender.usd.pxr_library import require_pxr
+from unisg_blender.worlds import operating_room
 
 DATA = Path(__file__).parents[1] / "data"
 OTHERS = sorted(
@@ -159,6 +161,8 @@ def test_usd_checker_passes(tmp_path: Path) -> None:
     write_usd(trs_scene(), path)
     write_usd(trs_scene(), tmp_path / "scene.usdz")
     write_usd(studio(), tmp_path / "studio.usda")
+    for shape in ("box", "hull", "mesh"):
+        write_usd(simulated_scene(operating_room(0), shape), tmp_path / f"bodies-{shape}.usdc")
     script = Path(__file__).with_name("check_compliance.py")
     for build in ("bpy", "usd-core"):
         answer = subprocess.run(

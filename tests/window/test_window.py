@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import os
-import shutil
 from collections.abc import Iterator
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-from tests.window.blender_window import SIZE, BlenderWindow, blender_window, install, missing_tools
+from tests.window.blender_window import SIZE, BlenderWindow, blender_window, install, missing_tools, window_folder
 
 pytestmark = [pytest.mark.skipif(bool(missing_tools()), reason=missing_tools()), pytest.mark.slow]
 
@@ -43,12 +40,7 @@ VIEWPORT = np.s_[90:700, 60:1050]
 @pytest.fixture(scope="module")
 def window(tmp_path_factory: pytest.TempPathFactory) -> Iterator[BlenderWindow]:
     """A Blender into which the zip was installed."""
-    said = os.environ.get("UNISG_WINDOW_FOLDER", "")
-    here, _, inside = said.partition(":")
-    folder = Path(here or tmp_path_factory.mktemp("window")).resolve()
-    folder.mkdir(parents=True, exist_ok=True)
-    shutil.rmtree(folder / "resources", ignore_errors=True)
-    inside = inside or str(folder)
+    folder, inside = window_folder(tmp_path_factory)
     install(folder, inside)
     with blender_window(folder, inside) as window:
         yield window

@@ -1,10 +1,11 @@
-"""Numbers on the command line: what argparse takes for an option, and between which limits."""
+"""Numbers and names on the command line: what argparse takes for an option, and between which limits."""
 
 from __future__ import annotations
 
 from argparse import ArgumentTypeError
 from collections.abc import Callable
 from functools import partial
+from pathlib import Path
 from typing import TypeVar
 
 N = TypeVar("N", int, float)
@@ -26,6 +27,17 @@ def number(least: float, most: float) -> Callable[[str], float]:
     return partial(_within, float, "a number", least, most)
 
 
+def named(text: str) -> str:
+    """What names a file, a folder or several: anything that is not empty, as a variable that was not set is."""
+    if not text.strip():
+        raise ArgumentTypeError("must be the name of a file or folder, not ''")
+    return text
+
+
+def _path(text: str) -> Path:
+    return Path(named(text))
+
+
 def _within(convert: Callable[[str], N], kind: str, least: float, most: float, text: str) -> N:
     try:
         value = convert(text)
@@ -43,3 +55,4 @@ def _refused(kind: str, least: float, most: float, text: str) -> ArgumentTypeErr
 
 SEED = whole(0, LARGEST_SEED)
 PROCESSES = whole(1, MOST_PROCESSES)
+PATH = _path

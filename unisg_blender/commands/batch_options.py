@@ -13,7 +13,7 @@ from ..batches.batch_run import batch_steps
 from ..runtime.job_pool import dask_executor
 from ..runtime.progress import Progress
 from ..runtime.steps import drain
-from .argument_types import PROCESSES, number, whole
+from .argument_types import PATH, PROCESSES, number, whole
 from .common import add_form
 
 VARIED = {
@@ -31,7 +31,7 @@ def add_batch_options(parser: argparse.ArgumentParser) -> None:
     group.add_argument("--count", metavar="N", type=whole(1, 10**7), help="variations of each scene, or rooms (1)")
     group.add_argument("--format", choices=FORMATS, help="what to write (blend)")
     group.add_argument(
-        "--vary", metavar="FILE", type=Path, help="TOML file that says what varies (docs/examples/variations.toml)"
+        "--vary", metavar="FILE", type=PATH, help="TOML file that says what varies (docs/examples/variations.toml)"
     )
     for name, what in VARIED.items():
         group.add_argument(f"--{name}", metavar="NAMES", help=f'things to {what}, such as "Chair,Book"')
@@ -60,12 +60,14 @@ def variation_words(args: argparse.Namespace) -> dict[str, str | None]:
     return {name: getattr(args, name) for name in VARIED}
 
 
-def is_batch(args: argparse.Namespace) -> bool:
-    """Whether many rooms are asked for: by an option that only batches have, or by several scenes."""
-    asked = (args.count, args.format, args.jobs, args.scheduler, *variation_words(args).values(), args.vary)
+def batch_reason(args: argparse.Namespace) -> str:
+    """What asks for many rooms: an option that only batches have, or several scenes; "" where one room is asked for."""
+    for name in ("count", "format", "jobs", "scheduler", "vary", *VARIED):
+        if getattr(args, name) is not None:
+            return f"--{name}"
     scenes = args.scene or ()
     many = len(scenes) > 1 or any(Path(scene).is_dir() or any(sign in scene for sign in "*?[") for scene in scenes)
-    return any(value is not None for value in asked) or args.resume or args.overwrite or many
+    return "--resume" if args.resume else "--overwrite" if args.overwrite else "a --scene of several" * many
 
 
 def batch_options(args: argparse.Namespace, maker: str, settings: dict[str, Any]) -> BatchOptions:

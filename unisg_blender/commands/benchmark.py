@@ -6,12 +6,11 @@ import argparse
 import importlib
 import sys
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 from ..errors import DONE
 from ..runtime.made_files import MARKER, own_folder
-from .argument_types import PROCESSES, SEED, number, whole
+from .argument_types import PATH, PROCESSES, SEED, number, whole
 from .common import jobs_of, print_report
 from .outputs import check_folder
 
@@ -45,12 +44,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """What the verb takes."""
     names = "; ".join(f"{name}: {text}" for name, (text, _) in BENCHMARKS.items())
     parser.add_argument("name", choices=BENCHMARKS, help=names)
-    parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder for tables and figures")
+    parser.add_argument("--out", type=PATH, required=True, metavar="DIR", help="folder for tables and figures")
     parser.add_argument("--count", type=whole(1, 10**7), default=1_000_000, help="poses to time (default: 1000000)")
     parser.add_argument("--repeats", type=whole(1, 1000), default=5, help="rounds whose median counts (default: 5)")
     parser.add_argument(
         "--data",
-        type=Path,
+        type=PATH,
         nargs="+",
         metavar="DIR",
         help="folders of mesh files (meshes), or of houses (own-rooms, algebra)",

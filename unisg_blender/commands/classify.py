@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import argparse
-from pathlib import Path
 
 from ..errors import DONE
+from .argument_types import PATH
 from .common import add_scene, print_report, read_shown, words_of
 
 HELP = "Tell what kind of scene a file holds, or that it is none that the network knows."
@@ -14,7 +14,7 @@ HELP = "Tell what kind of scene a file holds, or that it is none that the networ
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """What the verb takes."""
     add_scene(parser)
-    parser.add_argument("--model", metavar="M.onnx", type=Path, help="from 'unisg train classifier' (default: shipped)")
+    parser.add_argument("--model", metavar="M.onnx", type=PATH, help="from 'unisg train classifier' (default: shipped)")
 
 
 def run(args: argparse.Namespace) -> int:

@@ -15,7 +15,7 @@ from ..errors import UniSGError
 from ..runtime.process_pool import limit_threads, processes
 from ..runtime.progress import Progress
 from ..runtime.wording import first_lines, some_of
-from .argument_types import whole
+from .argument_types import PATH, whole
 
 if TYPE_CHECKING:
     from ..runtime.read_report import ReadReport
@@ -30,19 +30,19 @@ ENCODERS = {"atlasnet": "unisg_blender.meshes.shape_feature:atlasnet_feature"}
 
 def add_scene(parser: argparse.ArgumentParser, name: str = "file", meaning: str = "a scene file") -> None:
     """The scene that a verb reads, with what gives it categories."""
-    parser.add_argument(name, metavar="FILE", type=Path, help=meaning)
+    parser.add_argument(name, metavar="FILE", type=PATH, help=meaning)
     add_mapping(parser)
 
 
 def add_mapping(parser: argparse.ArgumentParser) -> None:
     """What gives categories to objects that have none, and where the meshes of layouts lie."""
     parser.add_argument(
-        "--mapping", metavar="FILE", type=Path, help="JSON or TOML: name patterns to categories, and what words mean"
+        "--mapping", metavar="FILE", type=PATH, help="JSON or TOML: name patterns to categories, and what words mean"
     )
     parser.add_argument(
         "--assets",
         metavar="FOLDER",
-        type=Path,
+        type=PATH,
         help="meshes, and their sizes, of layouts of other programs (else boxes)",
     )
 
@@ -78,7 +78,7 @@ def add_dataset_options(parser: argparse.ArgumentParser) -> None:
         "--mesh-features", metavar="ENCODER", default="", help='"atlasnet", or module:function: a vector for each mesh'
     )
     parser.add_argument(
-        "--vocabulary", metavar="DATASET", type=Path, help="number categories, relations and kinds of scene as it does"
+        "--vocabulary", metavar="DATASET", type=PATH, help="number categories, relations and kinds of scene as it does"
     )
 
 

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import argparse
-from pathlib import Path
 
 from ..errors import DONE
 from ..runtime.file_endings import BLENDER, READABLE, WRITABLE, is_of
+from .argument_types import PATH
 from .common import add_scene, add_scene_options, print_report, read_shown, shown, tell_lost
 from .outputs import check_file
 
@@ -16,7 +16,7 @@ HELP = f"Turn a scene file ({', '.join(READABLE)}) into {', '.join(WRITABLE)}, t
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """What the verb takes."""
     add_scene(parser, "source", "the file to read")
-    parser.add_argument("target", metavar="OUT", type=Path, help="the file to write; its ending says which kind")
+    parser.add_argument("target", metavar="OUT", type=PATH, help="the file to write; its ending says which kind")
     add_scene_options(parser)
     parser.add_argument("--still", action="store_true", help="leave out how things move in a Blender scene")
     parser.add_argument(

@@ -15,7 +15,7 @@ from tqdm import tqdm
 
 from ..errors import DONE, MissingPackageError
 from ..runtime.made_files import filling
-from .argument_types import SEED
+from .argument_types import PATH, SEED
 from .common import add_form, print_report
 from .outputs import check_results
 
@@ -33,10 +33,10 @@ STEPS = ("build", "save", "read", "export", "load", "complete", "from empty", "p
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """What the verb takes."""
-    parser.add_argument("--out", type=Path, default=Path("demo"), help="folder to write (default: demo)")
+    parser.add_argument("--out", type=PATH, default=Path("demo"), help="folder to write (default: demo)")
     parser.add_argument("--seed", type=SEED, default=7, help="which room (default: 7)")
     add_form(parser, "dual_quaternion")
-    parser.add_argument("--model", type=Path, help="a trained model instead of the shipped one")
+    parser.add_argument("--model", type=PATH, help="a trained model instead of the shipped one")
 
 
 def run(args: argparse.Namespace) -> int:

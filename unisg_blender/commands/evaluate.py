@@ -14,7 +14,7 @@ from ..errors import DONE, UniSGError
 from ..pretrained import find_generator
 from ..runtime.atomic_files import made_folder
 from ..runtime.made_files import own_folder
-from .argument_types import PROCESSES, SEED, whole
+from .argument_types import PATH, PROCESSES, SEED, whole
 from .common import add_mapping, jobs_of
 from .given_scenes import check_mapping, dataset_of
 from .outputs import check_results
@@ -31,12 +31,12 @@ QUICK_SCENES, QUICK_TREES = 12, 50
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """What the verb takes."""
     parser.add_argument(
-        "model", metavar="MODEL_OR_ROOMS", type=Path,
+        "model", metavar="MODEL_OR_ROOMS", type=PATH,
         help="a generator, a shipped one by name, or a folder of rooms that any other furnished: docs/evaluating.md; "
         "with --judge a scene file or a folder of them",
     )  # fmt: skip
     parser.add_argument(
-        "--data", metavar="DATASET", type=Path, help="rooms that it was not trained on; needed without --judge"
+        "--data", metavar="DATASET", type=PATH, help="rooms that it was not trained on; needed without --judge"
     )
     parser.add_argument(
         "--judge", metavar="WHICH", default="",
@@ -45,13 +45,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )  # fmt: skip
     add_mapping(parser)
     parser.add_argument(
-        "--training", metavar="DATASET", type=Path,
+        "--training", metavar="DATASET", type=PATH,
         help="rooms that it was trained on: for the Gaussian and copy baselines, and for novelty",
     )  # fmt: skip
     parser.add_argument(
         "--also",
         metavar="MODEL",
-        type=Path,
+        type=PATH,
         action="append",
         default=[],
         help="another model or folder beside it; repeatable",
@@ -64,7 +64,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--quick", action="store_true", help="12 rooms, one seed and 50 trees, unless told otherwise")
     parser.add_argument("--jobs", metavar="N", type=PROCESSES, help="processes (one per processor)")
     parser.add_argument(
-        "--out", metavar="DIR", type=Path,
+        "--out", metavar="DIR", type=PATH,
         help="write table.md, .csv, .json and .png there, and keep results: a second run goes on where one stopped",
     )  # fmt: skip
 

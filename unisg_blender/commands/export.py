@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import argparse
 import textwrap
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..errors import DONE, SOME_FAILED
-from .argument_types import PROCESSES, number
+from .argument_types import PATH, PROCESSES, named, number
 from .common import add_dataset_options, add_form, add_mapping, mesh_encoder_of, print_report, vocabulary_of
 from .outputs import check_folder
 
@@ -24,8 +23,8 @@ EPILOG = "A file that crashes, hangs or cannot be read costs only itself; the da
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """What the verb takes."""
     parser.epilog = EPILOG
-    parser.add_argument("inputs", metavar="IN", nargs="+", help="scene files, folders and globs")
-    parser.add_argument("--out", metavar="DATASET", type=Path, required=True, help="folder of the dataset")
+    parser.add_argument("inputs", metavar="IN", type=named, nargs="+", help="scene files, folders and globs")
+    parser.add_argument("--out", metavar="DATASET", type=PATH, required=True, help="folder of the dataset")
     add_form(parser)
     parser.add_argument("--jobs", metavar="N", type=PROCESSES, help="files read at a time (one per processor)")
     parser.add_argument(

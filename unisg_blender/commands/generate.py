@@ -15,8 +15,8 @@ from ..errors import DONE, SOME_FAILED, UniSGError
 from ..formats.scene_files import check_kinds, load_blender, write_scene_file
 from ..runtime.atomic_files import replacing
 from ..runtime.file_endings import WRITABLE, is_of
-from .argument_types import SEED
-from .batch_options import add_batch_options, is_batch
+from .argument_types import PATH, SEED, named
+from .batch_options import add_batch_options, batch_reason
 from .common import add_limit, add_mapping, print_report, read_shown, shown_lines, words_of
 from .outputs import check_file
 from .room_picture import room_view
@@ -30,10 +30,10 @@ HELP = "Add objects to an empty or an existing scene with a trained model."
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """What the verb takes."""
     parser.add_argument(
-        "--model", metavar="M", type=Path, help="trained model, or name of a shipped one (default: operating_room)"
+        "--model", metavar="M", type=PATH, help="trained model, or name of a shipped one (default: operating_room)"
     )
     parser.add_argument(
-        "--scene", metavar="IN", nargs="+",
+        "--scene", metavar="IN", type=named, nargs="+",
         help="scene file to complete (default: an empty scene); for a batch files, folders and globs",
     )  # fmt: skip
     add_mapping(parser)
@@ -47,7 +47,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--out",
         metavar="OUT",
-        type=Path,
+        type=PATH,
         required=True,
         help=f"file to write: {', '.join(WRITABLE)}; for a batch a folder",
     )
@@ -63,7 +63,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--no-behaviour", action="store_true", help="give the new objects no actions and leave the lesson alone"
     )
     parser.add_argument(
-        "--render", metavar="PNG", type=Path, help="write a picture of the result, a look into the room"
+        "--render", metavar="PNG", type=PATH, help="write a picture of the result, a look into the room"
     )
     parser.add_argument(
         "--render-categories", action="store_true", help="colours by category there, not the things' own"
@@ -74,7 +74,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Generate, write, report; exit status 3 if some objects found no place, or rooms of a batch failed."""
-    if is_batch(args):
+    if batch_reason(args):
         from .generate_batch import run_batch
 
         return run_batch(args)

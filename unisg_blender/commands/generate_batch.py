@@ -12,7 +12,8 @@ from ..batches.batch_report import REPORT
 from ..batches.room_makers import GENERATED
 from ..dataset import open_dataset
 from ..errors import DONE, SOME_FAILED, UniSGError
-from .batch_options import batch_options, made_rooms, variation_words
+from ..runtime.file_endings import WRITABLE, is_of
+from .batch_options import batch_options, batch_reason, made_rooms, variation_words
 from .common import noted, print_report, words_of
 from .outputs import check_folder
 
@@ -33,6 +34,8 @@ def run_batch(args: argparse.Namespace) -> int:
 
     if args.render is not None:
         raise UniSGError("--render is for one room: give a single --out file")
+    if is_of(args.out, WRITABLE) and not args.out.is_dir():
+        raise UniSGError(f"{batch_reason(args)} makes a folder of rooms: give --out a folder, not {args.out}")
     check_folder("--out", args.out)
     model = find_generator(args.model)
     generator, words = Generator.load(model), words_of(args)

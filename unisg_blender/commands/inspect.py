@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import argparse
 import json
-from pathlib import Path
 from typing import Any
 
-from ..errors import DONE
+from ..errors import DONE, UniSGError
+from .argument_types import PATH
 from .common import (
     add_limit,
     add_mapping,
@@ -18,6 +18,7 @@ from .common import (
     tell_lost,
     words_of,
 )
+from .given_scenes import check_mapping, is_dataset
 from .outputs import check_results
 
 HELP = "Show the entity tree of a scene file, with components and behaviour, or the contents of a dataset."
@@ -25,7 +26,7 @@ HELP = "Show the entity tree of a scene file, with components and behaviour, or 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """What the verb takes."""
-    parser.add_argument("path", metavar="FILE_OR_DATASET", type=Path, help="a scene file, or the folder of a dataset")
+    parser.add_argument("path", metavar="FILE_OR_DATASET", type=PATH, help="a scene file, or the folder of a dataset")
     add_scene_options(parser)
     add_mapping(parser)
     add_limit(parser, "lines of each kind: entities, parts of the lesson, relations")
@@ -33,16 +34,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--structure", action="store_true", help="show floors, rooms, walls, openings and surfaces, told by geometry"
     )
     parser.add_argument(
-        "--plan", type=Path, metavar="PICTURE", help="draw this structure from above, a storey each (.svg, .png, .pdf)"
+        "--plan", type=PATH, metavar="PICTURE", help="draw this structure from above, a storey each (.svg, .png, .pdf)"
     )
     parser.add_argument(
         "--words", metavar="MODEL", help="show what a model understands of names and categories, and how foreign it is"
     )
-    parser.add_argument("--figures", type=Path, metavar="DIR", help="of a dataset: write pictures to this folder")
+    parser.add_argument("--figures", type=PATH, metavar="DIR", help="of a dataset: write pictures to this folder")
 
 
 def run(args: argparse.Namespace) -> int:
     """Print the tree, or with ``--json`` everything as one JSON object."""
+    check_results("--figures", args.figures, [args.path])
+    _check_options(args)
     if args.path.is_dir():
         return _inspect_dataset(args)
     if args.structure or args.plan is not None:
@@ -52,7 +55,6 @@ def run(args: argparse.Namespace) -> int:
     from ..scene.lesson_node import lesson_to_json
     from ..scene.scene_text import entity_lines, lesson_lines, relation_lines, summary, to_records
 
-    check_results("--figures", args.figures, [args.path])
     graph, lost = read_shown(args, args.path, geometry=args.geometry, scene=args.scene)
     if args.json:
         lessons = [json.loads(lesson_to_json(operation)) for _, operation in graph.entries("lsa", "data")]
@@ -68,6 +70,24 @@ def run(args: argparse.Namespace) -> int:
         print("\n" + "\n".join(_summary_lines(summary(graph))))
     tell_lost(args, lost)
     return DONE
+
+
+def _check_options(args: argparse.Namespace) -> None:
+    """Refuse options that would change nothing of what is shown."""
+    if not args.path.is_dir():
+        if args.figures is not None:
+            raise UniSGError(f"--figures draws datasets, and {args.path} is none: --plan FILE draws a scene")
+        if args.words is not None and (args.structure or args.plan is not None):
+            raise UniSGError("--words and --structure show different things: give one of them")
+        return
+    if not is_dataset(args.path):
+        raise UniSGError(
+            f"{args.path} holds no dataset: name a scene file in it, or make a dataset with "
+            f"'unisg export {args.path} --out DATASET'"
+        )
+    check_mapping(args, [args.path])
+    if given := [name for name in ("structure", "plan", "words", "scene") if getattr(args, name)]:
+        raise UniSGError(f"--{given[0]} looks at a scene file, and {args.path} is a dataset")
 
 
 def _inspect_structure(args: argparse.Namespace) -> int:

@@ -38,6 +38,8 @@ def run_judges(args: argparse.Namespace) -> int:
     judges = judges_of(args.judge)
     if given := [name for name in OTHERS if getattr(args, name) is not None]:
         raise UniSGError(f"--judge looks at the scenes alone: leave --{given[0]} out")
+    if not args.model.exists():
+        raise UniSGError(f"there is no file or folder {args.model}: check the path")
     if STABILITY in judges:
         require_mujoco()
     judged: list[tuple[str, JudgedScene]] = []

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..errors import DONE, SOME_FAILED, UniSGError
 from ..runtime.file_endings import WRITABLE, is_of
-from .argument_types import number, whole
+from .argument_types import PATH, number, whole
 from .common import (
     add_limit,
     add_mapping,
@@ -36,7 +36,7 @@ EVIDENCE = ("shape", "name", "neighbours", "structure")
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """What the verb takes."""
-    parser.add_argument("files", metavar="FILE", type=Path, nargs="+", help="scene files")
+    parser.add_argument("files", metavar="FILE", type=PATH, nargs="+", help="scene files")
     add_mapping(parser)
     parser.add_argument(
         "--best", metavar="N", type=whole(1, 1000), default=3, help="categories to name for each object (3)"
@@ -44,9 +44,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--use", metavar="KINDS", default=",".join(EVIDENCE), help=f"evidence ({','.join(EVIDENCE)})")
     parser.add_argument("--all", action="store_true", help="also for objects that have a category")
     add_limit(parser, "objects of a file")
-    parser.add_argument("--model", metavar="M", type=Path, help="model of categories (default: the shipped one)")
+    parser.add_argument("--model", metavar="M", type=PATH, help="model of categories (default: the shipped one)")
     parser.add_argument(
-        "--out", metavar="OUT", type=Path, help="write the scene with the accepted categories; of several files: folder"
+        "--out", metavar="OUT", type=PATH, help="write the scene with the accepted categories; of several files: folder"
     )
     parser.add_argument(
         "--threshold", metavar="P", type=number(0, 1), default=0.6, help="accept from this confidence on (0.6)"

@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 from collections import Counter
 from collections.abc import Sequence
-from pathlib import Path
 
 from ..errors import DONE, UniSGError
 from ..formats.scene_files import write_scene_file
@@ -14,7 +13,7 @@ from ..scene.graph import SceneGraph
 from ..spatial.directions import OPPOSITE
 from ..spatial.relation_tolerances import RelationTolerances
 from ..spatial.relations import KINDS, Found, find_relations, relate
-from .argument_types import number
+from .argument_types import PATH, number
 from .common import add_limit, add_scene, print_report, read_shown, shown_lines
 from .outputs import check_file
 
@@ -44,7 +43,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="tell what is on top of what by a network (the shipped one)",
     )
     add_limit(parser, "relations, each pair of objects once")
-    parser.add_argument("--out", type=Path, metavar="FILE", help="write the scene with its relations to this file")
+    parser.add_argument("--out", type=PATH, metavar="FILE", help="write the scene with its relations to this file")
     for name, text in LENGTHS.items():
         default, kind = getattr(RelationTolerances(), name), number(*LIMITS.get(name, (0, FARTHEST)))
         parser.add_argument(f"--{name}", type=kind, default=default, metavar="X", help=f"{text} ({default})")

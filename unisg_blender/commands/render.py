@@ -18,7 +18,7 @@ from ..errors import DONE, SOME_FAILED, MissingPackageError, UniSGError
 from ..formats.scene_files import load_blender
 from ..runtime.atomic_files import checksum_of
 from ..runtime.process_pool import processors
-from .argument_types import SEED, whole
+from .argument_types import PATH, SEED, named, whole
 from .batch_options import add_running_options, made_rooms
 from .common import add_form, add_mapping, noted, print_report, vocabulary_of
 from .given_scenes import is_dataset
@@ -32,8 +32,8 @@ SIZE = re.compile(r"(\d{1,5})(?:x(\d{1,5}))?")
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """What the verb takes."""
-    parser.add_argument("inputs", metavar="IN", nargs="+", help="scene files, folders, globs and datasets")
-    parser.add_argument("--out", metavar="DIR", type=Path, required=True, help="folder of pictures and labels")
+    parser.add_argument("inputs", metavar="IN", type=named, nargs="+", help="scene files, folders, globs and datasets")
+    parser.add_argument("--out", metavar="DIR", type=PATH, required=True, help="folder of pictures and labels")
     parser.add_argument(
         "--views", metavar="WHAT",
         help=f'such as "eye=4,corners=2,Chair=1": {", ".join(KINDS)}, or a category to look at (default: the cameras '
@@ -44,10 +44,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--samples", metavar="N", type=whole(1, 65536), default=32, help="of each pixel in cycles (32)")
     parser.add_argument("--seed", metavar="S", type=SEED, default=0, help="of the chosen views (0)")
     parser.add_argument(
-        "--vocabulary", metavar="DATASET", type=Path, help="number categories as it does (COCO: from 1 on)"
+        "--vocabulary", metavar="DATASET", type=PATH, help="number categories as it does (COCO: from 1 on)"
     )
     parser.add_argument(
-        "--sheet", metavar="FILE", type=Path, help="draw the first pictures beside their masks, depth and scenegraphs"
+        "--sheet", metavar="FILE", type=PATH, help="draw the first pictures beside their masks, depth and scenegraphs"
     )
     add_mapping(parser)
     add_form(parser)

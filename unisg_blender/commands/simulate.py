@@ -18,7 +18,7 @@ from ..errors import DONE, MISUSE, UniSGError, did_you_mean
 from ..runtime.atomic_files import read_plain
 from ..runtime.file_endings import WRITABLE
 from ..runtime.made_files import filling
-from .argument_types import number
+from .argument_types import PATH, number
 from .common import add_limit, add_scene, print_report, read_shown, shown_lines
 from .outputs import check_file, check_results
 
@@ -38,7 +38,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_scene(parser, meaning="a scene file with a lesson")
     source = parser.add_mutually_exclusive_group()
     source.add_argument(
-        "--motion", metavar="JSON", type=Path, help="a script of poses and inputs, by the objects' names"
+        "--motion", metavar="JSON", type=PATH, help="a script of poses and inputs, by the objects' names"
     )
     source.add_argument(
         "--rehearse", action="store_true", help="do every action in its turn; says whether that is possible"
@@ -48,16 +48,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--rate", type=number(0.001, 1000), help="frames per second (default: 30, the file's own for an animation)"
     )
     parser.add_argument(
-        "--types", metavar="PY", type=Path, action="append", default=[],
+        "--types", metavar="PY", type=PATH, action="append", default=[],
         help="a Python file with action types of your own (it is run): see docs/behaviour.md",
     )  # fmt: skip
     parser.add_argument(
         "--record",
         metavar="FILE",
-        type=Path,
+        type=PATH,
         help="write the scene with what was played as its recording",
     )
-    parser.add_argument("--out", metavar="DIR", type=Path, help="write timeline.json and timeline.png here")
+    parser.add_argument("--out", metavar="DIR", type=PATH, help="write timeline.json and timeline.png here")
     add_limit(parser, "lines of each kind: parts of the lesson, wrong steps")
     parser.add_argument("--render", action="store_true", help="with --out: write film.gif too (needs Blender)")
 

@@ -17,7 +17,7 @@ from ..learn.hyperparameters import ACCELERATORS, Settings
 from ..learn.job_list import JOBS
 from ..runtime.process_end import end_with_parent
 from . import given_scenes, train_meshes
-from .argument_types import PROCESSES, SEED, whole
+from .argument_types import PATH, PROCESSES, SEED, whole
 from .common import add_mapping, print_report
 from .outputs import check_file, check_folder
 
@@ -34,11 +34,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     texts = "; ".join(f"{name}: {job.text}" for name, job in JOBS.items())
     parser.add_argument("job", choices=JOBS, help=texts)
     parser.add_argument(
-        "--data", metavar="DATASET_OR_SCENES", type=Path, nargs="+", required=True,
+        "--data", metavar="DATASET_OR_SCENES", type=PATH, nargs="+", required=True,
         help="folder of a dataset, or of scene files, which become one for this training",
     )  # fmt: skip
     add_mapping(parser)
-    parser.add_argument("--out", metavar="MODEL.onnx", type=Path, required=True, help="file (meshes: folder) to write")
+    parser.add_argument("--out", metavar="MODEL.onnx", type=PATH, required=True, help="file (meshes: folder) to write")
     parser.add_argument("--form", choices=FORMS, help="form of the poses that the network sees")
     parser.add_argument("--epochs", metavar="N", type=whole(1, 10**6), help="passes over the dataset")
     parser.add_argument("--seed", type=SEED, default=0, help="same seed, same model (default: 0)")
@@ -57,7 +57,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--patience", metavar="N", type=whole(1, 10**6), help="stop after N epochs without a better loss"
     )
-    parser.add_argument("--logs", metavar="DIR", type=Path, help="keep checkpoints and metrics.csv there, and resume")
+    parser.add_argument("--logs", metavar="DIR", type=PATH, help="keep checkpoints and metrics.csv there, and resume")
     train_meshes.add_arguments(parser)
 
 

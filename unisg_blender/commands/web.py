@@ -7,7 +7,7 @@ from contextlib import closing, suppress
 from pathlib import Path
 
 from ..errors import DONE, UniSGError
-from .argument_types import whole
+from .argument_types import PATH, whole
 from .common import add_scene, add_scene_options, make_folder, print_report, read_shown, tell_lost
 from .outputs import check_file, check_folder
 
@@ -22,7 +22,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_scene(parser)
     add_scene_options(parser)
     parser.add_argument(
-        "--out", metavar="DIR", type=Path, required=True, help="folder of the site; with --single a .html"
+        "--out", metavar="DIR", type=PATH, required=True, help="folder of the site; with --single a .html"
     )
     parser.add_argument("--single", action="store_true", help="one page that opens from disk")
     parser.add_argument("--serve", action="store_true", help="show the site on 127.0.0.1 until Ctrl+C")

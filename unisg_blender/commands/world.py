@@ -5,14 +5,13 @@ from __future__ import annotations
 import argparse
 import time
 from dataclasses import replace
-from pathlib import Path
 
 from ..batches.batch_plan import FORMATS, plan_rooms
 from ..batches.room_makers import WORLD
 from ..errors import DONE, SOME_FAILED, UniSGError
 from ..worlds import WORLDS
 from ..worlds.world_batches import BATCH, can_be_imported
-from .argument_types import SEED, whole
+from .argument_types import PATH, SEED, whole
 from .batch_options import add_running_options, batch_options, made_rooms
 from .common import add_dataset_options, add_form, jobs_of, mesh_encoder_of, print_report, vocabulary_of
 from .outputs import check_folder
@@ -24,7 +23,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """What the verb takes."""
     parser.add_argument("name", metavar="NAME", choices=WORLDS, help="which world: " + ", ".join(WORLDS))
     parser.add_argument("--count", metavar="N", type=whole(1, 10**6), default=1, help="how many scenes (1)")
-    parser.add_argument("--out", metavar="DIR", type=Path, required=True, help="folder of the files, or of the dataset")
+    parser.add_argument("--out", metavar="DIR", type=PATH, required=True, help="folder of the files, or of the dataset")
     parser.add_argument("--seed", metavar="S", type=SEED, default=0, help="the scenes have the seeds S, S+1, ... (0)")
     parser.add_argument("--format", choices=FORMATS, default="blend", help="what to write (blend)")
     add_form(parser)

@@ -191,6 +191,7 @@ def _read_directly(path: Path, progress: Progress | None) -> tuple[SceneGraph, R
     if is_of(path, MESHES):
         with reading(path):
             return mesh_scene(path)
+    check_kinds(path)
     from ..usd import read_usd
     from ..usd.pxr_library import require_pxr
 

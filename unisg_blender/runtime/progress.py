@@ -20,11 +20,14 @@ class Progress:
     def __init__(self, total: int, unit: str, quiet: bool = False, stream: TextIO | None = None) -> None:
         stream = sys.stderr if stream is None else stream
         every = EVERY if stream.isatty() else EVERY_IN_LOG
-        self._bar = tqdm(total=total or None, unit=f" {unit}", disable=quiet, file=stream, mininterval=every)
+        delay = 0 if total else every  # a refusal that comes before anything is known leaves no bar behind
+        self._bar = tqdm(
+            total=total or None, unit=f" {unit}", disable=quiet, file=stream, mininterval=every, delay=delay
+        )
 
     def start(self, total: int) -> None:
         """Say how much there is to do, once that is known."""
-        self._bar.total = total
+        self._bar.total, self._bar.delay = total, 0
         self._bar.refresh()
 
     def update(self, done: int, failed: int = 0) -> None:

@@ -283,8 +283,7 @@ def open_dataset(
     UniSGError
         If there is no dataset, a newer version wrote it, or it has names that the vocabulary asked for lacks.
     """
-    folder = Path(path)
-    manifest = read_manifest(folder)
+    manifest = read_manifest(folder := Path(path))
     if manifest is None and not folder.exists():
         raise UniSGError(f"there is no file or folder {folder}: check the path")
     if manifest is None or manifest.get("schema") != SCHEMA:
@@ -297,6 +296,5 @@ def open_dataset(
     check_manifest(manifest, folder / MANIFEST)
     dataset = Dataset(folder, manifest, verify, memory, vocabulary)
     if vocabulary is not None:
-        used = manifest["vocabulary"] | {"categories": dataset.category_counts}
-        check_covered(used, vocabulary, str(folder))
+        check_covered(manifest["vocabulary"] | {"categories": dataset.category_counts}, vocabulary, str(folder))
     return dataset

@@ -44,10 +44,10 @@ def write_algebra_report(args: argparse.Namespace, folder: Path, progress: Calla
     plan, jobs = QUICK_PLAN if args.quick else AlgebraPlan(), args.jobs or processors()
     if args.data and not (args.data[0] / HOUSES).is_file():
         raise UniSGError(f"give the folder of ProcTHOR's houses: --data FOLDER with {HOUSES}")
-    folder.mkdir(parents=True, exist_ok=True)
-    claim_folder(folder, bool(args.quick))
     data = folder / "data"
     if not args.tables_only:
+        folder.mkdir(parents=True, exist_ok=True)
+        claim_folder(folder, bool(args.quick))
         make_rooms(data, max(plan.rooms), plan.tests, houses(args.data, data), jobs, progress)
     runs = algebra_runs(plan, (data / "foreign-train.npz").is_file()) + long_runs(plan)
     if args.tables_only:

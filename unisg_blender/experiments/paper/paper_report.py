@@ -83,14 +83,14 @@ def write_paper_report(args: argparse.Namespace, folder: Path, progress: Callabl
     if args.rates:
         plan = replace(plan, rates=tuple(args.rates))
     jobs = args.jobs or processors()
-    folder.mkdir(parents=True, exist_ok=True)
-    claim_folder(folder, bool(args.quick))
     runs = all_runs(plan)
     if args.tables_only:
         results = finished(runs, folder)
         if not results:
             raise UniSGError(f"{folder} has no finished training: run without --tables-only first")
     else:
+        folder.mkdir(parents=True, exist_ok=True)
+        claim_folder(folder, bool(args.quick))
         make_data(folder / "data", plan.sizes, jobs, progress)
         progress(f"{len(runs)} trainings")
         results = run_all(runs, folder, jobs, args.quiet)

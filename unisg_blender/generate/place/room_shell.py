@@ -34,7 +34,7 @@ def add_shell(
     """
     start = time.perf_counter()
     wanted = {name: int(counts[name]) for name in STRUCTURE if name in counts}
-    shells = library.shells()
+    shells = library.shells
     if not shells:
         raise UniSGError("the model has no room shells beside it: add to a scene that has a floor, or export again")
     missing = np.array([_difference(shell.graph, wanted) for shell in shells])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cached_property
 
 import numpy as np
 
@@ -56,8 +57,9 @@ class Library:
         vocabulary = self.model.contract.vocabulary
         return self._of_scene(vocabulary.index(category), scene) if category in vocabulary else []
 
+    @cached_property
     def shells(self) -> list[Asset]:
-        """The room shells beside the model."""
+        """The room shells beside the model, read once: every room that begins with nothing looks at all of them."""
         file = self.model.assets
         return [] if file is None else [file.asset(number) for number in file.numbers("")]
 
