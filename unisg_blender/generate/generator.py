@@ -27,12 +27,13 @@ from .observe.scene_reading import SceneReading, missing_counts, understood_coun
 from .place.instanced_scene import with_instances, without_instances
 from .place.placed_by_rules import by_rules, contract_with, rules_for
 from .place.placement_record import Placement
-from .place.room_shell import add_shell
+from .place.room_shell import add_floor, add_shell
 from .place.scene_extension import Names, uid_maker
 from .place.shape_library import Library
 from .placing_rounds import How, New, Placing, PlacingRounds
 from .propose.anchor_proposer import AnchorProposer
 from .propose.cgvae_proposer import CgvaeProposer
+from .propose.place_sampling import USUAL, Sampling
 from .propose.proposer import Proposer
 from .propose.trained_model import TrainedModel, load_model
 from .propose.trees_proposer import TreesProposer
@@ -127,6 +128,7 @@ class Generator:
         self, scene: SceneGraph, counts: Mapping[str, int], seed: int | None = None, *, bulk: bool = False,
         settle: bool = True, assets: Mapping[str, Sequence[Asset]] | None = None, behaviour: bool = True,
         on: str = "", beside: str = "", within: str = "", words: Mapping[str, str] | None = None, ways: bool = True,
+        sampling: Sampling = USUAL, shapes: Mapping[str, Sequence[Asset]] | None = None,
     ) -> abc.Generator[Placement, None, Generated]:  # fmt: skip
         """Add objects to a scene, each a step; what is there already stays as it is. :meth:`add` is the same at once.
 
@@ -157,6 +159,8 @@ class Generator:
             What the user says of words for things: word to category, before the table of words.
         ways
             Nothing may cut the floor into parts between which nobody can walk, see :mod:`~.place.ways_kept`.
+        sampling, shapes
+            How places are drawn; shapes by category to draw from, before those of the scene and beside the model.
 
         Raises
         ------
@@ -166,7 +170,8 @@ class Generator:
         """
         counts = self.understood(_checked(counts), words)
         given, scene = scene, with_instances(scene)
-        how = How(bulk, settle, assets or {}, on, beside, _within(scene, within, on or beside), ways)
+        near = _within(scene, within, on or beside)
+        how = How(bulk, settle, assets or {}, on, beside, near, ways, sampling, shapes or {})
         reading = self.read(scene, words, near=on or beside, within=within)
         new = New(Names(scene.name), uid_maker(scene, seed), np.random.default_rng(seed))
         room, placements, wanted = self._with_room(scene, counts, reading, new)
@@ -190,7 +195,10 @@ class Generator:
         built: Sequence[str] = SHELL if reading.has_room else STRUCTURE if FLOOR in counts else ()
         if reading.has_room:
             refused = Counter({name: counts[name] for name in SHELL if name in counts})
-            placements = [Placement(name, note="there is a room already") for name in refused.elements()]
+            if reading.missing_floor is not None:
+                scene, placements = add_floor(scene, reading.missing_floor, new.names, new.make_uid)
+                refused -= Counter([FLOOR])
+            placements += [Placement(name, note="there is a room already") for name in refused.elements()]
         elif FLOOR in counts:
             scene, placements = add_shell(scene, counts, self.library, new.rng, new.names, new.make_uid)
         known = {name: count for name, count in counts.items() if name in self.categories}
