@@ -57,7 +57,7 @@ notebooks: $(READY)  ## run the notebooks, and write what they print and draw in
 
 pictures: $(READY)  ## those of README.md and the guide: BLENDER=/path/to/blender, as for test-window -> docs/pictures/
 	$(BIN)/python packaging/guide_pictures.py
-	UNISG_PICTURES=docs/pictures UNISG_BLENDER="$(BLENDER)" UNISG_WINDOW_FOLDER="$(FOLDER)" $(BIN)/python -m pytest -rs tests/window/test_pictures.py
+	UNISG_PICTURES=docs/pictures UNISG_BLENDER="$(BLENDER)" UNISG_WINDOW_FOLDER="$(FOLDER)" $(BIN)/python -m pytest -rs tests/window/test_window_pictures.py
 
 hooks: $(READY)  ## let git run what `make lint` runs before each commit
 	$(BIN)/pre-commit install

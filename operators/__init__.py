@@ -34,6 +34,7 @@ from .many import batch_work, labelled_pictures, variations
 from .placing import choose_and_place, place, place_tool
 from .registration import register_modules, unregister_modules
 from .room import checking, corrections, recognised
+from .shapes import chosen_shapes, library_index, look_through
 
 MODULES = (
     preferences,
@@ -41,6 +42,9 @@ MODULES = (
     recognised,
     corrections,
     checking,
+    chosen_shapes,
+    library_index,
+    look_through,
     add_room,
     generation_settings,
     generate,

@@ -18,7 +18,8 @@ if TYPE_CHECKING:
 def lesson_object(context: bpy.types.Context) -> bpy.types.Object | None:
     """The object whose lesson is shown: the chosen one, else the active one, else the first of the scene."""
     found = looked_up(context.scene).lessons
-    active = "" if context.active_object is None else context.active_object.name
+    item = getattr(context, "active_object", None)  # Blender asks without a window too, where it makes overrides
+    active = "" if item is None else item.name
     preferred = [name for name in (context.window_manager.unisg_lesson, active) if name in found]
     return context.scene.objects.get(next(iter([*preferred, *found]), ""))
 

@@ -16,13 +16,17 @@ HOMES = (
     ("ACTIVE", "Active Collection", "In the collection that is active in the outliner"),
     ("OWN", "Their Own", "In a collection of the scene that is called UniSG"),
 )
+USES = (
+    ("LINK", "Link", "Their data stays in the library's file, and changes with it"),
+    ("APPEND", "Append", "Their data is copied into this file"),
+)
 COLOURS = {
     "fits": (0.4, 0.8, 1.0), "wrong": (1.0, 0.6, 0.2), "cold": (0.15, 0.25, 0.75), "warm": (0.85, 0.25, 0.45),
     "hot": (1.0, 0.9, 0.25),
 }  # fmt: skip
 """What is drawn while placing: the ghost where it fits and where not, and the heat from unlikely to likely."""
 
-DEFAULTS: dict[str, object] = {"models": "", "first": "", "threads": 1, "home": "ROOM", **COLOURS}
+DEFAULTS: dict[str, object] = {"models": "", "first": "", "threads": 1, "home": "ROOM", "use": "LINK", **COLOURS}
 
 
 def _colour(name: str, text: str) -> bpy.types.Property:
@@ -55,6 +59,9 @@ class UNISG_Preferences(bpy.types.AddonPreferences):
         max=max(os.cpu_count() or 1, 1), update=_models_changed,
     )  # fmt: skip
     home: bpy.props.EnumProperty(name="New Objects", description="To which collection they go", items=HOMES)
+    use: bpy.props.EnumProperty(
+        name="Assets of Libraries", description="How shapes are taken from asset libraries", items=USES
+    )
     fits: _colour("fits", "Ghost, Fits")
     wrong: _colour("wrong", "Ghost, Wrong")
     cold: _colour("cold", "Unlikely")
@@ -65,8 +72,9 @@ class UNISG_Preferences(bpy.types.AddonPreferences):
         """All of it."""
         layout = self.layout
         layout.use_property_split = True
-        for name in ("models", "first", "threads", "home"):
+        for name in ("models", "first", "threads", "home", "use"):
             layout.prop(self, name)
+        layout.operator("unisg.look_through_libraries", icon="ASSET_MANAGER")
         column = layout.column(heading="Colours of Placing")
         for name in COLOURS:
             column.prop(self, name)

@@ -33,6 +33,11 @@ class SceneLookup:
         return {action.uid: (action, item.name) for item, action in scene_actions(bpy.data.scenes[self.scene])}
 
     @cached_property
+    def categories(self) -> set[str]:
+        """What there is."""
+        return {str(item["unisg_category"]) for item in bpy.data.scenes[self.scene].objects if "unisg_category" in item}
+
+    @cached_property
     def lessons(self) -> list[str]:
         """Names of the objects that stand for operations."""
         from ..unisg_blender.blender.authoring.authoring import lesson_objects

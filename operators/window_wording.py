@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 
 SAID = (
+    (r"generate without behaviour", 'untick "With actions"'),
     (r"--assets(?: FOLDER)?", 'the field "Meshes" of the import'),
     (r"--scene\b", 'the field "Scene" of the import'),
     (r" \(--[a-z][-a-z]*(?: [A-Z]+)?\)", ""),

@@ -1,4 +1,4 @@
-"""Make the pictures of README.md and the guide that need no window of Blender -> docs/pictures/.
+"""Make the pictures of README.md, the guide and the page on worlds that need no window of Blender -> docs/.
 
 python packaging/guide_pictures.py        # `make pictures` makes those of Blender's window too
 """
@@ -19,7 +19,7 @@ from unisg_blender.commands.room_picture import room_view
 from unisg_blender.pretrained import find_generator
 from unisg_blender.scene import take
 from unisg_blender.scene.categories import STRUCTURE
-from unisg_blender.worlds import living_room
+from unisg_blender.worlds import living_room, operating_room
 
 PICTURES = ROOT / "docs" / "pictures"
 SEED = 11
@@ -36,6 +36,7 @@ def main() -> None:
         _before_and_after(Path(folder))
         _fuller_room(Path(folder))
         _timeline(Path(folder))
+        _worlds(Path(folder))
 
 
 def _before_and_after(folder: Path) -> None:
@@ -71,6 +72,19 @@ def _timeline(folder: Path) -> None:
     room = str(folder / "operating-room-00007.blend")
     cli.main(["simulate", room, "--rehearse", "--out", str(folder / "timeline"), "-q"])
     save_small(Image.open(folder / "timeline" / "timeline.png"), PICTURES / "guide-timeline.png")
+
+
+def _worlds(folder: Path) -> None:
+    """The rooms of the page "Worlds", from above and from a corner."""
+    path = folder / "world.png"
+    for scene, view, name in (
+        (operating_room(7), "top", "operating-room-top"),
+        (operating_room(7), "perspective", "operating-room"),
+        (living_room(3), "top", "living-room-top"),
+    ):
+        new_scene(scene)
+        render_picture(path, view=view, size=(760, 640))
+        save_small(Image.open(path), ROOT / "docs" / f"worlds-{name}.png")
 
 
 if __name__ == "__main__":

@@ -11,5 +11,5 @@ COLOURS = 256
 
 def save_small(picture: Image.Image, path: Path) -> None:
     """Write a picture with few colours, those farthest apart: a median cut would lose what is small and bright."""
-    few = picture.convert("RGB").quantize(COLOURS, method=Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
+    few = picture.convert("RGB").quantize(COLOURS, Image.Quantize.MAXCOVERAGE, kmeans=2, dither=Image.Dither.NONE)
     few.save(path, optimize=True)

@@ -26,12 +26,14 @@ from . import (
     recording,
     relations,
     suggest,
+    where_from,
 )
 
 MODULES = (
     menus,
     main,
     generate,
+    where_from,
     suggest,
     check,
     recognised_building,

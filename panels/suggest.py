@@ -30,8 +30,9 @@ class UNISG_PT_suggest(SubPanel):
             row = column.split(factor=0.8, align=True)
             row.progress(factor=item.share, text=f"{_numbered(item)}: {100 * item.share:.0f} %")
             button = row.operator("unisg.generate", text="", icon="ADD")
-            button.model, button.add, button.seed = found.model, f"{item.name}=1", settings.seed
-            button.behaviour, button.words = settings.behaviour, settings.words
+            button.model, button.add = found.model, f"{item.name}=1"
+            for name in ("seed", "behaviour", "words", "variety", "candidates"):
+                setattr(button, name, getattr(settings, name))
 
 
 def _numbered(item: bpy.types.PropertyGroup) -> str:

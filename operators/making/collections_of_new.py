@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 import bpy
 
+from ...unisg_blender.blender.write.listing import is_own
 from ..preferences import preference
 
 OWN = "UniSG"
@@ -19,7 +20,7 @@ def put_home(context: bpy.types.Context, new: Sequence[bpy.types.Object]) -> Non
         put_beside(scene, new)
         return
     home = context.view_layer.active_layer_collection.collection if how == "ACTIVE" else _own(scene)
-    for item in new if home.library is None else ():
+    for item in new if is_own(home) else ():
         for before in item.users_collection:  # that of a shape, if it came from the scene
             before.objects.unlink(item)
         home.objects.link(item)
@@ -30,7 +31,7 @@ def put_beside(scene: bpy.types.Scene, new: Sequence[bpy.types.Object]) -> None:
 
     Objects of a scene without collections stay. Parents come before their children.
     """
-    theirs = {item.name for item in scene.collection.children_recursive if item.library is None}
+    theirs = {item.name for item in scene.collection.children_recursive if is_own(item)}
     added = set(new)
     homes = Counter(_home(item, theirs) for item in scene.objects if item.type == "MESH" and item not in added)
     usual = homes.most_common(1)[0][0] if homes else ""
@@ -44,7 +45,7 @@ def put_beside(scene: bpy.types.Scene, new: Sequence[bpy.types.Object]) -> None:
 def _own(scene: bpy.types.Scene) -> bpy.types.Collection:
     """The collection for new objects, made where there is none."""
     for found in scene.collection.children_recursive:
-        if found.name.partition(".")[0] == OWN and found.library is None:
+        if found.name.partition(".")[0] == OWN and is_own(found):
             return found
     made = bpy.data.collections.new(OWN)
     scene.collection.children.link(made)

@@ -11,6 +11,7 @@ import bpy
 from ...unisg_blender.errors import UniSGError
 from ..base import SteppedOperator, Steps
 from ..scene_lookup import looked_up
+from ..shapes.given_shapes import given_shapes
 from ..threaded_steps import Share, in_thread
 from .generation_settings import (
     GenerationChoices,
@@ -23,6 +24,7 @@ from .generation_settings import (
 from .new_objects import bring_in, select_new
 
 if TYPE_CHECKING:
+    from ...unisg_blender.dataset.assets.asset import Asset
     from ...unisg_blender.generate import Generated
     from ...unisg_blender.scene import SceneGraph
 
@@ -90,11 +92,13 @@ class UNISG_OT_generate(GenerationChoices, SteppedOperator):
         mapping = read_words(self.words)
         counts = parse_counts(self.add)
         self._began = time.perf_counter()
+        shapes = yield from given_shapes(context.scene, counts, self.seed)
         graph, asked = scene_in_words(context.scene, mapping), {"bulk": self.bulk, "behaviour": self.behaviour}
         asked |= {"on": self.on, "beside": self.beside, "within": self.within, "words": mapping.get("words", {})}
+        asked["sampling"] = self.sampling()
         seed = self.seed
         self._result = yield from in_thread(
-            lambda share: _generated(model, graph, counts, seed, asked, share), "Loading the model"
+            lambda share: _generated(model, graph, counts, seed, asked, shapes, share), "Loading the model"
         )
 
     def stopped(self, context: bpy.types.Context) -> str:
@@ -130,9 +134,8 @@ class UNISG_OT_generate(GenerationChoices, SteppedOperator):
         for word, name in (("on", self.on), ("beside", self.beside), ("in room", self.within)):
             if name:
                 layout.label(text=f"{word} {name}")
-        layout.prop(self, "seed")
-        layout.prop(self, "bulk")
-        layout.prop(self, "behaviour")
+        for name in ("seed", "variety", "candidates", "bulk", "behaviour"):
+            layout.prop(self, name)
 
     def _actions(self, count: int) -> str:
         """What is said of the actions that were asked for."""
@@ -144,11 +147,14 @@ class UNISG_OT_generate(GenerationChoices, SteppedOperator):
 
 
 def _generated(
-    model: str, graph: SceneGraph, counts: dict[str, int], seed: int, asked: dict[str, Any], share: Share
-) -> Generated:
+    model: str, graph: SceneGraph, counts: dict[str, int], seed: int, asked: dict[str, Any],
+    shapes: dict[str, list[Asset]], share: Share,
+) -> Generated:  # fmt: skip
     """What a model makes of a scene; nothing of Blender's is touched."""
     total = sum(counts.values())
-    placing, done = opened_generator(model).steps(graph, counts, seed, **asked), 0
+    generator = opened_generator(model)
+    known = {next(iter(generator.understood({name: 1}, asked["words"]))): given for name, given in shapes.items()}
+    placing, done = generator.steps(graph, counts, seed, shapes=known, **asked), 0
     share.tell(0.0, f"Generating {total} objects")
     while True:
         try:

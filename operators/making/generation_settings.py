@@ -19,6 +19,7 @@ from ..preferences import own_models, preference, when_models_change
 from ..room.background import Background
 from ..room.corrections import rooms_to_choose
 from ..window_wording import in_window
+from .sampling_choices import SamplingChoices
 
 if TYPE_CHECKING:
     from ...unisg_blender.generate import Generator
@@ -116,7 +117,7 @@ class UNISG_CategoryCount(bpy.types.PropertyGroup):
     count: bpy.props.IntProperty(name="Count", description="How many to add", min=0, soft_max=20, max=1000)
 
 
-class GenerationChoices:
+class GenerationChoices(SamplingChoices):
     """What the operator and the panel both ask for.
 
     An operator must not take what a button leaves out from the time before: hence ``SKIP_SAVE``.
@@ -194,7 +195,7 @@ class UNISG_GenerationSettings(GenerationChoices, bpy.types.PropertyGroup):
 
     def hand_over(self, generate: bpy.types.OperatorProperties, active: bpy.types.Object | None) -> None:
         """Write the choices into a button's, or the operator's own, properties."""
-        for name in ("seed", "bulk", "behaviour", "words"):
+        for name in ("seed", "bulk", "behaviour", "words", "variety", "candidates"):
             setattr(generate, name, getattr(self, name))
         generate.model = self.model_file()
         generate.add = ",".join(f"{name}={count}" for name, count in self.wanted().items())

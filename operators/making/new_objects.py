@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import bpy
 
 from ..room.checking import check_again
+from ..shapes.given_shapes import check_sources, show_sources, without_parts
 from .collections_of_new import put_home
 from .suggest import suggest_again
 
@@ -20,8 +21,11 @@ def bring_in(context: bpy.types.Context, result: Generated) -> list[bpy.types.Ob
     from ...unisg_blender.blender import write_rows
     from ...unisg_blender.blender.authoring.extended_lessons import extend_lessons
 
+    check_sources(result)
+    result = without_parts(result)
     extend_lessons(result.scene, result.rows.tolist(), context.scene)
     objects = write_rows(result.scene, result.rows, context.scene)
+    show_sources(result, objects)
     put_home(context, objects)
     check_again()
     suggest_again()

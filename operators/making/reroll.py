@@ -12,12 +12,14 @@ from ..base import SteppedOperator, Steps
 from ..room.checking import check_again
 from ..threaded_steps import Share, in_thread
 from .generation_settings import opened_generator, read_words, scene_in_words, shipped_models
+from .movable_objects import LINKED, movable
+from .sampling_choices import SamplingChoices
 
 if TYPE_CHECKING:
     from ...unisg_blender.generate.rerolled_scene import Rerolled
 
 
-class UNISG_OT_reroll(SteppedOperator):
+class UNISG_OT_reroll(SamplingChoices, SteppedOperator):
     """Give each selected object another place by the model; what stands on it moves along, the rest stays"""
 
     bl_idname = "unisg.reroll"
@@ -39,12 +41,17 @@ class UNISG_OT_reroll(SteppedOperator):
     def why_grey(cls, context: bpy.types.Context) -> str:
         if context.mode != "OBJECT":
             return "Leave edit mode first"
-        meshes = any(item.type == "MESH" for item in context.selected_objects)
-        return "" if meshes else "Select objects with meshes first"
+        meshes = [item for item in context.selected_objects if item.type == "MESH"]
+        if not meshes:
+            return "Select objects with meshes first"
+        return "" if movable(meshes) else LINKED
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         settings = context.window_manager.unisg
         self.model, self.words = self.model or settings.model_file(), self.words or settings.words
+        for name in ("variety", "candidates"):
+            if not self.properties.is_property_set(name):
+                setattr(self, name, getattr(settings, name))
         return super().invoke(context, event)
 
     def steps(self, context: bpy.types.Context) -> Steps:
@@ -58,14 +65,15 @@ class UNISG_OT_reroll(SteppedOperator):
         if self.seed < 0:
             self.seed = random.randrange(2**31)
         graph, items = scene_in_words(context.scene, mapping), objects_by_uid(context.scene)
-        chosen = {item.name for item in context.selected_objects}
-        rows = [row for row, uid in enumerate(graph.uid) if uid in items and items[uid].name in chosen]
+        chosen = set(movable(context.selected_objects))
+        rows = [row for row, uid in enumerate(graph.uid) if items.get(uid) in chosen]
         model, seed, words = bpy.path.abspath(self.model or str(shipped[0])), self.seed, mapping.get("words", {})
+        sampling = self.sampling()
 
         def placed(share: Share) -> list[Rerolled]:
             """All of them, one after another."""
             found = []
-            for item in reroll_steps(opened_generator(model), graph, rows, seed, words):
+            for item in reroll_steps(opened_generator(model), graph, rows, seed, words, sampling):
                 found.append(item)
                 share.tell(min(len(found) / max(len(rows), 1), 1.0), f"Placing {len(found)}")
             return found

@@ -6,6 +6,7 @@ import bpy
 
 from ..base import Operator
 from ..room.checking import check_again
+from .movable_objects import LINKED, movable
 
 
 class UNISG_OT_settle(Operator):
@@ -19,8 +20,10 @@ class UNISG_OT_settle(Operator):
     def why_grey(cls, context: bpy.types.Context) -> str:
         if context.mode != "OBJECT":
             return "Leave edit mode first"
-        meshes = any(item.type == "MESH" for item in context.selected_objects)
-        return "" if meshes else "Select objects with meshes first"
+        meshes = [item for item in context.selected_objects if item.type == "MESH"]
+        if not meshes:
+            return "Select objects with meshes first"
+        return "" if movable(meshes) else LINKED
 
     def run(self, context: bpy.types.Context) -> set[str]:
         import mathutils
@@ -32,7 +35,7 @@ class UNISG_OT_settle(Operator):
 
         graph = read_scene(context.scene, details=False)
         items = objects_by_uid(context.scene)
-        chosen = set(context.selected_objects)
+        chosen = set(movable(context.selected_objects))
         units = 1.0 / metres_per_unit(context.scene)
         found = settle_rows(graph, [row for row, uid in enumerate(graph.uid) if items.get(uid) in chosen])
         for settled in found:

@@ -6,23 +6,26 @@ from collections.abc import Iterator
 
 import bpy
 
+from ...unisg_blender.errors import UniSGError
 from ..base import SearchOperator
 from ..making.generation_settings import chosen_model, is_loaded, load_generator, load_soon
+from ..shapes.library_index import LibraryAsset, known_assets
+from ..shapes.shape_sources import file_assets
 
-OWN, COLLECTION = "OBJECT:", "COLLECTION:"
+OWN, ASSET = "OBJECT:", "ASSET:"
 _items: list[tuple[str, str, str]] = []
 
 
 def _choices(operator: object, context: bpy.types.Context | None) -> list[tuple[str, str, str]]:
-    """What the chosen model knows, and the active object."""
+    """The active object, what is marked as an asset here and in libraries, and what the chosen model knows."""
     found = []
     if context is not None:
         active = context.active_object
         if active is not None and active.type in ("MESH", "EMPTY"):
             found.append((f"{OWN}{active.name}", f"Another {active.name}", "The active object once more"))
-        for each in bpy.data.collections:
-            if each.asset_data is not None:
-                found.append((f"{COLLECTION}{each.name}", f"{each.name} (Collection)", "An instance of the collection"))
+        for number, asset in enumerate(_assets()):
+            text = f"{asset.shape.name} ({asset.library or 'This File'})"
+            found.append((f"{ASSET}{number}", text, "This very asset: an instance of it, or a linked duplicate"))
         names = load_generator(chosen_model(context)).categories
         found += [(name, name, f"{name}, as the model knows it") for name in names]
     _items[:] = found  # Blender keeps no reference to the strings of a computed enum: we must
@@ -46,10 +49,27 @@ class UNISG_OT_choose_and_place(SearchOperator):
     def run(self, context: bpy.types.Context) -> None:
         if self.thing.startswith(OWN):
             bpy.ops.unisg.place("INVOKE_DEFAULT", source=self.thing.removeprefix(OWN))
-        elif self.thing.startswith(COLLECTION):
-            bpy.ops.unisg.place("INVOKE_DEFAULT", collection=self.thing.removeprefix(COLLECTION))
+        elif self.thing.startswith(ASSET):
+            asset = _assets()[int(self.thing.removeprefix(ASSET))]
+            category = _category(asset, chosen_model(context))
+            bpy.ops.unisg.place("INVOKE_DEFAULT", asset=asset.shape.text, category=category)
         else:
             bpy.ops.unisg.place("INVOKE_DEFAULT", category=self.thing)
+
+
+def _assets() -> list[LibraryAsset]:
+    return [*file_assets(), *known_assets()]
+
+
+def _category(asset: LibraryAsset, model: str) -> str:
+    """What an asset is by the first of its words that the model, or the table of words, knows; "" for none."""
+    generator = load_generator(model)
+    for word in asset.words:
+        try:
+            return next(iter(generator.understood({word: 1})))
+        except UniSGError:
+            continue  # no word for a thing
+    return ""
 
 
 def ask_what(context: bpy.types.Context) -> set[str]:

@@ -14,9 +14,10 @@ from ...unisg_blender.errors import UniSGError
 from ..base import Operator, redraw_views
 from ..making.generation_settings import chosen_model, load_generator, read_words, scene_in_words
 from ..making.new_objects import bring_in, select_new
+from ..making.sampling_choices import VarietyChoice
 from ..window_wording import in_window
+from .asset_of_thing import asset_and_shapes
 from .choose_and_place import ask_what
-from .collection_of_thing import instanced, read_shown, show_collection
 from .placing_session import Placing, PlacingChoice, begin_placing, end_placing, look_at_room, placing
 from .pointed_at import pointed_at, viewport_under
 
@@ -42,7 +43,7 @@ HOWS = (
 )
 
 
-class UNISG_OT_place(Operator):
+class UNISG_OT_place(VarietyChoice, Operator):
     """Place a thing by pointing: the room glows where the model would put it; a click places it there"""
 
     bl_idname = "unisg.place"
@@ -57,9 +58,11 @@ class UNISG_OT_place(Operator):
         description="An object of the scene, of which another one is placed, its mesh shared if it has no modifiers",
     )  # fmt: skip
     collection: bpy.props.StringProperty(
-        name="Collection", description="A collection of this file, of which an instance is placed",
-        options={"SKIP_SAVE"},
-    )  # fmt: skip
+        name="Collection", description="Of this file; an instance of it is placed", options={"SKIP_SAVE"}
+    )
+    asset: bpy.props.StringProperty(
+        name="Asset", description="What is placed of an asset library", options={"HIDDEN", "SKIP_SAVE"}
+    )
     how: bpy.props.EnumProperty(name="Where", items=HOWS, options={"SKIP_SAVE"})
     location: bpy.props.FloatVectorProperty(
         name="Location", subtype="TRANSLATION", size=3, options={"SKIP_SAVE"},
@@ -111,7 +114,9 @@ class UNISG_OT_place(Operator):
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         settings = context.window_manager.unisg
         self.behaviour = self.behaviour and settings.behaviour
-        if not self.category and not self.source and not self.collection:
+        if not self.properties.is_property_set("variety"):
+            self.variety = settings.variety
+        if not (self.category or self.source or self.collection or self.asset):
             return self.reporting(ask_what, context)
         return self.reporting(self._begin, context, event)
 
@@ -148,6 +153,8 @@ class UNISG_OT_place(Operator):
         if self.how != "ANYWHERE":
             layout.prop(self, "location")
             layout.prop(self, "turn")
+        else:
+            layout.prop(self, "variety")
         for name in ("shape", "behaviour", "lock"):
             layout.prop(self, name)
 
@@ -155,10 +162,10 @@ class UNISG_OT_place(Operator):
         """What is chosen here, and in the panel as far as nothing is."""
         words = read_words(self.words or context.window_manager.unisg.words)
         path = bpy.path.abspath(self.model or chosen_model(context))
-        shown = read_shown(context.scene, self.collection) if self.collection else None
+        asset, shapes = asset_and_shapes(context.scene, self)
         return PlacingChoice(
-            path, self.category, self.source, self.collection, shown, self.shape, words, self.on, self.beside,
-            max(self.seed, 0),
+            path, self.category, self.source, asset, shapes, self.shape, words, self.on, self.beside,
+            max(self.seed, 0), self.variety,
         )  # fmt: skip
 
     def _begin(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
@@ -235,13 +242,15 @@ class UNISG_OT_place(Operator):
 
     def _said(self, room: PlacingRoom, point: np.ndarray) -> Ghost:
         """The place that the properties say."""
+        from ...unisg_blender.generate import Sampling
         from ...unisg_blender.generate.pointing.ghosts import ghost_anywhere, ghost_at, ghost_by_hand, ghost_near
 
         if self.how == "EXACT":
             return ghost_at(room, np.append(point, self.turn))
         if self.how == "NEAR" and self.turn:
             return ghost_by_hand(room, point, self.turn)
-        found = ghost_anywhere(room, np.random.default_rng(self.seed)) if self.how == "ANYWHERE" else None
+        rng, drawn = np.random.default_rng(self.seed), Sampling(self.variety)
+        found = ghost_anywhere(room, rng, drawn) if self.how == "ANYWHERE" else None
         found = ghost_near(room, point) if self.how == "NEAR" else found
         if found is None:
             where = "near there" if self.how == "NEAR" else "in the room"
@@ -258,9 +267,7 @@ class UNISG_OT_place(Operator):
 
         ghost = measured(room, ghost)
         result = place_ghost(room, ghost, self.seed, self.behaviour)
-        objects = bring_in(context, instanced(result) if self.collection else result)
-        if self.collection:
-            show_collection(objects[0], self.collection)
+        objects = bring_in(context, result)
         if self.lock:
             set_locked(objects[:1], True)
         select_new(context, objects, (self.on, self.beside))

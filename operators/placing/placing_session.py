@@ -17,6 +17,7 @@ from ..making.generation_settings import opened_generator, scene_in_words
 from ..room.background import Background
 
 if TYPE_CHECKING:
+    from ...unisg_blender.dataset.assets.asset import Asset
     from ...unisg_blender.generate.pointing.ghosts import Ghost
     from ...unisg_blender.generate.pointing.placing_room import PlacingRoom
     from ...unisg_blender.scene import SceneGraph
@@ -30,20 +31,21 @@ STILL = 0.15
 
 @dataclass(frozen=True)
 class PlacingChoice:
-    """What is placed, by whose model (a file): a category in its ``shape``-th form, or the object ``source`` of the
-    scene, or what ``shown`` is of a ``collection``; with the words of a mapping file, and the object ``on`` or
+    """What is placed, by whose model (a file): a category in its ``shape``-th form, the first of which are ``shapes``,
+    or the object ``source`` of the scene, or an ``asset``; with the words of a mapping file, and the object ``on`` or
     ``beside`` which it is wanted."""
 
     model: str
     category: str = ""
     source: str = ""
-    collection: str = ""
-    shown: SceneGraph | None = None
+    asset: Asset | None = None
+    shapes: tuple[Asset, ...] = ()
     shape: int = 0
     words: dict[str, dict[str, str]] | None = None
     on: str = ""
     beside: str = ""
     seed: int = 0
+    variety: float = 1.0
 
 
 def look_at_room(
@@ -56,12 +58,12 @@ def look_at_room(
     UniSGError
         If nobody knows what the thing is, or where it is wanted.
     """
-    from ...unisg_blender.dataset.assets.asset import Asset, object_graph, whole_thing
+    from ...unisg_blender.dataset.assets.asset import object_graph
     from ...unisg_blender.generate.pointing.placing_room import PlacingRoom, Wanted
     from ...unisg_blender.spatial.object_rows import object_rows
 
     generator, words = opened_generator(choice.model), (choice.words or {}).get("words", {})
-    wanted = Wanted(choice.category, choice.shape, None, choice.on, choice.beside)
+    wanted = Wanted(choice.category, choice.shape, None, choice.on, choice.beside, choice.shapes)
     if choice.source:
         if choice.source not in graph.name:
             raise UniSGError(f"{choice.source!r} is not in the scene: choose an object of it")
@@ -73,12 +75,12 @@ def look_at_room(
         if not category:
             raise UniSGError(f"what is {choice.source!r}? Assign it a category first")
         wanted = replace(wanted, category=category, asset=object_graph(read, row))
-    if choice.shown is not None:
-        thing = whole_thing(choice.shown, choice.collection)
+    if choice.asset is not None:
+        thing = choice.asset.graph
         category = choice.category or generator.seen(thing, words).category_name(0)
         if not category:
-            raise UniSGError(f"what is {choice.collection!r}? Give a category, or call it by a word for a thing")
-        wanted = replace(wanted, category=category, asset=Asset(category, thing))
+            raise UniSGError(f"what is {thing.name[0]!r}? Give a category, or call it by a word for a thing")
+        wanted = replace(wanted, category=category, asset=replace(choice.asset, category=category))
     point = None if near is None else np.array(near)
     return PlacingRoom.of(generator, graph, wanted, point, words, choice.seed, before)
 
@@ -104,6 +106,7 @@ class Placing:
         self._looking: Background[PlacingRoom] = Background()
         self._measuring: Background[Ghost] = Background()
         self._again = False
+        self._still = self._measure  # Blender knows a timer by the very object, and a method is another one each time
 
     def look(self, anew: bool = False) -> None:
         """Look at the room in the background: at a new state of the scene, if it is ``anew``."""
@@ -154,10 +157,11 @@ class Placing:
 
     def draw_anew(self) -> None:
         """A place of the room by chance, until the mouse is moved."""
+        from ...unisg_blender.generate import Sampling
         from ...unisg_blender.generate.pointing.ghosts import ghost_anywhere
 
         if self.room is not None:
-            self.ghost, self.drawn = ghost_anywhere(self.room, self._rng), True
+            self.ghost, self.drawn = ghost_anywhere(self.room, self._rng, Sampling(self.choice.variety)), True
             self.text = "" if self.ghost else NOWHERE
             self._measure_soon()
 
@@ -185,10 +189,10 @@ class Placing:
         return found + [line for line in (self.text, self.ghost.note, "locked" if self.locked else "") if line]
 
     def _measure_soon(self) -> None:
-        if bpy.app.timers.is_registered(self._measure):
-            bpy.app.timers.unregister(self._measure)
+        if bpy.app.timers.is_registered(self._still):
+            bpy.app.timers.unregister(self._still)
         if self.ghost is not None and not bpy.app.background:
-            bpy.app.timers.register(self._measure, first_interval=STILL)
+            bpy.app.timers.register(self._still, first_interval=STILL)
 
     def _measure(self) -> None:
         """Measure in the background by how much something is wrong, and look whether there is still a way."""
@@ -208,8 +212,8 @@ class Placing:
 
     def end(self) -> None:
         """Let go of what goes on in the background."""
-        if bpy.app.timers.is_registered(self._measure):
-            bpy.app.timers.unregister(self._measure)
+        if bpy.app.timers.is_registered(self._still):
+            bpy.app.timers.unregister(self._still)
         self._looking.end()
         self._measuring.end()
 

@@ -189,8 +189,12 @@ def test_coco_files_agree(rendered: Path) -> None:
 @pytest.mark.slow
 def test_pycocotools_reads_them(rendered: Path) -> None:
     coco = pytest.importorskip("pycocotools.coco").COCO(str(rendered / "out" / "instances.json"))
+    assert coco.anns
     for annotation in coco.anns.values():
-        assert coco.annToMask(annotation).sum() == annotation["area"]
+        lines, columns = np.nonzero(mask := coco.annToMask(annotation))
+        x, y = int(columns.min()), int(lines.min())
+        assert mask.sum() == annotation["area"]
+        assert annotation["bbox"] == [x, y, columns.max() - x + 1, lines.max() - y + 1]
 
 
 @pytest.mark.slow

@@ -190,6 +190,14 @@ def test_esc_ends_it_and_other_keys_are_blenders(extension: ModuleType, room: No
     assert module.placing_session.placing() is None
 
 
+def test_what_was_to_be_measured_soon_is_left(extension: ModuleType, room: None) -> None:
+    current = session(extension)
+    bpy.app.timers.register(current._still, first_interval=100)
+    current.end()
+    assert not bpy.app.timers.is_registered(current._still)
+    extension.operators.placing.placing_session.end_placing()
+
+
 def test_another_file_and_switching_off_leave_nothing(extension: ModuleType, room: None, saved: Path) -> None:
     module = extension.operators.placing.placing_session
     session(extension)

@@ -35,3 +35,8 @@ def test_the_fields_are_named(extension: ModuleType) -> None:
     assert in_window("this is 'a', the first (--scene)") == "this is 'a', the first (the field \"Scene\" of the import)"
     assert in_window("say what to add (--add), or take another model") == "say what to add, or take another model"
     assert in_window("Sofa collides - by 3 cm") == "Sofa collides - by 3 cm"
+
+
+def test_what_a_button_says_is_told_as_such(extension: ModuleType) -> None:
+    said = extension.operators.window_wording.in_window("'Op' is linked; or generate without behaviour")
+    assert said == "'Op' is linked; or untick \"With actions\""

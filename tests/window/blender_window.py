@@ -62,6 +62,14 @@ with bpy.context.temp_override(window=window, area=area, region=region):
 """
 
 
+DRAW = """
+for window in bpy.context.window_manager.windows:
+    with bpy.context.temp_override(window=window):
+        bpy.ops.wm.redraw_timer(type="DRAW_WIN_SWAP", iterations=1)
+"""
+"""Draw all of it now: a machine that is busy takes seconds for it."""
+
+
 def missing_tools() -> str:
     """What is not there that these tests need, "" if nothing is missing."""
     lacking = [name for name in PROGRAMS if not shutil.which(name)]
@@ -151,6 +159,7 @@ class BlenderWindow:
         """What is on the screen, (H, W, 3) from 0 to 255; kept as NAME.png."""
         from PIL import Image
 
+        self.run(DRAW)
         time.sleep(1.0)
         path = self.folder / f"{name}.png"
         self._x("import", "-window", "root", str(path))
@@ -161,20 +170,15 @@ class BlenderWindow:
 
 
 @contextlib.contextmanager
-def blender_window(
-    folder: Path, inside: str, display: str = ":91", size: tuple[int, int] = SIZE
-) -> Iterator[BlenderWindow]:
+def blender_window(folder: Path, inside: str, size: tuple[int, int] = SIZE) -> Iterator[BlenderWindow]:
     """A Blender in a window, with the preferences of ``folder/resources``; ``inside`` is the folder as it sees it."""
-    window = BlenderWindow(folder, inside, display)
     (folder / "driver.py").write_text(DRIVER, encoding="utf-8")
     for name in ("command.py", "answer.json"):
         (folder / name).unlink(missing_ok=True)
     width, height = map(str, size)
-    screen = subprocess.Popen(["Xvfb", display, "-screen", "0", f"{width}x{height}x24", "-nolisten", "tcp"])
+    screen, display = _free_screen(size)
+    window = BlenderWindow(folder, inside, display)
     try:
-        end = time.monotonic() + PATIENCE
-        while not Path(f"/tmp/.X11-unix/X{display[1:]}").exists() and time.monotonic() < end:
-            time.sleep(0.1)
         command = [*shlex.split(os.environ["UNISG_BLENDER"]), "--window-geometry", "0", "0", width, height]
         command += ["--python", f"{inside}/driver.py", "--", inside]
         with (folder / "blender.log").open("w") as log:
@@ -188,6 +192,19 @@ def blender_window(
             _end(blender)
     finally:
         _end(screen)
+
+
+def _free_screen(size: tuple[int, int]) -> tuple[subprocess.Popen[bytes], str]:
+    """A virtual screen that nobody else has, and its name."""
+    reading, writing = os.pipe()
+    pixels = f"{size[0]}x{size[1]}x24"
+    command = ["Xvfb", "-displayfd", str(writing), "-screen", "0", pixels, "-nolisten", "tcp"]
+    screen = subprocess.Popen(command, pass_fds=[writing])
+    os.close(writing)
+    with os.fdopen(reading) as said:
+        number = said.readline().strip()
+    assert number, "Xvfb does not start"
+    return screen, f":{number}"
 
 
 def _end(process: subprocess.Popen[bytes]) -> None:

@@ -2,55 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import numpy as np
 import pytest
 
-from tests.window.blender_window import SIZE, BlenderWindow, blender_window, install, missing_tools, window_folder
+from tests.window.blender_window import SIZE, BlenderWindow, missing_tools
 
 pytestmark = [pytest.mark.skipif(bool(missing_tools()), reason=missing_tools()), pytest.mark.slow]
 
-ROOM = """
-import math, mathutils
-for scene in bpy.data.scenes[1:]:
-    bpy.data.scenes.remove(scene)
-for item in list(bpy.data.objects):
-    bpy.data.objects.remove(item)
-bpy.ops.unisg.add_room(kind="living-room", seed=5, with_view=False)
-bpy.context.window_manager.unisg.listed = ""
-for item in bpy.data.objects:
-    if item.type == "EMPTY":
-        item.hide_set(True)
-space = area.spaces.active
-space.show_region_ui, space.overlay.show_relationship_lines = False, False
-view = space.region_3d
-view.view_perspective, view.view_location, view.view_distance = "PERSP", (0, 0, 0.4), 7.5
-view.view_rotation = mathutils.Euler((math.radians(38), 0, math.radians(20))).to_quaternion()
-bpy.ops.ed.undo_push(message="A room")
-result = len(bpy.data.objects)
-"""
 SESSION = "__import__('sys').modules['bl_ext.user_default.unisg_blender.operators.placing.placing_session'].placing()"
 LESSON = "__import__('sys').modules['bl_ext.user_default.unisg_blender.operators.play'].session()"
 COUNT = "result = len(bpy.data.objects)"
 VIEWPORT = np.s_[90:700, 60:1050]
 """Rows and columns of the picture that the viewport fills, its edges left out."""
-
-
-@pytest.fixture(scope="module")
-def window(tmp_path_factory: pytest.TempPathFactory) -> Iterator[BlenderWindow]:
-    """A Blender into which the zip was installed."""
-    folder, inside = window_folder(tmp_path_factory)
-    install(folder, inside)
-    with blender_window(folder, inside) as window:
-        yield window
-
-
-@pytest.fixture
-def room(window: BlenderWindow) -> int:
-    """A living room in the window; how many objects it has."""
-    window.key("Escape")
-    return int(window.in_viewport(ROOM))
 
 
 def begin(window: BlenderWindow, category: str) -> None:
@@ -195,3 +158,34 @@ def test_switched_off_and_on_while_placing_nothing_stays(window: BlenderWindow, 
         window.run("import addon_utils; addon_utils.enable('bl_ext.user_default.unisg_blender')")
     assert window.run(handlers) == before
     assert not window.run(f"result = bool({SESSION})")
+
+
+def test_shapes_of_a_library_are_found_by_a_blender_of_its_own(window: BlenderWindow, room: int) -> None:
+    (window.folder / "library").mkdir(exist_ok=True)
+    window.run(f"""
+for item in list(bpy.context.preferences.filepaths.asset_libraries):
+    bpy.ops.preferences.asset_library_remove(index=0)
+bpy.ops.preferences.asset_library_add(directory={window.inside!r} + "/library")
+bpy.context.preferences.filepaths.asset_libraries[0].name = "Window"
+mesh = bpy.data.meshes.new("Pot")
+mesh.from_pydata([(-.2, -.2, 0), (.2, -.2, 0), (.2, .2, 0), (-.2, .2, 0), (0, 0, .9)], [],
+    [(3, 2, 1, 0), (0, 1, 4), (1, 2, 4), (2, 3, 4), (3, 0, 4)])
+pot = bpy.data.objects.new("Pot", mesh)
+pot["unisg_category"] = "Plant"
+pot.asset_mark()
+bpy.data.libraries.write({window.inside!r} + "/library/pots.blend", {{pot}})
+bpy.data.objects.remove(pot)
+bpy.data.meshes.remove(mesh)
+""")
+    window.in_viewport("bpy.ops.unisg.look_through_libraries('INVOKE_DEFAULT')")
+    window.wait("not bpy.context.window.modal_operators")
+    index = "__import__('sys').modules['bl_ext.user_default.unisg_blender.operators.shapes.library_index']"
+    assert window.run(f"result = [asset.shape.name for asset in {index}.known_assets()]") == ["Pot"]
+    window.in_viewport("bpy.ops.unisg.generate('INVOKE_DEFAULT', True, add='Plant=2', model='living_room', seed=3)")
+    window.wait(f"len(bpy.context.scene.objects) == {room + 2}")
+    window.wait("not bpy.context.window.modal_operators")
+    shared = window.run("result = [item.data.name for item in bpy.context.selected_objects]")
+    assert shared == ["Pot", "Pot"]
+    window.picture("shapes-of-a-library")
+    kept = window.run(f"result = str({index}._folder(False))")
+    assert "asset-libraries.json" in window.run(f"import os; result = os.listdir({kept!r})")

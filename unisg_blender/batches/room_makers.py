@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from ..formats.scene_files import read_scene_file
-from ..generate import Generated, Generator
+from ..generate import Generated, Generator, Sampling
 from ..generate.variation.variation_file import variation_from
 from ..generate.variation.varied_room import VariedRoom, known_variation, vary
 from ..geometry.arrays import Ints
@@ -33,7 +33,8 @@ def generated_room(settings: Mapping[str, Any], task: Mapping[str, Any]) -> Made
     """
     generator = _generator(settings["model"])
     scene = _scene(task["path"], task["sha256"], settings)
-    seed, how = task["seed"], settings["how"]
+    how = settings["how"] | {"sampling": Sampling(**settings["how"]["sampling"])}
+    seed = task["seed"]
     base, label = Path(task["path"]) if task["path"] else None, Path(settings["model"]).stem
     if settings["variation"] is None:
         counts = settings["add"] or generator.sample_counts(np.random.default_rng(seed), scene, how["words"])

@@ -22,7 +22,7 @@ from .outputs import check_file
 from .room_picture import room_view
 
 if TYPE_CHECKING:
-    from ..generate import Generated
+    from ..generate import Generated, Sampling
 
 HELP = "Add objects to an empty or an existing scene with a trained model."
 
@@ -55,6 +55,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     mode = parser.add_mutually_exclusive_group()
     mode.add_argument("--sequential", action="store_true", help="one by one, each sees the ones before (default)")
     mode.add_argument("--bulk", action="store_true", help="propose places for all at once")
+    parser.add_argument(
+        "--variety", metavar="V", type=float, default=1.0,
+        help="1 draws places as the model learned (default), 0 takes the likeliest, more draws unlikely ones as well",
+    )  # fmt: skip
+    parser.add_argument(
+        "--candidates", metavar="N", type=int, default=0,
+        help="places drawn for each thing, of which those to be tried are chosen (default: as is usual for the model)",
+    )  # fmt: skip
     parser.add_argument("--raw", action="store_true", help="take the model's first proposals without settling them")
     parser.add_argument(
         "--no-ways", action="store_true", help="let things cut the floor into parts between which nobody can walk"
@@ -98,7 +106,7 @@ def run(args: argparse.Namespace) -> int:
     start = time.perf_counter()
     result = generator.add(
         scene, counts, args.seed, bulk=args.bulk, settle=not args.raw, behaviour=not args.no_behaviour, on=args.on,
-        beside=args.beside, within=args.within, words=words, ways=not args.no_ways,
+        beside=args.beside, within=args.within, words=words, ways=not args.no_ways, sampling=sampling_of(args),
     )  # fmt: skip
     spent = time.perf_counter() - start
     note = _write(args, result)
@@ -106,6 +114,13 @@ def run(args: argparse.Namespace) -> int:
     report |= {"picture": note} if note else {}
     print_report(args, report, _lines(args, report))
     return SOME_FAILED if result.refused else DONE
+
+
+def sampling_of(args: argparse.Namespace) -> Sampling:
+    """How places are drawn; UniSGError if that is out of range."""
+    from ..generate import Sampling
+
+    return Sampling(args.variety, args.candidates)
 
 
 def _check(args: argparse.Namespace) -> None:

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 def run_batch(args: argparse.Namespace) -> int:
     """Make the rooms, show progress and one line per room that failed; exit status 3 if any did."""
     from ..dataset.export.sources import find_sources
-    from ..generate import Generator
+    from ..generate import Generator, Sampling
     from ..generate.counts import parse_counts
     from ..pretrained import find_generator
     from ..runtime.atomic_files import checksum_of
@@ -37,6 +37,7 @@ def run_batch(args: argparse.Namespace) -> int:
     if is_of(args.out, WRITABLE) and not args.out.is_dir():
         raise UniSGError(f"{batch_reason(args)} makes a folder of rooms: give --out a folder, not {args.out}")
     check_folder("--out", args.out)
+    Sampling(args.variety, args.candidates)  # before anything is made
     model = find_generator(args.model)
     generator, words = Generator.load(model), words_of(args)
     scenes = find_sources(args.scene) if args.scene else []
@@ -48,7 +49,8 @@ def run_batch(args: argparse.Namespace) -> int:
         "assets": "" if args.assets is None else str(args.assets.absolute()),
         "how": {
             "bulk": args.bulk, "settle": not args.raw, "behaviour": not args.no_behaviour, "on": args.on,
-                "beside": args.beside, "within": args.within, "words": words, "ways": not args.no_ways},
+                "beside": args.beside, "within": args.within, "words": words, "ways": not args.no_ways,
+                "sampling": {"variety": args.variety, "candidates": args.candidates}},
     }  # fmt: skip
     tasks = plan_rooms(scenes, args.count or 1, args.seed or 0, model.stem)
     return make_and_report(args, tasks, batch_options(args, GENERATED, settings))

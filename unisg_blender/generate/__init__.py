@@ -6,5 +6,6 @@ from .check.settled_scene import settle, settle_rows
 from .generator import Generated, Generator
 from .place.placement_record import Placement
 from .place.settle_existing import Settled
+from .propose.place_sampling import Sampling
 
-__all__ = ["Generated", "Generator", "Placement", "Settled", "settle", "settle_rows"]
+__all__ = ["Generated", "Generator", "Placement", "Sampling", "Settled", "settle", "settle_rows"]

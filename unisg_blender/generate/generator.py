@@ -33,6 +33,7 @@ from .place.shape_library import Library
 from .placing_rounds import How, New, Placing, PlacingRounds
 from .propose.anchor_proposer import AnchorProposer
 from .propose.cgvae_proposer import CgvaeProposer
+from .propose.place_sampling import USUAL, Sampling
 from .propose.proposer import Proposer
 from .propose.trained_model import TrainedModel, load_model
 from .propose.trees_proposer import TreesProposer
@@ -127,6 +128,7 @@ class Generator:
         self, scene: SceneGraph, counts: Mapping[str, int], seed: int | None = None, *, bulk: bool = False,
         settle: bool = True, assets: Mapping[str, Sequence[Asset]] | None = None, behaviour: bool = True,
         on: str = "", beside: str = "", within: str = "", words: Mapping[str, str] | None = None, ways: bool = True,
+        sampling: Sampling = USUAL, shapes: Mapping[str, Sequence[Asset]] | None = None,
     ) -> abc.Generator[Placement, None, Generated]:  # fmt: skip
         """Add objects to a scene, each a step; what is there already stays as it is. :meth:`add` is the same at once.
 
@@ -157,6 +159,8 @@ class Generator:
             What the user says of words for things: word to category, before the table of words.
         ways
             Nothing may cut the floor into parts between which nobody can walk, see :mod:`~.place.ways_kept`.
+        sampling, shapes
+            How places are drawn; shapes by category to draw from, before those of the scene and beside the model.
 
         Raises
         ------
@@ -166,7 +170,8 @@ class Generator:
         """
         counts = self.understood(_checked(counts), words)
         given, scene = scene, with_instances(scene)
-        how = How(bulk, settle, assets or {}, on, beside, _within(scene, within, on or beside), ways)
+        near = _within(scene, within, on or beside)
+        how = How(bulk, settle, assets or {}, on, beside, near, ways, sampling, shapes or {})
         reading = self.read(scene, words, near=on or beside, within=within)
         new = New(Names(scene.name), uid_maker(scene, seed), np.random.default_rng(seed))
         room, placements, wanted = self._with_room(scene, counts, reading, new)

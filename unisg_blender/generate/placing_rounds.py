@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import abc
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from .place.placement_record import Placement
 from .place.placer import ObjectPlacer
 from .place.scene_extension import Names, UidMaker, extend
 from .place.shape_library import Library
+from .propose.place_sampling import USUAL, Sampling
 from .propose.proposer import Proposer
 
 ROUNDS = 3
@@ -37,6 +38,8 @@ class How:
     beside: str
     within: Floats | None = None
     ways: bool = True
+    sampling: Sampling = USUAL
+    shapes: Mapping[str, Sequence[Asset]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,7 +93,7 @@ class PlacingRounds:
         seen = as_whole(as_whole(self.read(scene), how.on), how.beside)
         return ObjectPlacer(
             self.proposer,
-            self.library,
+            self.library.preferring(how.shapes),
             seen,
             self.new.rng,
             how.settle,
@@ -100,4 +103,5 @@ class PlacingRounds:
             how.beside,
             how.within,
             how.ways,
+            how.sampling,
         )

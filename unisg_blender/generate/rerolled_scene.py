@@ -23,6 +23,7 @@ from .generator import Generator
 from .place.instanced_scene import with_instances
 from .place.placement_record import Placement
 from .place.settle_existing import held_by, kept_by_locks
+from .propose.place_sampling import USUAL, Sampling
 
 TRIES, NEW = 4, 0.1
 """Draws at most until an object stands elsewhere, and metres, or radians of turn, from which on it does."""
@@ -41,8 +42,9 @@ class Rerolled:
 
 
 def reroll_steps(
-    generator: Generator, graph: SceneGraph, rows: Iterable[int], seed: int, words: Mapping[str, str] | None = None
-) -> abc.Generator[Rerolled, None, list[Rerolled]]:
+    generator: Generator, graph: SceneGraph, rows: Iterable[int], seed: int, words: Mapping[str, str] | None = None,
+    sampling: Sampling = USUAL,
+) -> abc.Generator[Rerolled, None, list[Rerolled]]:  # fmt: skip
     """Each object a step; :func:`reroll_rows` is the same at once.
 
     New places for the objects at some rows, the largest first; what stands on them and is not among them moves along.
@@ -62,7 +64,7 @@ def reroll_steps(
         along = _along(objects, number[row], wanted) if row in number else ()
         item = Rerolled(row, shown.world[row], note=note)
         if not note:
-            item = _placed_anew(generator, shown, row, along, rng, words)
+            item = _placed_anew(generator, shown, row, along, rng, words, sampling)
         if not item.note:
             shown = _moved(shown, item)
         item = _of_given(item, shown, graph)
@@ -83,7 +85,7 @@ def _along(objects: SceneObjects, obj: int, wanted: list[int]) -> tuple[int, ...
 
 def _placed_anew(
     generator: Generator, graph: SceneGraph, row: int, along: tuple[int, ...], rng: np.random.Generator,
-    words: Mapping[str, str] | None,
+    words: Mapping[str, str] | None, sampling: Sampling,
 ) -> Rerolled:  # fmt: skip
     """One object at another place that holds, what moves along included; the last draw counts if none is far away."""
     read = understand(graph, generator.categories, words, generator.contract.priors.sizes).graph
@@ -98,7 +100,7 @@ def _placed_anew(
     for _ in range(TRIES):
         made = generator.add(
             rest, {category: 1}, int(rng.integers(2**31)), assets={category: [asset]}, behaviour=False,
-            within=room, words=words,
+            within=room, words=words, sampling=sampling,
         )  # fmt: skip
         new = _as_rerolled(row, along, made.objects[-1], graph)
         if new.note or (along and _spoils(graph, new)):

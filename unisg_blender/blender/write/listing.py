@@ -14,20 +14,22 @@ from .component_entries import Objects, entries
 def link_objects(graph: SceneGraph, objects: Objects, default: bpy.types.Collection, top: bpy.types.Collection) -> None:
     """Link every object into its collections, made where they are missing; others into ``default``.
 
-    Paths of collections begin under ``top``.
+    Paths of collections begin under ``top``. Collections of other files take nothing: what would be in one goes into
+    ``default`` too.
     """
     members: dict[tuple[str, ...], dict[int, None]] = {}
     for row, _, entry in entries(graph, COLLECTIONS, objects):
         members.setdefault(tuple(entry["path"]), {})[row] = None
     made: dict[tuple[str, ...], bpy.types.Collection] = {(): top}
     new: list[tuple[bpy.types.Collection, bpy.types.Collection]] = []
+    listed: set[int] = set()
     for path, rows in members.items():
         collection = _collection(path, made, new)
-        for row in rows:
+        for row in rows if is_own(collection) else ():
             collection.objects.link(objects[row])
+            listed.add(row)
     for above, collection in reversed(new):  # deepest first, each when it is full
         above.children.link(collection)
-    listed = {row for rows in members.values() for row in rows}
     for row, item in objects.items():
         if row not in listed:
             default.objects.link(item)
@@ -41,10 +43,16 @@ def _collection(
     """The collection of a path, found by name or made; ``new`` collects (above, made) for linking."""
     if path not in made:
         above = _collection(path[:-1], made, new)
-        made[path] = above.children.get(path[-1]) or bpy.data.collections.new(path[-1])
+        found = above.children.get(path[-1]) or (None if is_own(above) else above)
+        made[path] = found or bpy.data.collections.new(path[-1])
         if made[path].users == 0:
             new.append((above, made[path]))
     return made[path]
+
+
+def is_own(collection: bpy.types.Collection) -> bool:
+    """Whether objects can be linked into a collection: it is of this file, and no override of another file's."""
+    return collection.library is None and collection.override_library is None
 
 
 def link_helpers(helpers: Sequence[tuple[bpy.types.Object, bpy.types.Object]]) -> None:

@@ -36,11 +36,14 @@ class Asset:
         without turn about the vertical; for a shell all its entities where they stand.
     targets
         Category of each entity, by uid, that the object's actions refer to.
+    source
+        What shows it, for whoever made the asset of something that can be shown again; "" for nothing.
     """
 
     category: str
     graph: SceneGraph
     targets: Mapping[str, str] = field(default_factory=dict)
+    source: str = ""
 
     @property
     def key(self) -> str:

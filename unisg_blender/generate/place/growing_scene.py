@@ -17,6 +17,7 @@ from ..observe.facing import facing
 from ..observe.observed_scene import ObservedScene
 from ..observe.placeable import Placeable
 from ..observe.support_priors import AT_SIDE, INSIDE, RESTS, SupportPrior
+from ..propose.place_sampling import USUAL
 from ..propose.proposer import Query
 from .free_space import NOBODY, FreeSpace
 from .inner_levels import inner_levels
@@ -68,6 +69,7 @@ class GrowingScene:
         if room.structure is not None:
             self.space.take_up(doorways(room.structure.rooms), NOBODY)
         self.ways = WaysKept(room, movable)
+        self.sampling = USUAL
         self.labels = [
             Label(graph.uid[row], graph.name[row], bool(floor))
             for row, floor in zip(objects.row, room.floor, strict=True)
@@ -97,7 +99,7 @@ class GrowingScene:
     def query(self, target: Target, allowed: Bools, coming: Mapping[int, int]) -> Query:
         """What to ask a model about an object; of what spans, only holders from which it reaches across are allowed."""
         allowed = fit_for(target.category, target.placeable.half, self.observed, allowed, self.tables)
-        return Query(self.observed, target.category, target.placeable, allowed, coming)
+        return Query(self.observed, target.category, target.placeable, allowed, coming, self.sampling)
 
     def support(self, category: int, obj: int) -> Support:
         """How an object (-1: the ground) holds a category."""

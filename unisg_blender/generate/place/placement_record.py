@@ -32,6 +32,8 @@ class Placement:
         What should be known: why it was refused, which usual support is missing, which actions could not be made.
     actions
         Names of the new actions that it takes part in.
+    source
+        What its shape was made of, see :class:`~...dataset.assets.asset.Asset`.
     """
 
     category: str
@@ -45,6 +47,7 @@ class Placement:
     milliseconds: float = 0.0
     note: str = ""
     actions: tuple[str, ...] = ()
+    source: str = ""
 
     @property
     def refused(self) -> bool:
@@ -55,4 +58,5 @@ class Placement:
         """JSON-ready."""
         world = None if self.world is None else self.world.round(6).tolist()
         changed = {"world": world, "actions": list(self.actions), "milliseconds": round(self.milliseconds, 2)}
-        return {**self.__dict__, **changed, "refused": self.refused}
+        told = {name: value for name, value in self.__dict__.items() if name != "source"}
+        return {**told, **changed, "refused": self.refused}

@@ -16,6 +16,7 @@ from ...scene import SceneGraph
 from ...spatial.objects import middle_of
 from ..observe.placeable import Placeable
 from ..observe.support_priors import RESTS
+from ..propose.place_sampling import USUAL, Sampling
 from ..propose.proposer import Proposals, Proposer, Query
 from ..propose.requests import Beside, On
 from .growing_scene import GrowingScene, Target
@@ -51,12 +52,12 @@ class ObjectPlacer:
     def __init__(
         self, proposer: Proposer, library: Library, graph: SceneGraph, rng: np.random.Generator, settle: bool,
         wanted: Sequence[int], assets: Mapping[int, Sequence[Asset]], on: str = "", beside: str = "",
-        within: Floats | None = None, ways: bool = True,
+        within: Floats | None = None, ways: bool = True, sampling: Sampling = USUAL,
     ) -> None:  # fmt: skip
         self.proposer, self.library, self.graph, self.rng, self.settle = proposer, library, graph, rng, settle
         near = middle_of(graph, on or beside) if on or beside else within
         self.scene = GrowingScene(graph, library.model.contract, near, within is not None)
-        self.scene.ways.wanted = ways
+        self.scene.ways.wanted, self.scene.sampling = ways, sampling
         self.coming = Counter(wanted)
         left = {category: [Placeable(asset) for asset in shapes] for category, shapes in assets.items()}
         self.targets = [
@@ -174,5 +175,6 @@ class ObjectPlacer:
             place = place + np.array([0, 0, LIFT, 0])
         made = self.scene.add(target, support, place, names, make_uid)
         return Placement(
-            made.category, made.name, made.uid, held_by, made.world, depth, found.draws, found.searched, spent, note
-        )
+            made.category, made.name, made.uid, held_by, made.world, depth, found.draws, found.searched, spent, note,
+            source=target.placeable.asset.source,
+        )  # fmt: skip

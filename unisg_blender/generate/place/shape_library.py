@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
+from copy import copy
 from functools import cached_property
 
 import numpy as np
@@ -22,9 +23,19 @@ class Library:
 
     def __init__(self, model: TrainedModel) -> None:
         self.model = model
+        self._given: dict[str, list[Placeable]] = {}
         self._known: dict[int, Placeable] = {}
         self._own: dict[int, list[Placeable]] = {}
         self._scene: SceneGraph | None = None
+
+    def preferring(self, shapes: Mapping[str, Sequence[Asset]]) -> Library:
+        """One that has given shapes by category, rather than those of scenes and of the model; this one for none."""
+        if not shapes:
+            return self
+        other = copy(self)
+        other._given = {name: [Placeable(front_first(asset)) for asset in given] for name, given in shapes.items()}
+        other._own, other._scene = {}, None
+        return other
 
     def placeable(
         self, category: int, scene: SceneGraph, rng: np.random.Generator,
@@ -74,7 +85,9 @@ class Library:
         return self._known[number]
 
     def _of_scene(self, category: int, scene: SceneGraph) -> list[Placeable]:
-        """The different objects of a category that a scene has already."""
+        """What is given of a category, else the different objects of it that a scene has already."""
+        if given := self._given.get(self.model.contract.vocabulary[category]):
+            return given
         if scene is not self._scene:
             self._scene, self._own = scene, {}
         if category not in self._own:

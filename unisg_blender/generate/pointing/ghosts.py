@@ -11,6 +11,7 @@ from ..check.pose_check import posed_thing
 from ..check.surroundings import PosedThing
 from ..observe.support_priors import INSIDE, RESTS
 from ..place.proposal_selection import settle
+from ..propose.place_sampling import USUAL, Sampling
 from ..propose.proposer import Proposals
 from ..propose.requests import Beside
 from .nearby_places import MOST, appeal, best_near, distances
@@ -85,11 +86,12 @@ def ghost_at(room: PlacingRoom, place: Floats) -> Ghost:
     return _ghost(room, place, support, density)
 
 
-def ghost_anywhere(room: PlacingRoom, rng: np.random.Generator) -> Ghost | None:
+def ghost_anywhere(room: PlacingRoom, rng: np.random.Generator, sampling: Sampling = USUAL) -> Ghost | None:
     """At a place of the room, drawn by how likely it is; None where none fits."""
-    mass = np.where(room.map.fits, np.exp(room.map.log_density), 0.0) * room.map.cells.area
-    if not mass.sum() > 0:
+    likely = np.where(room.map.fits, room.map.log_density, -np.inf)
+    if not np.isfinite(best := likely.max(initial=-np.inf)):
         return None
+    mass = np.exp(sampling.power * (likely - best)) * room.map.cells.area
     chosen = int(rng.choice(len(mass), p=mass / mass.sum()))
     return _ghost(room, room.map.places[chosen], *_of(room, chosen))
 

@@ -31,5 +31,7 @@ def place_ghost(room: PlacingRoom, ghost: Ghost, seed: int | None = None, behavi
     addition = Addition(asset, uid, name, holder.uid if holder else "", ghost.world, category, relation)
     result = without_instances(extend(room.shown, [addition], new.names, new.make_uid), room.graph, room.shown)
     note = "; ".join((*ghost.wrong, *filter(None, [ghost.note])))
-    placement = Placement(category, name, uid, holder.name if holder else "", ghost.world, note=note)
+    placement = Placement(
+        category, name, uid, holder.name if holder else "", ghost.world, note=note, source=asset.source
+    )
     return room.generator.finished(room.graph, result, [placement], new, behaviour=behaviour)

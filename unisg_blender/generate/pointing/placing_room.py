@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -18,6 +18,7 @@ from ...spatial.structure import recognise_structure
 from ...spatial.structure.structure import Room
 from ..check.pose_check import PoseCheck, own_triangles
 from ..generator import Generator
+from ..observe.facing import front_first
 from ..observe.placeable import Placeable
 from ..place.growing_scene import GrowingScene, Target
 from ..place.instanced_scene import with_instances
@@ -31,13 +32,15 @@ UNDER, ASIDE = 0.02, 0.05
 @dataclass(frozen=True)
 class Wanted:
     """What is to be placed: a category in any words, in its ``shape``-th form or as the given ``asset``; ``on`` or
-    ``beside`` an object of the scene, by uid or name."""
+    ``beside`` an object of the scene, by uid or name. Its forms are the given ``shapes``, then those of the scene, then
+    those of the model."""
 
     category: str
     shape: int = 0
     asset: Asset | None = None
     on: str = ""
     beside: str = ""
+    shapes: Sequence[Asset] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -181,12 +184,13 @@ def _room(seen: SceneGraph, near: Floats | None) -> tuple[int, Floats | None]:
 
 
 def _shape(generator: Generator, wanted: Wanted, seen: SceneGraph, rng: np.random.Generator) -> tuple[Placeable, int]:
-    """What is given, or one of the shapes of the scene and of the model, those of the scene first, else a box; and how
+    """What is given, or one of the shapes that there are, of the scene before those of the model, else a box; and how
     many there are."""
     if wanted.asset is not None:
         return Placeable(replace(wanted.asset, category=wanted.category)), 1
     library = generator.library
-    there = [*library.of_scene(wanted.category, seen), *library.of_model(wanted.category)]
+    given = [Placeable(front_first(replace(asset, category=wanted.category))) for asset in wanted.shapes]
+    there = [*given, *library.of_scene(wanted.category, seen), *library.of_model(wanted.category)]
     shapes = list({shape.asset.key: shape for shape in reversed(there)}.values())[::-1]
     if shapes:
         return shapes[wanted.shape % len(shapes)], len(shapes)

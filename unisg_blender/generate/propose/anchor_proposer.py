@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -64,7 +65,8 @@ class AnchorProposer(Proposer):
     def choose(self, query: Query, load: SupportOccupancy, whole: bool = False) -> SupportChoice:
         """See :class:`~.proposer.Proposer`."""
         half = query.placeable.half
-        return self._choice(query.scene, query.category, half, query.allowed, query.coming, load, whole)
+        found = self._choice(query.scene, query.category, half, query.allowed, query.coming, load, whole)
+        return replace(found, score=query.sampling.tempered(found.score))
 
     def support_chances(self, scene: ObservedScene, category: int, half: Floats, allowed: Bools) -> Floats:
         """The chance (K,) of each ``allowed`` object to hold a target: with what they hold already, nothing to come."""
@@ -160,7 +162,7 @@ class AnchorProposer(Proposer):
         """``count`` proposals on one candidate (object, surface); object -1 is the ground.
 
         More are drawn from the mixture; of these, those are kept that are drawn by the critic's ratios (without putting
-        back, by Gumbel noise).
+        back, by Gumbel noise), and by what makes more or less variety of both densities.
         """
         scene, support = query.scene, candidate[0]
         bottoms = self._bottoms(scene, candidate, count, rng, choice)
@@ -169,10 +171,13 @@ class AnchorProposer(Proposer):
             return Proposals(np.full(count, support), _around_origin(bottoms, rng))
         mixture = self._mixture(inputs, rng)
         floor = support >= 0 and scene.support[support] < 0
-        drawn = MANY if floor or (support >= 0 and scene.room.inner[support]) else DRAWN
-        places, axis, kappa = draw_places(inputs["box"][0], mixture, max(drawn, count + DRAWN // 2), rng)
-        ratio = self._ratios(inputs, mixture[-1], places)
-        kept = np.argsort(-(ratio + rng.gumbel(size=len(ratio))))[:count]
+        usual = MANY if floor or (support >= 0 and scene.room.inner[support]) else DRAWN
+        drawn = max(query.sampling.candidates, count) if query.sampling.candidates else max(usual, count + DRAWN // 2)
+        places, axis, kappa = draw_places(inputs["box"][0], mixture, drawn, rng)
+        worth, power = self._ratios(inputs, mixture[-1], places), query.sampling.power
+        if power != 1:  # drawn by one density, and wanted by a power of both
+            worth = power * worth + (power - 1) * position_density(inputs, mixture, places[:, :2])[0]
+        kept = np.argsort(-(worth + rng.gumbel(size=len(worth))))[:count]
         yaw = snapped(places[kept, 2], axis[kept], kappa[kept], SLACK if floor else 0.0)
         return Proposals(np.full(count, support), np.column_stack([places[kept, :2], bottoms, yaw]))
 

@@ -64,10 +64,10 @@ class CgvaeProposer(Proposer):
             features=features,
             category=np.append(kinds, np.full(count, query.category)).astype(np.int64),
             edges=edges_of(scene.support),
-            noise=noise,
+            noise=np.float32(query.sampling.variety) * noise,
             known=np.append(np.ones(known, np.float32), np.zeros(count, np.float32)),
         )
-        supports = _choose(adjacency[known:, :known], query.allowed, rng)
+        supports = _choose(query.sampling.power * adjacency[known:, :known], query.allowed, rng)
         above = np.concatenate([scene.world, np.eye(4)[None]])[supports]
         return Proposals(supports, _places(above @ poses_of(decoded[known:], self.contract), query.placeable))
 

@@ -13,6 +13,7 @@ from ...geometry.arrays import Bools, Floats, Ints
 from ..observe.observed_scene import ObservedScene
 from ..observe.placeable import Placeable
 from ..observe.support_candidates import SupportCandidates, SupportOccupancy
+from .place_sampling import USUAL, Sampling
 
 DRAWN, KERNEL = 256, 0.15
 """Proposals of which a density is estimated, and the spread of each in metres."""
@@ -32,6 +33,8 @@ class Query:
         bool (K,): which objects may hold it.
     coming
         How many objects of which categories are still to be placed after it.
+    sampling
+        How places are drawn; rules know no likelier places and leave it.
     """
 
     scene: ObservedScene
@@ -39,6 +42,7 @@ class Query:
     placeable: Placeable
     allowed: Bools
     coming: Mapping[int, int]
+    sampling: Sampling = USUAL
 
 
 @dataclass(frozen=True, eq=False)

@@ -46,7 +46,7 @@ class TreesProposer(Proposer):
         found = self.bootstrapped(query, count, rng)
         if plain.all():
             return found
-        judged = self.drawn(query, count, rng, contract.sharpness.get(name, SHARPNESS))
+        judged = self.drawn(query, count, rng, query.sampling.power * contract.sharpness.get(name, SHARPNESS))
         places = np.where(plain[:, None], found.places, judged.places)
         return Proposals(np.where(plain, found.support, judged.support), places)
 
@@ -66,7 +66,7 @@ class TreesProposer(Proposer):
         if self._last is None or self._last[0] is not query:
             room = TriedRoom.of(query.scene, self.model.contract.tables)
             half, seen = query.placeable.half, self.places.of_category(query.category)
-            judged = plain_proposals(room, seen, half, query.allowed, MANY, rng)
+            judged = plain_proposals(room, seen, half, query.allowed, query.sampling.candidates or MANY, rng)
             features = place_features(room, self.kinds, query.category, half, judged)
             score = self.model.run(["score"], features=features)[0].reshape(-1).astype(np.float64)
             self._last = query, judged, score

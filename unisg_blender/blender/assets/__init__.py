@@ -1,0 +1,1 @@
+"""What is marked as an asset: in this file, and in the files of the asset libraries."""
