@@ -7,7 +7,7 @@ import pytest
 
 from unisg_blender.spatial.structure import recognise_structure
 
-from .built_rooms import DOOR, SQUARE, box, overlap, room, scene, slab, table
+from .built_rooms import DOOR, SQUARE, box, joined, overlap, room, scene, slab, table
 
 
 def turned(part):
@@ -35,3 +35,24 @@ def test_a_slab_drawn_inside_out_is_walked_on_not_in() -> None:
     parts = room(SQUARE, 0.1, height=4.4) | {"between": turned(slab(SQUARE, 2.0, 2.2))}
     structure = recognise_structure(scene(parts))
     assert sorted(round(found.floor, 3) for found in structure.rooms) == [0.0, 2.2]
+
+
+@pytest.mark.parametrize("sunk", [0.0, 0.03, 0.4])
+def test_a_block_that_is_sunk_in_the_ground_is_no_room(sunk: float) -> None:
+    ground = slab(np.array([[-6, -6], [6, -6], [6, 6], [-6, 6]], float), -0.5, 0.0)
+    structure = recognise_structure(scene({"ground": ground, "block": box((-1, -1, -sunk), (1, 1, 2.1))}))
+    assert [(found.indoors, found.floor) for found in structure.rooms] == [(False, 0.0)]
+
+
+def test_what_only_reaches_into_a_block_does_not_make_a_room_of_it() -> None:
+    ground = slab(np.array([[-6, -6], [6, -6], [6, 6], [-6, 6]], float), -0.5, 0.0)
+    beam = joined([box((-4, 0, 1), (-0.5, 0.2, 1.2)), box((-4, 0, 1.5), (-3, 0.2, 1.7))])
+    parts = {"ground": ground, "block": box((-1, -1, -0.03), (1, 1, 2.1)), "beam": beam}
+    assert not any(found.indoors for found in recognise_structure(scene(parts)).rooms)
+
+
+def test_a_cellar_in_a_block_of_land_is_a_room() -> None:
+    land = slab(np.array([[-9, -9], [9, -9], [9, 9], [-9, 9]], float), -4.0, 0.0)
+    cellar = {name: (points - (0, 0, 3), faces) for name, (points, faces) in room(SQUARE, 0.1, roof=True).items()}
+    structure = recognise_structure(scene({"land": land} | cellar | {"table": table(1.5, 1.5, -3)}))
+    assert -3.0 in [round(found.floor, 3) for found in structure.rooms if found.indoors]

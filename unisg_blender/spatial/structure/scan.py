@@ -31,6 +31,9 @@ SAMPLE = 4000
 HOLLOW = 1.0
 """Square metres at least of what may be a room seen from outside."""
 
+MOSTLY_WITHIN = 0.5
+"""Share of a thing, by its triangles, that is within another's box, at least, for it to be in there."""
+
 CLOSED, SOLID = 1e-4, 0.5
 """Share of its area by which a mesh may be open and still is closed; and metres of the mean thickness of a solid that
 is no room, at most."""
@@ -232,9 +235,9 @@ def _inside_out(scan: Scan) -> list[int]:
         if len(solid) * scan.grid.cell**2 < HOLLOW:
             continue
         sample = np.arange(0, len(low), max(len(low) // SAMPLE, 1))
-        sample = sample[
-            (scan.row[sample] != row) & (high[sample] < mine.height.max()) & (low[sample] > mine.height.min())
-        ]  # fmt: skip
+        sample = sample[scan.row[sample] != row]
+        within = (high[sample] < mine.height.max()) & (low[sample] > mine.height.min())
+        sample = sample[within & _mostly_within(scan, row, sample)]
         middle = scan.triangles[sample].mean(axis=1)
         cell = scan.grid.at(middle[:, :2])
         inside, air = (
@@ -244,6 +247,20 @@ def _inside_out(scan: Scan) -> list[int]:
         if inside > air:
             found.append(row)
     return found
+
+
+def _mostly_within(scan: Scan, row: int, sample: Ints) -> Bools:
+    """Which of some triangles are of things most of which is within the box around another, bool (S,).
+
+    What only reaches into a block says nothing of it: a figure leans on it.
+    """
+    around = scan.triangles[scan.row == row].reshape(-1, 3)
+    corners = scan.triangles[sample]
+    within = ((corners >= around.min(axis=0) - SAME) & (corners <= around.max(axis=0) + SAME)).all(axis=(1, 2))
+    owner = scan.row[sample]
+    count = int(scan.row.max()) + 1
+    share = np.bincount(owner, within, minlength=count) / np.maximum(np.bincount(owner, minlength=count), 1)
+    return share[owner] >= MOSTLY_WITHIN
 
 
 def _turned_solids(scan: Scan) -> list[int]:

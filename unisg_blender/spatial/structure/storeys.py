@@ -18,6 +18,7 @@ from .region import Region
 from .scan import HEADROOM, LEAST, LEVEL, FreeSpans, Scan, free_spans
 from .stages import LARGER, stands_on
 from .structure import TALLEST
+from .sunk_blocks import in_sunk_blocks
 
 LEAST_OPEN = 4.0
 """Square metres of an open place, at least."""
@@ -59,7 +60,7 @@ MOST_LEVELS = 24
 def find_regions(scan: Scan) -> list[Region]:
     """The rooms of all storeys; the largest open place that is level, where there is none, or all are things on it."""
     spans = free_spans(scan.building_columns, scan.up)
-    stands = spans.high - spans.low >= HEADROOM
+    stands = (spans.high - spans.low >= HEADROOM) & ~in_sunk_blocks(scan, spans)
     if scan.is_floor.any():
         stands &= scan.is_floor[spans.triangle]
     taken = np.full(scan.grid.shape, -np.inf)
