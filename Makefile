@@ -10,7 +10,7 @@ BLENDER ?= blender
 FOLDER ?= build/window
 PYTEST := $(BIN)/python -m pytest -n $(WORKERS) --dist loadfile
 
-.PHONY: help demo test test-fast test-zip coverage lint extension bench bench-all docs notebooks hooks player test-web test-window clean
+.PHONY: help demo test test-fast test-zip coverage lint extension bench bench-all docs notebooks pictures hooks player test-web test-window clean
 
 help:  ## say what can be made
 	@grep -E '^[a-z-]+:.*##' $(firstword $(MAKEFILE_LIST)) | sed -E 's/:[^#]*## */\t/' | expand -t 14
@@ -54,6 +54,10 @@ docs: $(READY)  ## what is written by scripts in docs/, and the site of it, link
 
 notebooks: $(READY)  ## run the notebooks, and write what they print and draw into them -> docs/notebooks/
 	$(BIN)/python packaging/run_notebooks.py
+
+pictures: $(READY)  ## those of README.md and the guide: BLENDER=/path/to/blender, as for test-window -> docs/pictures/
+	$(BIN)/python packaging/guide_pictures.py
+	UNISG_PICTURES=docs/pictures UNISG_BLENDER="$(BLENDER)" UNISG_WINDOW_FOLDER="$(FOLDER)" $(BIN)/python -m pytest -rs tests/window/test_window_pictures.py
 
 hooks: $(READY)  ## let git run what `make lint` runs before each commit
 	$(BIN)/pre-commit install

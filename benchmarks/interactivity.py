@@ -3,7 +3,9 @@
     python benchmarks/interactivity.py [--rooms N] [--checked N] --out docs/results/interactivity.json
 
 Needs node, and the packages of packaging/player (`make test-web` gets them). Each room's rehearsal is fed to the engine
-tick by tick; milliseconds are the median of the ticks of one room, the smallest of the room's runs.
+tick by tick; milliseconds are the median of the ticks of one room, of which the table has the median. Contact in graphs
+is that of boxes by their axes: our player is asked with the same, and `exact_alike` says in how many rooms, and
+`moments_otherwise` at how many moments of all, it tells something else when it is asked for exact distances.
 """
 
 from __future__ import annotations
@@ -32,7 +34,7 @@ from tests.web.engine_ticks import ticks_of, told_by_engine  # noqa: E402
 
 PLAYER = ROOT / "packaging" / "player"
 WORLDS: dict[str, Callable[[int], SceneGraph]] = {"operating room": operating_room, "living room": living_room}
-RUNS, AT_ONCE = 2, 100
+AT_ONCE = 100
 
 
 def main() -> None:
@@ -50,22 +52,28 @@ def main() -> None:
             "most_actions": max(each["actions"] for each in played),
             "most_kb": max(each["kb"] for each in played),
             "ms": median(each["ms"] for each in played),
+            "exact_alike": sum(not each["otherwise"] for each in played),
+            "moments": sum(each["moments"] for each in played),
+            "moments_otherwise": sum(each["otherwise"] for each in played),
             "checked": args.checked, "faults": _faults(make, args.checked),
         })  # fmt: skip
         print(rows[-1], flush=True)
-    write_results(args.out, {"rows": rows})
+        write_results(args.out, {"rows": rows})
 
 
 def _played(compiled: LessonGraph) -> dict[str, Any]:
     steps = list(moments(compiled.lesson.graph, rehearse(compiled.lesson)))
     ticks, wanted = ticks_of(compiled, steps), told_by_player(compiled, steps)
     with tempfile.TemporaryDirectory() as folder:
-        runs = [told_by_engine(compiled, ticks, str(PLAYER), Path(folder)) for _ in range(RUNS)]
+        told, milliseconds = told_by_engine(compiled, ticks, str(PLAYER), Path(folder))
+    exact = told_by_player(compiled, steps, {})
     return {
-        "alike": all(told == wanted for told, _ in runs),
+        "alike": told == wanted,
+        "moments": len(steps),
+        "otherwise": sum(one != other for one, other in zip(wanted, exact, strict=True)),
         "actions": len(compiled.lesson.checks.actions),
         "kb": len(json.dumps(compiled.graph, separators=(",", ":"))) / 1000,
-        "ms": min(milliseconds for _, milliseconds in runs),
+        "ms": milliseconds,
     }
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from unisg_blender import SceneGraph, read_scene_file
+from unisg_blender import SceneGraph, UniSGError, read_scene_file
 
 
 def places(scene: SceneGraph, word: str) -> np.ndarray:
@@ -25,6 +25,14 @@ def chair_distances(scene: SceneGraph) -> np.ndarray:
     return np.linalg.norm(chairs[:, None, :2] - tables[None, :, :2], axis=-1).min(axis=1)
 
 
-every = [chair_distances(read_scene_file(path)[0]) for path in sorted(Path(sys.argv[1]).glob("*.blend"))]
+if len(sys.argv) != 2:
+    sys.exit(__doc__)
+paths = sorted(Path(sys.argv[1]).glob("*.blend")) or sys.exit(f"{sys.argv[1]}: no .blend files")
+try:
+    every = [chair_distances(read_scene_file(path)[0]) for path in paths]
+except UniSGError as error:
+    sys.exit(str(error))
 found = np.concatenate(every)
+if not len(found):
+    sys.exit(f"{sys.argv[1]}: no chairs beside tables")
 print(f"{len(found)} chairs in {len(every)} rooms: median {np.median(found):.2f} m, farthest {found.max():.2f} m")

@@ -1,16 +1,16 @@
-"""Make the pictures of README.md and the guide that need no window of Blender -> docs/pictures/.
+"""Make the pictures of README.md, the guide and the page on worlds that need no window of Blender -> docs/.
 
-python packaging/guide_pictures.py
+python packaging/guide_pictures.py        # `make pictures` makes those of Blender's window too
 """
 
 from __future__ import annotations
 
-import shutil
 import tempfile
 from pathlib import Path
 
 from architecture import ROOT
 from PIL import Image
+from small_pictures import save_small
 
 from unisg_blender import Generator, SceneGraph, cli
 from unisg_blender.blender.blend_files import new_scene
@@ -19,7 +19,7 @@ from unisg_blender.commands.room_picture import room_view
 from unisg_blender.pretrained import find_generator
 from unisg_blender.scene import take
 from unisg_blender.scene.categories import STRUCTURE
-from unisg_blender.worlds import living_room
+from unisg_blender.worlds import living_room, operating_room
 
 PICTURES = ROOT / "docs" / "pictures"
 SEED = 11
@@ -36,6 +36,7 @@ def main() -> None:
         _before_and_after(Path(folder))
         _fuller_room(Path(folder))
         _timeline(Path(folder))
+        _worlds(Path(folder))
 
 
 def _before_and_after(folder: Path) -> None:
@@ -50,7 +51,7 @@ def _before_and_after(folder: Path) -> None:
     pair = Image.new("RGB", (2 * both[0].width + 12, both[0].height), "white")
     pair.paste(both[0], (0, 0))
     pair.paste(both[1], (both[0].width + 12, 0))
-    _save(pair, "before-after.png")
+    save_small(pair, PICTURES / "before-after.png")
 
 
 def _render(scene: SceneGraph, path: Path, view: object) -> None:
@@ -63,20 +64,27 @@ def _fuller_room(folder: Path) -> None:
     words = ["--add", "Scalpel=2,Monitor=1", "--scene", str(folder / "operating-room-00007.blend"), "--seed", "1"]
     cli.main(["world", "operating-room", "--seed", "7", "--out", str(folder), "-q"])
     cli.main(["generate", *words, "--out", str(folder / "a.usda"), "--render", str(folder / "fuller.png"), "-q"])
-    _save(Image.open(folder / "fuller.png").convert("RGB"), "guide-fuller.png")
+    save_small(Image.open(folder / "fuller.png"), PICTURES / "guide-fuller.png")
 
 
 def _timeline(folder: Path) -> None:
     """How a room's own lesson is played."""
     room = str(folder / "operating-room-00007.blend")
     cli.main(["simulate", room, "--rehearse", "--out", str(folder / "timeline"), "-q"])
-    shutil.copyfile(folder / "timeline" / "timeline.png", folder / "timeline.png")
-    _save(Image.open(folder / "timeline.png").convert("RGB"), "guide-timeline.png")
+    save_small(Image.open(folder / "timeline" / "timeline.png"), PICTURES / "guide-timeline.png")
 
 
-def _save(picture: Image.Image, name: str) -> None:
-    """Write a picture with few colours: a quarter of the bytes, and nobody sees it."""
-    picture.quantize(128, dither=Image.Dither.NONE).save(PICTURES / name, optimize=True)
+def _worlds(folder: Path) -> None:
+    """The rooms of the page "Worlds", from above and from a corner."""
+    path = folder / "world.png"
+    for scene, view, name in (
+        (operating_room(7), "top", "operating-room-top"),
+        (operating_room(7), "perspective", "operating-room"),
+        (living_room(3), "top", "living-room-top"),
+    ):
+        new_scene(scene)
+        render_picture(path, view=view, size=(760, 640))
+        save_small(Image.open(path), ROOT / "docs" / f"worlds-{name}.png")
 
 
 if __name__ == "__main__":

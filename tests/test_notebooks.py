@@ -14,6 +14,7 @@ from run_notebooks import FOLDER, differences, executed, read
 
 NAMES = sorted(path.stem for path in FOLDER.glob("*.ipynb"))
 NEEDS = {
+    "equivariance": ("torch",),
     "geometric_algebra": ("clifford",),
     "motion": ("bpy",),
     "operating_room": ("bpy",),

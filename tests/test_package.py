@@ -44,7 +44,7 @@ def test_the_extension_has_the_version_of_the_library() -> None:
     assert project["tool"]["setuptools"]["dynamic"]["version"] == {"attr": "unisg_blender.__version__"}
 
 
-@pytest.mark.parametrize("words", [[], ["bogus"], ["inspect"], ["inspect", "--bogus", "x"], ["--bogus"]])
+@pytest.mark.parametrize("words", [["bogus"], ["help", "bogus"], ["inspect"], ["inspect", "--bogus", "x"], ["--bogus"]])
 def test_misuse_exits_with_2_and_says_so(words: list[str], capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.main(words) == MISUSE
     assert capsys.readouterr().err.count("\n") == 1
@@ -56,6 +56,15 @@ def test_every_verb_has_help(verb: str, capsys: pytest.CaptureFixture[str]) -> N
     shown = capsys.readouterr().out
     assert f"usage: unisg {verb}" in shown
     assert "--json" in shown
+
+
+@pytest.mark.parametrize(
+    ("words", "same"), [([], ["--help"]), (["help"], ["--help"]), (["help", "web"], ["web", "-h"])]
+)
+def test_whoever_asks_for_help_gets_it(words: list[str], same: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    told = [(cli.main(asked), capsys.readouterr().out) for asked in (words, same)]
+    assert told[0] == told[1]
+    assert told[0][0] == 0
 
 
 def test_three_doors_are_one(capfd: pytest.CaptureFixture[str]) -> None:

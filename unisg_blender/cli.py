@@ -67,7 +67,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     Parameters
     ----------
     argv
-        The words after the program's name; ``sys.argv[1:]`` when omitted.
+        The words after the program's name; ``sys.argv[1:]`` when omitted. None at all, or "help", asks for help.
 
     Returns
     -------
@@ -75,7 +75,9 @@ def main(argv: Sequence[str] | None = None) -> int:
         Exit status: 0 done, 1 unusable input (one line on stderr, nothing
         written), 2 misuse, 3 a batch in which some items failed.
     """
-    words = list(sys.argv[1:] if argv is None else argv)
+    words = list(sys.argv[1:] if argv is None else argv) or ["help"]
+    if words[0] == "help":
+        words = [*words[1:2], "--help"]
     try:
         _overview().parse_args(words[:1])
         parser, module = _verb_parser(words[0])

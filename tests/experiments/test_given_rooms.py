@@ -47,7 +47,7 @@ def evaluate(sets: tuple[Path, Path], capsys: pytest.CaptureFixture[str]) -> Eva
 
 
 def copied(training: Path, out: Path, centimetres: int, monkeypatch: pytest.MonkeyPatch) -> Path:
-    words = ["--training", str(training), "--out", str(out), "--count", str(ROOMS), "--centimetres", str(centimetres)]
+    words = [str(training), str(out), str(ROOMS), str(centimetres)]
     monkeypatch.setattr(sys, "argv", [str(EXAMPLE), *words])
     runpy.run_path(str(EXAMPLE), run_name="__main__")
     return out

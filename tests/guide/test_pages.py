@@ -15,7 +15,12 @@ from architecture import ROOT
 from tests.guide.page_blocks import Block, blocks, command_lines, run_page
 from unisg_blender import cli
 
-GUIDE = [ROOT / "README.md", *sorted((ROOT / "docs" / "guide").glob("*.md"))]
+INDEX = (ROOT / "docs" / "index.md").read_text("utf-8")
+GUIDE = [
+    ROOT / "README.md",
+    *(ROOT / "docs" / f"{name}.md" for name in re.findall(r"^(guide/[\w-]+)$", INDEX, re.MULTILINE)),
+]
+"""As they are read, one after another."""
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
 UNISG = ("unisg ", "python -m unisg_blender ", "blender --command unisg ")
 
@@ -25,12 +30,22 @@ def relative(page: Path) -> str:
     return page.relative_to(ROOT).as_posix()
 
 
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder in which a reader follows the whole guide: no page may need, or stumble over, what another made."""
+    return tmp_path_factory.mktemp("reader")
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("page", GUIDE, ids=relative)
-def test_a_page_runs_from_top_to_bottom(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
+def test_a_page_runs_from_top_to_bottom(page: Path, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(folder)
     monkeypatch.setenv("PYTHONPATH", str(ROOT))
-    run_page(page.read_text("utf-8"), tmp_path)
+    run_page(page.read_text("utf-8"), folder)
+
+
+def test_every_page_of_the_guide_is_in_the_index() -> None:
+    assert set(GUIDE[1:]) == {*(ROOT / "docs" / "guide").glob("*.md")}
 
 
 def test_the_page_of_the_command_line_is_that_of_the_parsers() -> None:

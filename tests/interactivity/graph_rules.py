@@ -53,8 +53,8 @@ def _tables(graph: Mapping[str, Any]) -> Iterator[str]:
 
 def _fits(graph: Mapping[str, Any], inline: Mapping[str, Any]) -> bool:
     kind, value = graph["types"][inline["type"]]["signature"], inline["value"]
-    wanted = bool if kind == "bool" else int if kind == "int" else float
-    return len(value) == WIDTHS[kind] and all(type(number) is wanted for number in value)
+    wanted = {"bool": (bool,), "int": (int,)}.get(kind, (int, float))  # a whole number is written without a fraction
+    return len(value) == WIDTHS[kind] and all(type(number) in wanted for number in value)
 
 
 def _node(graph: Mapping[str, Any], place: int, nodes: int) -> Iterator[str]:

@@ -91,6 +91,20 @@ def test_reading_that_goes_on_is_not_ended(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
+def test_a_large_part_of_a_small_file_has_the_time_of_its_own_size(tmp_path: Path) -> None:
+    (tmp_path / "wall.dae").write_bytes(bytes(3_000_000))
+    part = f"guarded_work.reading_part(Path({str(tmp_path / 'wall.dae')!r})); time.sleep(2)"
+    assert end(start(over(tmp_path / "room.urdf", part), patience=0.5)) == (0, "", "")
+
+
+@pytest.mark.slow
+def test_many_parts_have_each_its_own_time(tmp_path: Path) -> None:
+    part = f"guarded_work.reading_part(Path({str(tmp_path / 'cup.stl')!r})), time.sleep(0.6)"
+    all_parts = f"[({part}) for _ in range(4)]"
+    assert end(start(over(tmp_path / "room.urdf", all_parts), patience=1.5)) == (0, "", "")
+
+
+@pytest.mark.slow
 def test_the_scene_that_is_open_has_longer(tmp_path: Path) -> None:
     longer = "guarded_work.still_reading(100); time.sleep(2)"
     assert end(start(over(tmp_path / "a.blend", longer), patience=0.5)) == (0, "", "")

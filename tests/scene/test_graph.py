@@ -9,7 +9,16 @@ import numpy as np
 import pytest
 
 from unisg_blender.errors import UniSGError
-from unisg_blender.scene import ActionData, SceneBuilder, SceneGraph, Table, mesh_from_faces, table, world_matrices
+from unisg_blender.scene import (
+    ActionData,
+    SceneBuilder,
+    SceneGraph,
+    Table,
+    box_mesh,
+    mesh_from_faces,
+    table,
+    world_matrices,
+)
 
 EYES = np.tile(np.eye(4), (3, 1, 1))
 
@@ -74,6 +83,15 @@ def test_what_is_sound_validates_to_itself() -> None:
 def test_a_component_whose_columns_differ_in_length_is_refused() -> None:
     with pytest.raises(UniSGError, match="'kind' of a component has 2 entries, not 1"):
         Table(np.zeros(1, np.int32), {"kind": np.zeros(2)})
+
+
+def test_the_builder_takes_a_place_instead_of_a_matrix() -> None:
+    builder = SceneBuilder()
+    builder.add("Cup", uid="c", local=(1, 2, 3), mesh=box_mesh("Cup", (0.2, 0.4, 0.6), bottom=-0.5))
+    scene = builder.build()
+    np.testing.assert_array_equal(scene.local[0], [[1, 0, 0, 1], [0, 1, 0, 2], [0, 0, 1, 3], [0, 0, 0, 1]])
+    np.testing.assert_allclose(scene.meshes[0].bounds, [[-0.1, -0.2, -0.3], [0.1, 0.2, 0.3]])
+    np.testing.assert_allclose(box_mesh("Cup", (0.2, 0.4, 0.6)).bounds, [[-0.1, -0.2, 0], [0.1, 0.2, 0.6]])
 
 
 def test_the_builder_refuses_what_is_no_matrix() -> None:

@@ -81,6 +81,15 @@ def missing_tools() -> str:
     return "" if shutil.which(command[0]) else f"{command[0]} not found"
 
 
+def window_folder(temporary: pytest.TempPathFactory) -> tuple[Path, str]:
+    """The folder that Blender sees too, without anything installed there, and how it is called inside."""
+    here, _, inside = os.environ.get("UNISG_WINDOW_FOLDER", "").partition(":")
+    folder = Path(here or temporary.mktemp("window")).resolve()
+    folder.mkdir(parents=True, exist_ok=True)
+    shutil.rmtree(folder / "resources", ignore_errors=True)
+    return folder, inside or str(folder)
+
+
 class BlenderWindow:
     """A Blender that runs."""
 
@@ -161,16 +170,16 @@ class BlenderWindow:
 
 
 @contextlib.contextmanager
-def blender_window(folder: Path, inside: str) -> Iterator[BlenderWindow]:
+def blender_window(folder: Path, inside: str, size: tuple[int, int] = SIZE) -> Iterator[BlenderWindow]:
     """A Blender in a window, with the preferences of ``folder/resources``; ``inside`` is the folder as it sees it."""
     (folder / "driver.py").write_text(DRIVER, encoding="utf-8")
     for name in ("command.py", "answer.json"):
         (folder / name).unlink(missing_ok=True)
-    size = [str(value) for value in SIZE]
-    screen, display = _free_screen()
+    width, height = map(str, size)
+    screen, display = _free_screen(size)
     window = BlenderWindow(folder, inside, display)
     try:
-        command = [*shlex.split(os.environ["UNISG_BLENDER"]), "--window-geometry", "0", "0", *size]
+        command = [*shlex.split(os.environ["UNISG_BLENDER"]), "--window-geometry", "0", "0", width, height]
         command += ["--python", f"{inside}/driver.py", "--", inside]
         with (folder / "blender.log").open("w") as log:
             blender = subprocess.Popen(command, stdout=log, stderr=log, env=window.environment)
@@ -185,11 +194,11 @@ def blender_window(folder: Path, inside: str) -> Iterator[BlenderWindow]:
         _end(screen)
 
 
-def _free_screen() -> tuple[subprocess.Popen[bytes], str]:
+def _free_screen(size: tuple[int, int]) -> tuple[subprocess.Popen[bytes], str]:
     """A virtual screen that nobody else has, and its name."""
     reading, writing = os.pipe()
-    size = f"{SIZE[0]}x{SIZE[1]}x24"
-    command = ["Xvfb", "-displayfd", str(writing), "-screen", "0", size, "-nolisten", "tcp"]
+    pixels = f"{size[0]}x{size[1]}x24"
+    command = ["Xvfb", "-displayfd", str(writing), "-screen", "0", pixels, "-nolisten", "tcp"]
     screen = subprocess.Popen(command, pass_fds=[writing])
     os.close(writing)
     with os.fdopen(reading) as said:
@@ -205,12 +214,10 @@ def _end(process: subprocess.Popen[bytes]) -> None:
             process.wait(10)
 
 
-def install(folder: Path, inside: str) -> None:
-    """Build the extension for that Blender, and install its zip as a user does."""
-    command, say = (
-        shlex.split(os.environ["UNISG_BLENDER"]),
-        "import bpy, sys; print('SAYS', *bpy.app.version, *sys.version_info[:2])",
-    )
+def build_zip(folder: Path, inside: str) -> None:
+    """Build the extension for that Blender: ``folder/extension.zip``."""
+    command = shlex.split(os.environ["UNISG_BLENDER"])
+    say = "import bpy, sys; print('SAYS', *bpy.app.version, *sys.version_info[:2])"
     environment = {**os.environ, "BLENDER_USER_RESOURCES": f"{inside}/resources"}
     said = subprocess.run(
         [*command, "-b", "--python-expr", say], capture_output=True, text=True, env=environment, timeout=300
@@ -224,8 +231,14 @@ def install(folder: Path, inside: str) -> None:
     subprocess.run([sys.executable, str(root / "packaging/build_extension.py"), *build], check=True, timeout=900)
     (zipped,) = (folder / "zip").glob("*.zip")
     shutil.move(zipped, folder / "extension.zip")
+
+
+def install(folder: Path, inside: str) -> None:
+    """Build the extension for that Blender, and install its zip from the command line."""
+    build_zip(folder, inside)
     done = subprocess.run(
-        [*command, "-b", "--command", "extension", "install-file", "-r", "user_default", "--enable",
-         f"{inside}/extension.zip"], capture_output=True, text=True, env=environment, timeout=300,
+        [*shlex.split(os.environ["UNISG_BLENDER"]), "-b", "--command", "extension", "install-file", "-r",
+         "user_default", "--enable", f"{inside}/extension.zip"], capture_output=True, text=True, timeout=300,
+        env={**os.environ, "BLENDER_USER_RESOURCES": f"{inside}/resources"},
     )  # fmt: skip
     assert done.returncode == 0, done.stdout + done.stderr

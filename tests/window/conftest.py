@@ -1,15 +1,12 @@
-"""A Blender in a window into which the zip was installed, once for all tests here, and a room in it."""
+"""A Blender in a window into which the zip was installed, once for each file of tests, and a room in it."""
 
 from __future__ import annotations
 
-import os
-import shutil
 from collections.abc import Iterator
-from pathlib import Path
 
 import pytest
 
-from tests.window.blender_window import BlenderWindow, blender_window, install
+from tests.window.blender_window import BlenderWindow, blender_window, install, window_folder
 
 ROOM = """
 import math, mathutils
@@ -32,15 +29,10 @@ result = len(bpy.data.objects)
 """
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def window(tmp_path_factory: pytest.TempPathFactory) -> Iterator[BlenderWindow]:
     """A Blender into which the zip was installed."""
-    said = os.environ.get("UNISG_WINDOW_FOLDER", "")
-    here, _, inside = said.partition(":")
-    folder = Path(here or tmp_path_factory.mktemp("window")).resolve()
-    folder.mkdir(parents=True, exist_ok=True)
-    shutil.rmtree(folder / "resources", ignore_errors=True)
-    inside = inside or str(folder)
+    folder, inside = window_folder(tmp_path_factory)
     install(folder, inside)
     with blender_window(folder, inside) as window:
         yield window

@@ -12,10 +12,11 @@ from numpy.typing import NDArray
 from ..geometry.boxes import corners
 from ..runtime.made_files import filling
 from ..runtime.matplotlib_figure import new_figure
+from ..scene.mesh import BOX_FACES
 from ..spatial import oriented_boxes
 from .dataset_description import describe_dataset, entity_sizes, scene_numbers
 from .format.reader import Dataset, Scene, open_dataset
-from .rebuild import BOX_FACES, to_scenegraph
+from .rebuild import to_scenegraph
 
 SCENES = 24
 COLUMNS = 6

@@ -9,9 +9,8 @@ from ..scene import Mesh, SceneGraph, mesh_from_faces, table
 from ..scene.action_data import actions_from_json
 from ..scene.component_table import Table
 from ..scene.lesson_node import lesson_from_json
+from ..scene.mesh import BOX_FACES
 from .format.reader import Scene
-
-BOX_FACES = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
 
 
 def to_scenegraph(scene: Scene) -> SceneGraph:

@@ -9,9 +9,10 @@ from numpy.typing import NDArray
 
 from ..geometry.boxes import SIGNS
 from ..scene import Mesh, SceneGraph, mesh_from_faces
+from ..scene.mesh import BOX_FACES
 from .format.columns import mesh_checksums
 from .format.reader import Dataset
-from .rebuild import BOX_FACES, to_scenegraph
+from .rebuild import to_scenegraph
 
 
 def scenes_with_shapes(dataset: Dataset) -> Iterator[SceneGraph]:

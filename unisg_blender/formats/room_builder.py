@@ -10,11 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import UniSGError
-from ..scene import Mesh, SceneBuilder, SceneGraph, entry_table, mesh_from_faces
+from ..scene import Mesh, SceneBuilder, SceneGraph, box_mesh, entry_table, mesh_from_faces
 from ..scene.components import RELATIONS
 from .axes import LARGEST, Array, numbers, pose
 
-FACES = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
 THINNEST = 1e-3
 """Metres: no box is thinner."""
 
@@ -78,8 +77,7 @@ class RoomBuilder:
         size = np.maximum(numbers(size, 3), THINNEST)
         key = (*size.tolist(), bottom)
         if key not in self._boxes:
-            signs = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (bottom, bottom + 1)])
-            self._boxes[key] = mesh_from_faces(name, signs * size, FACES)
+            self._boxes[key] = box_mesh(name, size, bottom)
         return self._boxes[key]
 
     def floor(self, outline: Array, category: str = "Floor", thick: float = -SLAB, **options: Any) -> int:

@@ -27,7 +27,7 @@ from .observe.scene_reading import SceneReading, missing_counts, understood_coun
 from .place.instanced_scene import with_instances, without_instances
 from .place.placed_by_rules import by_rules, contract_with, rules_for
 from .place.placement_record import Placement
-from .place.room_shell import add_shell
+from .place.room_shell import add_floor, add_shell
 from .place.scene_extension import Names, uid_maker
 from .place.shape_library import Library
 from .placing_rounds import How, New, Placing, PlacingRounds
@@ -195,7 +195,10 @@ class Generator:
         built: Sequence[str] = SHELL if reading.has_room else STRUCTURE if FLOOR in counts else ()
         if reading.has_room:
             refused = Counter({name: counts[name] for name in SHELL if name in counts})
-            placements = [Placement(name, note="there is a room already") for name in refused.elements()]
+            if reading.missing_floor is not None:
+                scene, placements = add_floor(scene, reading.missing_floor, new.names, new.make_uid)
+                refused -= Counter([FLOOR])
+            placements += [Placement(name, note="there is a room already") for name in refused.elements()]
         elif FLOOR in counts:
             scene, placements = add_shell(scene, counts, self.library, new.rng, new.names, new.make_uid)
         known = {name: count for name, count in counts.items() if name in self.categories}

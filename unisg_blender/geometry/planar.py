@@ -66,9 +66,13 @@ def rectangle_gap(offset: Floats, yaw: Angles, half: Floats, other_yaw: Angles, 
     overlap.
     """
     spin = np.asarray(other_yaw) - yaw
-    own = np.abs(rotate(offset, -np.asarray(yaw))) - half[..., :2] - turned_reach(other_half, spin)
-    other = np.abs(rotate(offset, -np.asarray(other_yaw))) - other_half[..., :2] - turned_reach(half, spin)
-    return np.maximum(own.max(axis=-1), other.max(axis=-1))
+    cos, sin = np.abs(np.cos(spin)), np.abs(np.sin(spin))
+    gaps = []
+    for turn, mine, others in ((yaw, half, other_half), (other_yaw, other_half, half)):
+        seen = np.abs(rotate(offset, -np.asarray(turn)))
+        gaps.append(seen[..., 0] - mine[..., 0] - (cos * others[..., 0] + sin * others[..., 1]))
+        gaps.append(seen[..., 1] - mine[..., 1] - (sin * others[..., 0] + cos * others[..., 1]))
+    return np.maximum(np.maximum(gaps[0], gaps[1]), np.maximum(gaps[2], gaps[3]))
 
 
 def footprint_gap(center: Floats, half: Floats, yaw: float, places: Floats, other: Floats) -> Floats:

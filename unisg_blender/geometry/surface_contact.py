@@ -7,6 +7,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from .arrays import Bools, Floats, Ints
+from .corner_ends import corner_ends, meeting_ends
 
 Triangles = Floats
 """float64 (M, 3, 3): corners of triangles."""
@@ -30,8 +31,7 @@ AT_ONCE = 20_000
 
 def within(triangles: Triangles, low: Floats, high: Floats) -> Triangles:
     """The triangles whose boxes reach into an axis-aligned box."""
-    inside = (triangles.min(axis=1) <= high) & (triangles.max(axis=1) >= low)
-    return triangles[inside.all(axis=1)]
+    return triangles[meeting_ends(*corner_ends(triangles), low, high)]
 
 
 def heights(places: Floats, triangles: Triangles) -> Floats:

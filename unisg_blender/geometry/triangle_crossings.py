@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from .arrays import Floats, Ints
+from .corner_ends import corner_ends, meeting_ends
 
 BLOCK = 128
 """Segments that are compared with the triangles around them at a time."""
@@ -23,15 +24,15 @@ def crossings(segments: Floats, triangles: Floats) -> tuple[Ints, Ints]:
 
     By the signs of volumes: where a segment only touches a triangle's border or plane it does not go through.
     """
-    low, high = triangles.min(axis=1), triangles.max(axis=1)
-    ends_low, ends_high = segments.min(axis=1), segments.max(axis=1)
     if not len(triangles) or not len(segments):
         return np.zeros(0, np.int64), np.zeros(0, np.int64)
-    close = (ends_low <= high.max(axis=0)).all(axis=1) & (ends_high >= low.min(axis=0)).all(axis=1)
+    low, high = corner_ends(triangles)
+    ends_low, ends_high = corner_ends(segments)
+    close = meeting_ends(ends_low, ends_high, low.min(axis=0), high.max(axis=0))
     found = [(np.zeros(0, np.int64), np.zeros(0, np.int64))]
     for mine in _blocks(segments, np.flatnonzero(close)):
         first, last = ends_low[mine], ends_high[mine]
-        near = np.flatnonzero(((low <= last.max(axis=0)) & (high >= first.min(axis=0))).all(axis=1))
+        near = np.flatnonzero(meeting_ends(low, high, first.min(axis=0), last.max(axis=0)))
         meeting = np.ones((len(mine), len(near)), bool)
         for axis in range(3):
             meeting &= first[:, None, axis] <= high[near, axis]

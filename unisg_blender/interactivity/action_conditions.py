@@ -18,7 +18,7 @@ from ..geometry.affine_rows import gather, rotation_and_size
 from ..geometry.y_up import PLACES, turned_matrices, turned_points
 from ..scene.action_data import TYPES
 from .behaviour_program import Expression, GraphVariable, Put, real, whole
-from .contact_conditions import BodyBox, BoxTest, may_touch
+from .contact_conditions import BodyBox, BoxTest
 from .learner_inputs import LearnerInputs
 from .pose_conditions import PoseConditions
 
@@ -113,8 +113,8 @@ class ActionConditions:
                 self._lose(task, "nearness is told by separating axes: at corners it is a little more generous")
             yield [
                 *self._handled(task, tool, trigger),
-                may_touch(*boxes, distance),
                 self._boxes.about(*boxes, distance),
+                self._boxes.near,
                 self._boxes.touching,
             ]
 

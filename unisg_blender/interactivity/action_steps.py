@@ -27,25 +27,21 @@ from .behaviour_program import (
 class ActionSteps:
     """One action in the graph.
 
-    ``met``: its condition holds; ``struck``: in this tick it has held for long enough, and so ``enough`` times;
-    ``done``: performed; ``fresh``: performed in this tick; ``first``: its condition held at the start; ``late``: time
-    alone may move it on. ``update`` moves them on, after ``passing``, what is of one tick only, was set to false.
+    ``met``: its condition holds; ``struck``: in this tick it has held for long enough while waiting, and so ``enough``
+    times; ``done``: performed, of what is no member of a group in this tick only; ``fair``: its condition did
+    not hold at the start; ``late``: time alone may move it on. ``update`` moves them on, after ``passing``, what is of
+    one tick only, was set to false.
     """
 
     met: GraphVariable
     struck: GraphVariable
     done: GraphVariable
-    fresh: GraphVariable
-    first: GraphVariable
+    fair: GraphVariable
     enough: Expression
     late: Expression
     update: StepBlock
     variables: tuple[GraphVariable, ...]
-
-    @property
-    def passing(self) -> tuple[GraphVariable, ...]:
-        """What is of one tick only."""
-        return self.struck, self.fresh
+    passing: tuple[GraphVariable, ...]
 
 
 def action_steps(
@@ -54,46 +50,50 @@ def action_steps(
     hold: float,
     needed: int,
     active: Expression,
-    opened: Expression,
+    waiting: Expression,
     member: bool,
     stirred: GraphVariable,
     again: Put,
 ) -> ActionSteps:
     """An action of whose ``condition`` one way, with all its parts, must hold for ``hold`` seconds ``needed`` times.
 
-    ``active``: it may be performed; ``opened``: that has just begun, and it starts anew; ``member``: of a group,
-    so that it may be active though it was performed; ``stirred`` is set where more than ``met`` has changed.
-    Where time alone decides, ``again`` lets it be looked at in the next tick.
+    ``active``: it may be performed; ``waiting``: not yet; it is one of both; ``member``: of a group, so that it may be
+    active though it was performed; ``stirred`` is set where more than ``met`` has changed. Where time alone decides,
+    ``again`` lets it be looked at in the next tick.
     """
-    met, struck, counted, done, fresh, was = (
-        GraphVariable(f"{word} {name}", NO) for word in ("met", "struck", "counted", "done", "fresh", "first")
+    met, struck, counted, done, fair = (
+        GraphVariable(f"{word} {name}", NO) for word in ("met", "struck", "counted", "done", "fair")
     )
     since, hits = GraphVariable(f"since {name}", real(0)), GraphVariable(f"hits {name}", whole(0))
     several, lasting = needed > 1, hold > 0
     enough = hits.value > whole(needed - 1) if several else YES
-    performs = active & ~done.value if member else active
-    counts = [(struck, YES), (stirred, YES)]
+    counts = [(struck, waiting), (stirred, YES)]
     performed: list[Step] = []
     if several:  # whether it is enough counts this time too
         counts += [(hits, hits.value + whole(1))]
-        performed = [Branch(performs & enough, StepBlock([put((done, YES), (fresh, YES))]))]
+        performed = [Branch(active & enough, StepBlock([put((done, YES))]))]
     else:
-        counts += [(done, done.value | performs if member else performs), (fresh, performs)]
-    begins = ~met.value | opened
+        counts += [(done, done.value | active if member else active)]
     if lasting:
         long_enough = ~counted.value & (real(hold - EPSILON) <= TIME - since.value)
         holds = StepBlock([
-            Branch(begins, StepBlock([put((met, YES), (counted, NO), (since, TIME))])),
+            Branch(met.value, StepBlock(), StepBlock([put((met, YES), (counted, NO), (since, TIME))])),
             Branch(long_enough, StepBlock([put((counted, YES), *counts), *performed])),
             Branch(counted.value, StepBlock(), StepBlock([again])),
         ])  # fmt: skip
     else:
-        holds = StepBlock([Branch(begins, StepBlock([put((met, YES), *counts), *performed]))])
-    anew = [Branch(opened, StepBlock([put((hits, whole(0)))]))] if several else []
-    update = StepBlock([*anew, _asked(condition, holds, StepBlock([put((met, NO))]))])
+        holds = StepBlock([Branch(met.value, StepBlock(), StepBlock([put((met, YES), *counts), *performed]))])
+    update = StepBlock([_asked(condition, holds, StepBlock([put((met, NO))]))])
     kept = [*([since, counted] if lasting else []), *([hits] if several else [])]
     late = met.value & ~counted.value if lasting else NO
-    return ActionSteps(met, struck, done, fresh, was, enough, late, update, (met, struck, done, fresh, was, *kept))
+    passing = (struck,) if member else (struck, done)
+    return ActionSteps(met, struck, done, fair, enough, late, update, (met, struck, done, fair, *kept), passing)
+
+
+def restarted(name: str, needed: int) -> list[tuple[GraphVariable, Expression]]:
+    """What lets an action start anew: its condition has to hold from now on, and so often."""
+    met, hits = GraphVariable(f"met {name}", NO), GraphVariable(f"hits {name}", whole(0))
+    return [(met, NO), *([(hits, whole(0))] if needed > 1 else [])]
 
 
 def _asked(condition: list[list[Expression | Put]], holds: StepBlock, fails: StepBlock) -> StepBlock:

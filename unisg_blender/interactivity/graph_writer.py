@@ -166,8 +166,11 @@ class _Writer:
 
 
 def _short(number: Literal) -> Literal:
-    """A number in twelve digits, which is more than tolerances ask for."""
-    return float(f"{number:.12g}") if isinstance(number, float) else number
+    """A number in twelve digits, more than tolerances ask for; a whole one has no fraction."""
+    if not isinstance(number, float):
+        return number
+    short = float(f"{number:.12g}")
+    return int(short) if short.is_integer() else short
 
 
 def _only(step: Step) -> Step:

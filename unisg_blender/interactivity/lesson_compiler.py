@@ -17,7 +17,7 @@ from ..behaviour.lesson.lesson_progress import OPEN, WAITING
 from ..behaviour.playing.player import Lesson, begin, prepare
 from ..scene import ActionData, LessonNode, SceneGraph
 from .action_conditions import ActionConditions
-from .action_steps import ActionSteps, GroupSteps, action_steps, group_steps
+from .action_steps import ActionSteps, GroupSteps, action_steps, group_steps, restarted
 from .attention import Attention
 from .behaviour_program import (
     NO,
@@ -86,12 +86,13 @@ def lesson_graph(
 class _Compiler:
     def __init__(self, lesson: Lesson, node_of: Callable[[int], int]) -> None:
         self._lesson, self._node_of = lesson, node_of
-        self._tree = LessonSteps(lesson.outline, begin(lesson).status)
         self._first, self._stirred = GraphVariable("first tick", YES), GraphVariable("stirred", NO)
         self._leaf_of = {task: leaf for leaf in _leaves(lesson) for task in _tasks_of(lesson, leaf)}
+        self._tree = LessonSteps(lesson.outline, begin(lesson).status, self._restarts())
         self._inputs = LearnerInputs(lesson, node_of)
         self.conditions = ActionConditions(lesson, self._inputs)
         self._attention = Attention(self.conditions.batch, self._leaf_of)
+        self._again = put(*self._attention.waking([]))
         self._steps: dict[int, ActionSteps | GroupSteps] = {}
         members = {group.index: group for group in lesson.checks.groups}
         for task in self._leaf_of:
@@ -113,7 +114,7 @@ class _Compiler:
             if isinstance(steps, ActionSteps)
         ]
         leaves = {leaf: self._steps[int(self._lesson.task[leaf])].done.value for leaf in _leaves(self._lesson)}
-        held = [(each.first, each.met.value) for each in steps if isinstance(each, ActionSteps)]
+        held = [(each.fair, ~each.met.value) for each in steps if isinstance(each, ActionSteps)]
         begins: list[Step] = [self._tree.began(), put((self._first, NO), *held)]
         stirred, changed, asked = self._stirred.value, self._tree.changed, self._inputs.asked.value
         look: list[Step] = [
@@ -150,32 +151,43 @@ class _Compiler:
             self._node_of,
         )
 
+    def _restarts(self) -> dict[int, list[tuple[GraphVariable, Expression]]]:
+        """What is put when a leaf opens: a group itself has nothing that could start anew."""
+        checks = self._lesson.checks
+        found: dict[int, list[tuple[GraphVariable, Expression]]] = {}
+        for task, leaf in self._leaf_of.items():
+            if checks.actions[task].type != "Parallel":
+                found.setdefault(leaf, []).extend(restarted(str(task), int(checks.hits[task])))
+        return found
+
     def _action(self, task: int) -> ActionSteps:
         checks, leaf = self._lesson.checks, self._leaf_of[task]
         active = self._active(task)
         return action_steps(
             str(task), self.conditions.of(task), float(checks.hold[task]), int(checks.hits[task]),
-            active, self._tree.opened[leaf].value, task != self._lesson.task[leaf], self._stirred,
-            put(*self._attention.waking([])),
+            active, self._tree.is_at(leaf, WAITING), task != self._lesson.task[leaf], self._stirred,
+            self._again,
         )  # fmt: skip
 
     def _active(self, task: int) -> Expression:
         return self._tree.is_at(self._leaf_of[task], OPEN)
 
     def _may(self, task: int) -> Expression:
-        """An action may be performed and is not."""
-        return self._active(task) & ~self._steps[task].done.value
+        """An action may be performed and is not; what makes up its leaf is no longer active once it was performed."""
+        active = self._active(task)
+        whole_leaf = task == self._lesson.task[self._leaf_of[task]]
+        return active if whole_leaf else active & ~self._steps[task].done.value
 
     def _feedback(self) -> Iterator[Step]:
         """What the learner should hear, as the player tells it: what was done too early, and wrong answers."""
         checks = self._lesson.checks
-        for task, leaf in self._leaf_of.items():
+        for task in self._leaf_of:
             steps = self._steps[task]
             if not isinstance(steps, ActionSteps):
                 continue
             values = {"task": whole(task)}
             early = all_of([
-                steps.struck.value, steps.enough, self._tree.is_at(leaf, WAITING), ~steps.first.value,
+                steps.struck.value, steps.enough, steps.fair.value,
                 *([~any_of(excuses)] if (excuses := list(self._excuses(task))) else []),
             ])  # fmt: skip
             yield Branch(early, StepBlock([Send(EARLY, values)]))
@@ -199,7 +211,7 @@ class _Compiler:
 
     def _succeeds(self, task: int) -> Expression:
         steps = self._steps[task]
-        return steps.met.value | steps.fresh.value if isinstance(steps, ActionSteps) else steps.fresh.value
+        return steps.met.value if isinstance(steps, ActionSteps) else steps.fresh.value
 
 
 def _about(action: ActionData) -> set[str]:

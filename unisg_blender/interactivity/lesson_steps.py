@@ -1,10 +1,13 @@
 """The lesson tree as steps of a graph: what opens, is done, is skipped once something was performed.
 
 The rules are those of :mod:`~..behaviour.lesson.lesson_progress`, told once for each node of the tree: a block that
-skips it with all below, one that makes it done, one that looks at it. Blocks call each other.
+skips it with all below, one that makes it done, one that looks at it. Blocks call each other. What can never be
+skipped, which is most of a tree, has no block for it and is never asked about it.
 """
 
 from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,19 +42,17 @@ EVENT_OF = {OPEN: STARTED, DONE: PERFORMED, SKIPPED: MISSED}
 class LessonSteps:
     """The blocks and variables of one lesson tree.
 
-    ``status`` are the variables of its nodes; ``changed`` says that one has changed, and ``opened`` which leaves
-    have opened, since :meth:`seen`; :meth:`advance` makes the step that moves the lesson on after the leaves
-    for which there are conditions were performed.
+    ``status`` are the variables of its nodes; ``changed`` says that one has changed since :meth:`seen`;
+    :meth:`advance` makes the step that moves the lesson on after the leaves for which there are conditions were
+    performed. ``restarts``: what is put when a leaf opens, so that its actions start anew.
     """
 
-    def __init__(self, outline: Outline, status: NDArray[np.int8]) -> None:
-        self.outline, self._first = outline, status
+    def __init__(
+        self, outline: Outline, status: NDArray[np.int8],
+        restarts: Mapping[int, Sequence[tuple[GraphVariable, Expression]]],
+    ) -> None:  # fmt: skip
+        self.outline, self._first, self._restarts = outline, status, restarts
         self.status = [GraphVariable(f"status {place}", whole(value)) for place, value in enumerate(status.tolist())]
-        self.opened = {
-            place: GraphVariable(f"opened {place}", YES if status[place] == OPEN else NO)
-            for place, node in enumerate(outline.nodes)
-            if node.kind == "action"
-        }
         self._moved = GraphVariable("moved", NO)
         self.changed = GraphVariable("changed", YES)
         self._at = GraphVariable("changed node", whole(0))
@@ -60,7 +61,7 @@ class LessonSteps:
             status: StepBlock([note, Send(event, {"node": self._at.value})]) for status, event in EVENT_OF.items()
         }
         self._skips = [StepBlock() for _ in outline.nodes]
-        self._may_skip = _may_be_skipped(outline)
+        self._may_skip = _skippable(outline, np.flatnonzero(status == SKIPPED).tolist())
         for place in range(len(outline.nodes)):
             below = [self._skips[other] for other in outline.below(place)]
             steps: list[Step] = [*self._change(place, SKIPPED), *below]
@@ -70,7 +71,7 @@ class LessonSteps:
     @property
     def variables(self) -> tuple[GraphVariable, ...]:
         """What the blocks remember."""
-        return (*self.status, *self.opened.values(), self._moved, self.changed, self._at)
+        return (*self.status, self._moved, self.changed, self._at)
 
     def is_at(self, place: int, status: int) -> Expression:
         """Whether a node has a status."""
@@ -94,21 +95,16 @@ class LessonSteps:
         return StepBlock([*leaves, While(self._moved.value, StepBlock([put((self._moved, NO)), *looks]))])
 
     def _change(self, place: int, status: int) -> list[Step]:
-        opened = [(self.opened[place], YES)] if status == OPEN and place in self.opened else []
-        return [put((self.status[place], whole(status)), (self._at, whole(place)), *opened), self._tell[status]]
+        anew = self._restarts.get(place, ()) if status == OPEN else ()
+        return [put((self.status[place], whole(status)), (self._at, whole(place)), *anew), self._tell[status]]
 
     def seen(self) -> Put:
-        """What has opened, and changed, has been seen."""
-        return put((self.changed, NO), *((opened, NO) for opened in self.opened.values()))
+        """What has changed has been seen."""
+        return put((self.changed, NO))
 
     def _done(self, place: int) -> StepBlock:
         """A node is done; what comes before it and may still be open can no longer be."""
-        outline, missed = self.outline, []
-        for sibling in outline.earlier(place):
-            for other in (sibling, *outline.below(sibling)):
-                chain = [other, *outline.above(other)]
-                if not all(outline.mandatory[each] for each in chain[: chain.index(sibling) + 1]):
-                    missed.append(self._skips[other])
+        missed = [self._skips[other] for other in _missed(self.outline, place)]
         return StepBlock([*self._change(place, DONE), *missed])
 
     def _look(self, place: int) -> StepBlock:
@@ -122,25 +118,20 @@ class LessonSteps:
         outline = self.outline
         needs = outline.requires[place]
         before = [other for other in outline.earlier(place) if outline.mandatory[other]]
-        above = self.status[outline.parent[place]].value if place else whole(OPEN)
-        ready = all_of(
-            [
-                above.equals(whole(OPEN)) | above.equals(whole(DONE)),
-                *(self.is_at(other, DONE) for other in [*before[-1:], *needs]),  # the last one opened after the others
-            ]
-        )
-        opens = Branch(ready, StepBlock(self._change(place, OPEN)))
-        if not needs:
-            return StepBlock([opens])
-        lost = any_of(self.is_at(other, SKIPPED) for other in needs)
-        return StepBlock([Branch(lost, self._skips[place], StepBlock([opens]))])
+        above = outline.parent[place]
+        ready = [self.is_at(other, DONE) for other in [*before[-1:], *needs]]  # the last one opened after the others
+        if not before and place:  # what was done before stood below the same part, which has been open then
+            ready.insert(0, self.is_at(above, OPEN) | self.is_at(above, DONE))
+        opens = Branch(all_of(ready), StepBlock(self._change(place, OPEN)))
+        lost = [self.is_at(other, SKIPPED) for other in needs if other in self._may_skip]
+        return StepBlock([Branch(any_of(lost), self._skips[place], StepBlock([opens])) if lost else opens])
 
     def _part(self, place: int) -> StepBlock:
         outline = self.outline
         children = outline.children[place]
         mandatory = [child for child in children if outline.mandatory[child]]
         if mandatory:
-            lost = [self.is_at(child, SKIPPED) for child in mandatory if self._may_skip[child]]
+            lost = [self.is_at(child, SKIPPED) for child in mandatory if child in self._may_skip]
             done = Branch(all_of(self.is_at(child, DONE) for child in mandatory), self._dones[place])
             return StepBlock([Branch(any_of(lost), self._skips[place], StepBlock([done])) if lost else done])
         settled = StepBlock([self._dones[place]])
@@ -150,9 +141,29 @@ class LessonSteps:
         return StepBlock([Branch(~any_of(self.is_pending(child) for child in children), settled)])
 
 
-def _may_be_skipped(outline: Outline) -> list[bool]:
-    """Nodes that can be skipped while what is above them is not: they, or something below, are optional or require."""
-    return [
-        any(outline.requires[each] or not outline.mandatory[each] for each in (place, *outline.below(place)))
-        for place in range(len(outline.nodes))
-    ]
+def _missed(outline: Outline, place: int) -> list[int]:
+    """What can no longer be done when a node is: what may be left out and comes before it."""
+    found = []
+    for sibling in outline.earlier(place):
+        for other in (sibling, *outline.below(sibling)):
+            chain = [other, *outline.above(other)]
+            if not all(outline.mandatory[each] for each in chain[: chain.index(sibling) + 1]):
+                found.append(other)
+    return found
+
+
+def _skippable(outline: Outline, first: list[int]) -> set[int]:
+    """Nodes that can be skipped: those that are at the start, those that something later skips, and what follows."""
+    places = range(len(outline.nodes))
+    found = {*first, *(other for place in places for other in _missed(outline, place))}
+
+    def follows(place: int) -> bool:
+        mandatory = [child for child in outline.children[place] if outline.mandatory[child]]
+        part = place > 0 and outline.nodes[place].kind != "action"
+        empty = part and not outline.mandatory[place] and not mandatory
+        above = place > 0 and outline.parent[place] in found
+        return empty or above or any(other in found for other in (*mandatory, *outline.requires[place]))
+
+    while more := {place for place in places if place not in found and follows(place)}:
+        found |= more
+    return found

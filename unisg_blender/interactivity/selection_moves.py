@@ -108,7 +108,8 @@ class SelectionMoves:
         """All that the way of a thing needs, and the trigger pressed."""
         force = float(self._batch.force[move.task]) if move.stay else None
         return put(
-            (self._node, whole(self._node_of(move.row))), (self._busy, YES), (self._stay, real(move.stay)),
+            (self._node, whole(self._node_of(move.row))),
+            *([(self._stay, real(move.stay))] if move.stay else []),
             (self._there[0], constant("float3", *move.translation.tolist())),
             (self._there[1], constant("float4", *move.rotation.tolist())),
             *self._inputs.handling(move.row, force, self._attention),
@@ -124,7 +125,8 @@ class SelectionMoves:
         arrived = StepBlock([Branch(self._stay.value > real(0), waits, StepBlock([put((self._busy, NO))]))])
         now = tuple(Expression(each.initial.kind, "pointer/get", {"n": self._node.value}, _pointer(k, each))
                     for k, each in enumerate(self._home))  # fmt: skip
-        return StepBlock([put(*zip(self._home, now, strict=True)), *self._way(self._there, real(GOING), arrived)])
+        begins = put((self._busy, YES), *zip(self._home, now, strict=True))
+        return StepBlock([begins, *self._way(self._there, real(GOING), arrived)])
 
     def _way(self, goal: tuple[GraphVariable, GraphVariable], seconds: Expression, then: StepBlock) -> list[Step]:
         return [self._one(0, goal, seconds, StepBlock()), self._one(1, goal, seconds, then)]

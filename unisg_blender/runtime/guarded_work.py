@@ -114,8 +114,7 @@ def reading(path: Path) -> Iterator[None]:
     if watch is None:
         yield
         return
-    size = path.stat().st_size if path.is_file() else 0
-    watch.path, watch.limit = str(path), max(_patience(), PATIENCE + A_MEGABYTE * size / 1e6)
+    watch.path, watch.limit = str(path), max(_patience(), _time_for(path))
     try:
         watch.set_clock(watch.limit)
         yield
@@ -127,6 +126,15 @@ def still_reading(seconds: float = 0.0) -> None:
     """Say that the reading goes on, which gives it its time anew, or so many seconds if that is more."""
     if _watch is not None and _watch.path and (seconds or time.monotonic() > _watch.set_at + 1.0):
         _watch.set_clock(max(seconds, _watch.limit))
+
+
+def reading_part(path: Path) -> None:
+    """Say that a file is read now of which the one that is read is made: it has its own time, by its own size."""
+    still_reading(_time_for(path))
+
+
+def _time_for(path: Path) -> float:
+    return PATIENCE + A_MEGABYTE * (path.stat().st_size if path.is_file() else 0) / 1e6
 
 
 def _patience() -> float:

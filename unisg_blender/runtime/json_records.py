@@ -77,11 +77,18 @@ def check_version(version: Any, subject: str, newest: int) -> None:
 def to_record(item: Any) -> dict[str, Any]:
     """A dataclass as JSON-ready values, without what is at its default."""
     record: dict[str, Any] = dict(getattr(item, "extra", {}))
-    for each in fields(item):
-        value = getattr(item, each.name)
-        if each.name != "extra" and (_required(each) or value != _default(each)):
-            record[each.name] = _plain(value)
+    for name, required, default in _written(type(item)):
+        value = getattr(item, name)
+        if required or value != default:
+            record[name] = _plain(value)
     return record
+
+
+@cache
+def _written(kind: type) -> list[tuple[str, bool, Any]]:
+    """The fields of a dataclass that its records have: name, whether each record has it, and the default."""
+    known = [each for each in fields(kind) if each.name != "extra"]  # type: ignore[arg-type]
+    return [(each.name, _required(each), None if _required(each) else _default(each)) for each in known]
 
 
 def _required(each: Field[Any]) -> bool:

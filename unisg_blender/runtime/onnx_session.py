@@ -7,7 +7,8 @@ import math
 import os
 import threading
 import time
-from collections.abc import Collection, Iterator, Sequence
+from collections import Counter
+from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
@@ -18,7 +19,7 @@ from numpy.typing import NDArray
 
 from ..errors import UniSGError
 from .json_records import parse_json
-from .onnx_graph import unsafe_part
+from .onnx_graph import part_for, unsafe_part
 
 KEY = "unisg"
 """Name of the entry in a file's metadata that says what the network is."""
@@ -30,6 +31,9 @@ MOST_SECONDS = 60.0
 """How long a network may compute at a time."""
 
 LARGEST_INPUT = 2**24
+
+OFTEN = 16
+"""Runs from which on opening the part that they need again pays."""
 
 
 _running: dict[int, tuple[float, Any]] = {}
@@ -67,12 +71,21 @@ def _end_late_runs() -> None:
 
 
 class OnnxModel:
-    """An opened network: its ``path``, its ``metadata``, and the version of the ``contract`` that they follow."""
+    """An opened network: its ``path``, its ``metadata``, and the version of the ``contract`` that they follow.
 
-    def __init__(self, path: Path, metadata: dict[str, Any], contract: int, session: Any) -> None:
-        self.path, self.metadata, self.contract, self._session = path, metadata, contract, session
+    What gives outputs that are often asked for is opened once more on its own: among all the nodes of a large network
+    onnxruntime looks for those that it has to run at each run anew, which takes longer than to run them.
+    """
+
+    def __init__(
+        self, path: Path, metadata: dict[str, Any], contract: int, session: Any, opened: Callable[[Sequence[str]], Any]
+    ) -> None:
+        """``session`` runs the whole network, ``opened`` gives one that runs what some outputs need."""
+        self.path, self.metadata, self.contract, self._whole, self._opened = path, metadata, contract, session, opened
         self._blank = {item.name: _blank(item, path) for item in session.get_inputs()}
         self._outputs = {item.name: item.shape for item in session.get_outputs()}
+        self._asked: Counter[tuple[str, ...]] = Counter()
+        self._parts: dict[tuple[str, ...], tuple[Any, dict[str, NDArray[Any]]]] = {}
 
     def run(self, outputs: Sequence[str] | None = None, /, **inputs: NDArray[Any]) -> list[NDArray[np.float32]]:
         """The named outputs, all if omitted, for the given inputs.
@@ -89,18 +102,27 @@ class OnnxModel:
         missing = set(outputs or ()) - set(self._outputs)
         if missing:
             raise UniSGError(f"{self.path} has no output {min(missing)!r}: the model is damaged; train it again")
-        known = {name: value for name, value in inputs.items() if name in self._blank}
         options = onnxruntime.RunOptions()
         options.only_execute_path_to_fetches = True
         try:
+            session, blank = self._session_for(tuple(outputs or self._outputs))
+            known = {name: inputs.get(name, value) for name, value in blank.items()}
             with _limited(options):
-                found: list[NDArray[np.float32]] = self._session.run(outputs, self._blank | known, options)
+                found: list[NDArray[np.float32]] = session.run(outputs, known, options)
         except Exception as error:  # onnxruntime has no common base class for its errors
             why = f"not done after {MOST_SECONDS:g} s" if options.terminate else _reason(error)
             raise UniSGError(f"{self.path} cannot be run ({why}): the model is damaged; train it again") from None
         if any(np.isnan(values).any() for values in found):
             raise UniSGError(f"{self.path} gives no finite numbers: the model is damaged; train it again")
         return found
+
+    def _session_for(self, outputs: tuple[str, ...]) -> tuple[Any, dict[str, NDArray[Any]]]:
+        """What runs some outputs, and blanks for what it wants to be given."""
+        self._asked[outputs] += 1
+        if outputs not in self._parts and len(outputs) < len(self._outputs) and self._asked[outputs] > OFTEN:
+            part = self._opened(outputs)
+            self._parts[outputs] = part, {item.name: self._blank[item.name] for item in part.get_inputs()}
+        return self._parts.get(outputs, (self._whole, self._blank))
 
     def expect(self, name: str, *sizes: int | None) -> None:
         """UniSGError unless the input or output of that name has these last dimensions, as far as they are told."""
@@ -146,8 +168,6 @@ def open_model(
         If the file is missing, no ONNX model, has what :func:`~.onnx_graph.unsafe_part` finds, or has no metadata of a
         known version for that task. Operators that onnxruntime does not bring along are refused by onnxruntime.
     """
-    import onnxruntime
-
     file = Path(path)
     if not file.is_file():
         raise UniSGError(f"there is no model {file}: train one with 'unisg train {job}', or give another path")
@@ -158,15 +178,8 @@ def open_model(
         raise UniSGError(f"{file} is no ONNX model: give another file") from None
     if unsafe:
         raise UniSGError(f"{file} has {unsafe}, which are not run: give a model from 'unisg train {job}'")
-    _limit_memory()
-    options = onnxruntime.SessionOptions()
-    options.intra_op_num_threads = threads
-    options.log_severity_level = 4
-    options.add_session_config_entry("session.use_env_allocators", "1")
     try:
-        session = onnxruntime.InferenceSession(  # folding would compute without a limit
-            data, options, providers=["CPUExecutionProvider"], disabled_optimizers=["ConstantFolding"]
-        )
+        session = _session(data, threads)
     except Exception as error:  # onnxruntime has no common base class for its errors
         raise UniSGError(f"{file} is no ONNX model that can be run ({_reason(error)}): give another file") from None
     try:
@@ -175,7 +188,22 @@ def open_model(
         raise damaged(file) from None
     if text is None:
         raise UniSGError(f"{file} is another ONNX model, it has no UniSG metadata: give one from 'unisg train {job}'")
-    return OnnxModel(file, *read_metadata(text, file, task, contracts, job), session)
+    known = read_metadata(text, file, task, contracts, job)
+    return OnnxModel(file, *known, session, lambda outputs: _session(part_for(data, outputs), threads))
+
+
+def _session(data: bytes, threads: int) -> Any:
+    """What runs a network."""
+    import onnxruntime
+
+    _limit_memory()
+    options = onnxruntime.SessionOptions()
+    options.intra_op_num_threads = threads
+    options.log_severity_level = 4
+    options.add_session_config_entry("session.use_env_allocators", "1")
+    return onnxruntime.InferenceSession(  # folding would compute without a limit
+        data, options, providers=["CPUExecutionProvider"], disabled_optimizers=["ConstantFolding"]
+    )
 
 
 @cache

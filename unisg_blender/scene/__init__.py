@@ -13,7 +13,7 @@ from .graph import TYPES, Entity, SceneGraph
 from .hierarchy import children, local_bounds, local_matrices, placed, subtree, take, world_matrices
 from .lesson_node import LessonNode
 from .merge import append
-from .mesh import Material, Mesh, mesh_from_faces
+from .mesh import Material, Mesh, box_mesh, mesh_from_faces
 from .motion_frames import frame_range_of
 from .parents import compose_world
 from .realize_instances import realize
@@ -38,6 +38,7 @@ __all__ = [
     "Thresholds",
     "append",
     "assemble",
+    "box_mesh",
     "canonical",
     "category_dropout",
     "children",

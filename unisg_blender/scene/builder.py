@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from ..errors import UniSGError
 from .action_data import ActionData
@@ -39,7 +39,7 @@ class SceneBuilder:
         *,
         uid: str,
         parent: int = -1,
-        local: NDArray[np.float64] | None = None,
+        local: ArrayLike | None = None,
         mesh: Mesh | None = None,
         category: str = "",
         kind: str = "",
@@ -50,23 +50,27 @@ class SceneBuilder:
     ) -> int:
         """Add an entity and return its number, to be given as ``parent`` of others.
 
-        ``local`` is the 4x4 child-to-parent matrix in metres (identity when
-        omitted); the same ``mesh`` object given twice is stored once; ``kind`` is
-        the object type, by default "MESH" with a mesh and "EMPTY" without; ``others``
-        are further custom properties, of values that JSON can hold.
+        ``local`` is the 4x4 child-to-parent matrix in metres, or a place (3,)
+        of a thing that is not turned (identity when omitted); the same ``mesh`` object
+        given twice is stored once; ``kind`` is the object type, by default "MESH" with
+        a mesh and "EMPTY" without; ``others`` are further custom properties, of values
+        that JSON can hold.
 
         Raises
         ------
         UniSGError
             If ``local`` has another shape.
         """
-        local = np.eye(4) if local is None else np.asarray(local, np.float64)
-        if local.shape != (4, 4):
-            raise UniSGError(f"the local matrix of {name!r} must have the shape (4, 4), not {local.shape}")
+        matrix = np.eye(4) if local is None else np.array(local, np.float64)
+        if matrix.shape == (3,):
+            place, matrix = matrix, np.eye(4)
+            matrix[:3, 3] = place
+        if matrix.shape != (4, 4):
+            raise UniSGError(f"the local matrix of {name!r} must have the shape (4, 4), not {matrix.shape}")
         self._names.append(name)
         self._types.append(kind or ("MESH" if mesh is not None else "EMPTY"))
         self._parents.append(parent)
-        self._locals.append(local)
+        self._locals.append(matrix)
         if mesh is not None:
             self._mesh_table.setdefault(id(mesh), (len(self._mesh_table), mesh))
         self._meshes.append(-1 if mesh is None else self._mesh_table[id(mesh)][0])

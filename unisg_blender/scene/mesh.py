@@ -8,9 +8,12 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from ..errors import UniSGError
+
+BOX_FACES = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
+"""The faces of a box whose corners come in the order of x, then y, then z, low before high."""
 
 
 @dataclass(frozen=True)
@@ -141,3 +144,9 @@ def mesh_from_faces(name: str, points: NDArray[np.floating], faces: list[list[in
     offsets = np.concatenate([[0], np.cumsum(sizes)]).astype(np.int32)
     corners = np.concatenate([np.asarray(face, np.int32) for face in faces]) if sizes else np.zeros(0, np.int32)
     return Mesh(name, np.asarray(points, np.float32).reshape(-1, 3), corners.astype(np.int32), offsets)
+
+
+def box_mesh(name: str, size: ArrayLike, bottom: float = 0.0) -> Mesh:
+    """The mesh of a box of a size (3,) in metres on the origin, or with its bottom ``bottom`` heights above it."""
+    ends = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (bottom, bottom + 1)], np.float64)
+    return mesh_from_faces(name, ends * np.asarray(size, np.float64), BOX_FACES)

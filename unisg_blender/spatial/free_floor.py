@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from ..geometry.arrays import Bools, Floats
+from ..geometry.arrays import Bools, Floats, Ints
 from ..geometry.column_raster import Grid
 from ..geometry.planar import outside_rectangle
 from ..geometry.polygon import inside, to_edges
@@ -32,6 +31,10 @@ FINEST = 0.025
 """Metres of a cell, at least."""
 
 
+NEIGHBOURS = np.ones((3, 3))
+"""A cell is next to those at its corners, too."""
+
+
 @dataclass(frozen=True, eq=False)
 class FreeFloor:
     """A floor with the cells on which the middle of whoever walks may be.
@@ -42,13 +45,20 @@ class FreeFloor:
         Its cells.
     width
         Metres across of whoever walks.
-    free
-        Of the grid's shape: cells over the floor, half the width from its rim and from things.
+    middles
+        Where the middles of the cells are, metres, (X, Y, 2).
+    parts
+        (X, Y): which connected part of the floor each cell is in, from 1 on; 0 where nobody can be: beside the floor,
+        or half the width from its rim or from things.
+    sizes
+        Cells in each part: 0 in those that things have covered.
     """
 
     grid: Grid
     width: float
-    free: Bools
+    middles: Floats
+    parts: Ints
+    sizes: Ints
 
     @staticmethod
     def of(outline: Floats, width: float = WIDTH) -> FreeFloor:
@@ -58,7 +68,7 @@ class FreeFloor:
         middles = grid.middles_of(np.arange(grid.size))
         free = inside(outline, middles)
         free[free] = np.linalg.norm(to_edges(outline, middles[free]), axis=-1).min(axis=-1) >= width / 2
-        return FreeFloor(grid, width, free.reshape(grid.shape))
+        return FreeFloor(grid, width, middles.reshape(*grid.shape, 2), *_connected(free.reshape(grid.shape)))
 
     def without(self, center: Floats, half: Floats, yaw: float) -> FreeFloor:
         """The floor with a thing on it: a box with middle (2,) and half extents (2,), turned; metres, radians."""
@@ -66,29 +76,40 @@ class FreeFloor:
         ends = np.array([center - reach, center + reach]) - self.grid.origin
         first, last = np.clip((ends / self.grid.cell).astype(int) + np.array([[0], [1]]), 0, self.grid.shape)
         near = (slice(first[0], last[0]), slice(first[1], last[1]))
-        away = outside_rectangle(self._middles[near] - center, yaw, half)
-        free = self.free.copy()
-        free[near] &= away > self.width / 2
-        return FreeFloor(self.grid, self.width, free)
-
-    @cached_property
-    def _middles(self) -> Floats:
-        return self.grid.middles_of(np.arange(self.grid.size)).reshape(*self.grid.shape, 2)
-
-    @cached_property
-    def areas(self) -> Floats:
-        """Square metres of each connected part of the free floor."""
-        from scipy.ndimage import label
-
-        parts: Any = label(self.free, np.ones((3, 3)))[0]
-        return np.bincount(parts.reshape(-1))[1:] * self.grid.cell**2
+        away = outside_rectangle(self.middles[near] - center, yaw, half)
+        covered = (self.parts[near] > 0) & (away <= self.width / 2)
+        if not covered.any():
+            return self
+        parts = self.parts.copy()
+        parts[near][covered] = 0
+        sizes = self.sizes - np.bincount(self.parts[near][covered] - 1, minlength=len(self.sizes))
+        around = (slice(max(first[0] - 1, 0), last[0] + 1), slice(max(first[1] - 1, 0), last[1] + 1))
+        if _falls_apart(self.parts[around] > 0, parts[around] > 0):
+            parts, sizes = _connected(parts > 0)
+        return FreeFloor(self.grid, self.width, self.middles, parts, sizes)
 
     @property
     def places(self) -> int:
-        """How many of these parts are as large as :data:`PLACE`."""
-        return int((self.areas >= PLACE).sum())
+        """How many of the parts are as large as :data:`PLACE`."""
+        return int((self.sizes * self.grid.cell**2 >= PLACE).sum())
 
     @property
     def reachable(self) -> float:
         """The share of the free floor that is in its largest connected part; 1 where nothing is free."""
-        return float(self.areas.max() / self.areas.sum()) if len(self.areas) else 1.0
+        return float(self.sizes.max() / self.sizes.sum()) if self.sizes.any() else 1.0
+
+
+def _connected(free: Bools) -> tuple[Ints, Ints]:
+    """Which connected part each free cell is in, from 1 on, and how many cells each part has."""
+    from scipy.ndimage import label
+
+    parts: Any = label(free, NEIGHBOURS)[0]
+    return parts, np.bincount(parts.reshape(-1))[1:]
+
+
+def _falls_apart(before: Bools, after: Bools) -> bool:
+    """May parts fall into several where cells are covered? Not where all that hung together around them still does."""
+    from scipy.ndimage import label
+
+    parts: Any = label(before, NEIGHBOURS)[0]
+    return int(label(after, NEIGHBOURS)[1]) != len(np.unique(parts[after]))

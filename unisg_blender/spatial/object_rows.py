@@ -9,6 +9,7 @@ import numpy as np
 
 from ..geometry.arrays import Bools, Floats, Ints
 from ..geometry.boxes import Boxes, orthonormal_axes, upright_boxes
+from ..geometry.corner_ends import corner_ends
 from ..geometry.planar import heading
 from ..geometry.polygon import convex_hull
 from ..geometry.surface_contact import Triangles
@@ -173,7 +174,7 @@ class Objects:
         """The triangles of an object whose boxes reach into an axis-aligned box."""
         triangles = self.triangles(obj)
         if obj not in self._ends:
-            self._ends[obj] = triangles.min(axis=1), triangles.max(axis=1)
+            self._ends[obj] = corner_ends(triangles)
         lowest, highest = self._ends[obj]
         return triangles[((lowest <= high) & (highest >= low)).all(axis=1)]
 

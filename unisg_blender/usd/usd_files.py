@@ -85,10 +85,10 @@ def read_usd(path: str | os.PathLike[str], progress: Progress | None = None) -> 
         If the file is missing, damaged, or written by a newer version.
     """
     path = Path(path)
-    if not is_of(path, USD):
-        raise UniSGError(f"{path}: a USD file ends in {', '.join(USD)}")
     if not path.is_file():
         raise UniSGError(f"{path}: " + ("is no file" if path.exists() else "there is no such file"))
+    if not is_of(path, USD):
+        raise UniSGError(f"{path}: a USD file ends in {', '.join(USD)}")
     require_pxr()
     from .read.stage import open_stage
     from .read.stage_reader import read_stage

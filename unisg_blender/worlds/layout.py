@@ -98,8 +98,8 @@ class Layout:
 
     def fits(self, asset: Furniture, poses: Floats, parent: Placed, clearance: float = 0.0) -> Bools:
         """At which poses (T, 4) the asset meets nothing and, on the floor, has its middle in the room."""
-        free = self.taken.free(asset.shapes, poses, ignore=parent.number, clearance=clearance)
-        return free & inside(self.outline, poses[:, :2]) if parent.parent is None else free
+        indoors = inside(self.outline, poses[:, :2]) if parent.parent is None else None
+        return self.taken.free(asset.shapes, poses, ignore=parent.number, clearance=clearance, asked=indoors)
 
     def place(
         self, asset: Furniture, propose: Callable[[], Sequence[float] | Pose], parent: Placed, *,

@@ -50,14 +50,18 @@ class Occupancy:
         self._extent[:3, rows], self._extent[3:, rows] = (center[0] - reach[0]).T, (center[0] + reach[0]).T
         self._count = stop
 
-    def free(self, shapes: Shapes, poses: Floats, ignore: int = -2, clearance: float = 0.0) -> Bools:
+    def free(
+        self, shapes: Shapes, poses: Floats, ignore: int = -2, clearance: float = 0.0, asked: Bools | None = None
+    ) -> Bools:
         """At which poses (T, 4: x, y, z, yaw) the parts meet nothing, bool (T,).
 
         ``ignore`` is an owner that may be met (what the object stands in or on);
-        ``clearance`` is kept free around, horizontally, metres.
+        ``clearance`` is kept free around, horizontally, metres. Of poses that are not ``asked`` for (T,), the answer
+        is no.
         """
-        if not len(poses):
-            return np.zeros(0, bool)
+        found = np.ones(len(poses), bool) if asked is None else asked
+        if not found.any():
+            return found
         center, reach = _in_world(shapes, poses)
         reach = reach + np.array([clearance, clearance, -TOUCH])
         low, high = (center - reach).min(axis=0), (center + reach).max(axis=0)
@@ -67,16 +71,22 @@ class Occupancy:
             near &= (taken[axis] < last[axis]) & (taken[3 + axis] > first[axis])
         rows = np.flatnonzero(near)
         if not len(rows):
-            return np.ones(len(poses), bool)
-        bottom, top = taken[:3, rows].T, taken[3:, rows].T
-        part, other = np.nonzero(((bottom < high[:, None]) & (top > low[:, None])).all(axis=2))
+            return found
+        bottom, top = taken[:3, rows], taken[3:, rows]
+        meeting = np.ones((len(low), len(rows)), bool)
+        for axis in range(3):
+            meeting &= (bottom[axis] < high[:, axis, None]) & (top[axis] > low[:, axis, None])
+        part, other = np.nonzero(meeting)
         if not len(part):
-            return np.ones(len(poses), bool)
-        rows, half = rows[other], shapes.half[part]
-        offset = self._center[rows] - center[:, part]
+            return found
+        rows, half, mine = rows[other], shapes.half[part], np.flatnonzero(found)
+        offset = self._center[rows] - center[np.ix_(mine, part)]
         hit = np.abs(offset[..., 2]) < half[:, 2] + self._half[rows, 2] - TOUCH
-        hit &= rectangle_gap(offset[..., :2], poses[:, 3, None], half, self._turn[rows], self._half[rows]) < clearance
-        return ~hit.any(axis=1)
+        turn = poses[mine, 3, None]
+        hit &= rectangle_gap(offset[..., :2], turn, half, self._turn[rows], self._half[rows]) < clearance
+        result = np.zeros(len(poses), bool)
+        result[mine] = ~hit.any(axis=1)
+        return result
 
 
 def _in_world(shapes: Shapes, poses: Floats) -> tuple[Floats, Floats]:

@@ -81,7 +81,9 @@ def choose_views(
     for kind, count in wanted.items():
         if kind == SCENE:
             if not own:
-                raise UniSGError('the scene has no camera that can be used: ask for "eye=2", or add one')
+                raise UniSGError(
+                    'the scene has no camera that can be used: add one, or ask for other views, such as "eye=2"'
+                )
             found += [ChosenView(view, np.zeros(len(graph), bool)) for view in own[: max(count, 1)]]
         else:
             make = _MAKERS.get(kind, _looks_at)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 from pathlib import Path
 from typing import Any
@@ -21,8 +22,9 @@ class PictureDataset(torch.utils.data.Dataset):
     """What ``unisg render`` has made: a record for each picture.
 
     ``name``; ``picture`` uint8 (3, height, width); ``instance`` int32 (height, width), the number of each pixel's
-    object, 0 for none; ``depth`` float32 (height, width), metres, infinite where nothing is; and ``graph``, the
-    ``HeteroData`` of what is seen.
+    object, 0 for none; ``depth`` float32 (height, width), metres, infinite where nothing is; ``graph``, the
+    ``HeteroData`` of what is seen; and ``number`` int64 (E,), that of each of its entities in ``instance``, 0 for parts
+    of other objects.
 
     Parameters
     ----------
@@ -47,4 +49,8 @@ class PictureDataset(torch.utils.data.Dataset):
             picture = torch.from_numpy(np.array(image.convert("RGB")).transpose(2, 0, 1).copy())
         with np.load(self.folder / "truth" / f"{name}.npz") as truth:
             found = {key: torch.from_numpy(truth[key]) for key in ("instance", "depth")}
-        return {"name": name, "picture": picture, **found, "graph": self.graphs[index]}
+        labels = json.loads((self.folder / "labels" / f"{name}.json").read_text(encoding="utf-8"))["objects"]
+        number_of = {label["uid"]: label["id"] for label in labels}
+        numbers = [number_of.get(uid, 0) for uid in self.graphs.columns[index].strings("entity.uid")]
+        number = torch.tensor(numbers, dtype=torch.int64)
+        return {"name": name, "picture": picture, **found, "graph": self.graphs[index], "number": number}

@@ -6,9 +6,8 @@ from functools import lru_cache
 
 import numpy as np
 
-from ...scene import Mesh, mesh_from_faces
+from ...scene import Mesh, box_mesh, mesh_from_faces
 from ..axes import Array, numbers
-from ..room_builder import FACES
 
 AROUND = 24
 """Corners of a circle."""
@@ -24,8 +23,7 @@ def shape(kind: str, *size: float) -> Mesh:
     if not all(np.isfinite(size)) or min(size) <= 0 or len(size) != COUNTS.get(kind, -1):
         raise ValueError(f"no {kind} has the size {size}")
     if kind == "box":
-        signs = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
-        return mesh_from_faces(kind, signs * size, FACES)
+        return box_mesh(kind, size, -0.5)
     if kind == "plane":
         x, y = size[0] / 2, size[1] / 2
         return mesh_from_faces(kind, np.array([[-x, -y, 0], [x, -y, 0], [x, y, 0], [-x, y, 0]]), [[0, 1, 2, 3]])

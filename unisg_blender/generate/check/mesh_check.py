@@ -8,6 +8,7 @@ import numpy as np
 
 from ...geometry.arrays import Bools, Floats, Ints
 from ...geometry.boxes import Boxes, orthonormal_axes, world_bounds
+from ...geometry.corner_ends import corner_ends, meeting_ends
 from ...geometry.polygon import inside
 from ...geometry.triangle_crossings import crossings, edges_of
 from ...scene import SceneGraph
@@ -103,7 +104,7 @@ def _fault(around: Surroundings, row: int, gone: Bools, holder_row: int) -> str:
     """Why the thing at a row does not hold, "" if it does; what is ``gone`` (N,) is not looked at."""
     skipped = gone.copy()
     skipped[(rows := subtree(around.graph, row))] = True
-    mine = around.triangles[np.isin(around.row, rows)]
+    mine = around.triangles[around.of_rows(rows)]
     kinds = _relations(around.graph, row)
     held = holder_row >= 0 or bool(kinds & HELD)
     holder_row = holder_row if holder_row >= 0 else int(around.graph.parent[row])
@@ -117,13 +118,16 @@ def pose_fault(around: Surroundings, thing: PosedThing) -> str:
     mine, skipped = thing.triangles, thing.skipped
     if not len(mine):
         return ""
-    low, high = mine.min(axis=(0, 1)) - ASIDE, mine.max(axis=(0, 1)) + ASIDE
+    least, most = corner_ends(mine)
+    low, high = least.min(axis=0) - ASIDE, most.max(axis=0) + ASIDE
     near = around.near(low, high)
     near = near[~skipped[around.row[near]]]
     others, other_row = around.triangles[near], around.row[near]
     if _outside(around, (low + high) / 2):
         return OUTSIDE
-    holder = np.isin(other_row, thing.holders)
+    holds = np.zeros(len(skipped), bool)
+    holds[thing.holders] = True
+    holder = holds[other_row]
     touched = others[holder] if len(thing.holders) else others
     stands = _grounded(around, mine) or _carried(mine, others)
     if not stands and not (thing.held and _touched(mine, touched)):
@@ -131,9 +135,7 @@ def pose_fault(around: Surroundings, thing: PosedThing) -> str:
     skin = smaller(mine, thing.matrix)
     inside_of = other_row[~holder][meets(skin, others[~holder])]
     if not len(inside_of):
-        passed = skipped.copy()
-        passed[thing.holders] = True
-        inside_of = _within(around, skin, passed)
+        inside_of = _within(around, skin, skipped | holds)
     if not len(inside_of) and thing.held:
         held_skin = skin if thing.inside else smaller(mine, thing.matrix, MOUNTED)
         inside_of = other_row[holder][meets(held_skin, others[holder])]
@@ -146,7 +148,8 @@ def smaller(triangles: Floats, matrix: Floats, depth: float = DEEPEST) -> Floats
     """Triangles (M, 3, 3) of a thing with the matrix (4, 4), smaller by a depth on every side along its own axes."""
     axes = orthonormal_axes(matrix[None, :3, :3])[0]
     own = triangles @ axes
-    low, high = own.min(axis=(0, 1)), own.max(axis=(0, 1))
+    least, most = corner_ends(own)
+    low, high = least.min(axis=0), most.max(axis=0)
     size = np.maximum(high - low, 1e-9)
     middle = (low + high) / 2
     return (middle + (own - middle) * np.maximum(1 - 2 * depth / size, LEAST)) @ axes.T
@@ -164,8 +167,8 @@ def _around(triangles: Floats, others: Floats) -> Ints:
     """Numbers of the triangles (M, 3, 3) that reach into the box around the others."""
     if not len(others):
         return np.zeros(0, np.int64)
-    low, high = others.min(axis=(0, 1)), others.max(axis=(0, 1))
-    return np.flatnonzero((triangles.min(axis=1) <= high).all(axis=1) & (triangles.max(axis=1) >= low).all(axis=1))
+    low, high = corner_ends(others)
+    return np.flatnonzero(meeting_ends(*corner_ends(triangles), low.min(axis=0), high.max(axis=0)))
 
 
 def _within(around: Surroundings, skin: Floats, skipped: Bools) -> Ints:
@@ -223,7 +226,10 @@ def _reach(points: Floats, there: Floats, back: Floats, triangles: Floats) -> bo
 
 def _corners(triangles: Floats) -> Floats:
     """Corners and middles of triangles: flat things on flat things may have no corner over another's face."""
-    return np.concatenate([np.unique(triangles.reshape(-1, 3), axis=0), triangles.mean(axis=1)])
+    points = triangles.reshape(-1, 3)
+    points = points[np.lexsort(points.T)]  # numpy's unique sorts rows as a whole, which takes much longer
+    first = np.append(len(points) > 0, (points[1:] != points[:-1]).any(axis=1))
+    return np.concatenate([points[first[: len(points)]], triangles.mean(axis=1)])
 
 
 def _relations(graph: SceneGraph, row: int) -> set[str]:

@@ -8,6 +8,7 @@ import numpy as np
 
 from ...geometry.arrays import Bools, Floats, Ints
 from ...geometry.boxes import orthonormal_axes
+from ...geometry.corner_ends import corner_ends
 from ...geometry.triangle_crossings import crossings
 from ...scene import SceneGraph
 from ...scene.categories import STRUCTURE, has_category
@@ -93,7 +94,7 @@ class SceneShapes:
         looks_up = normal[:, 2] > LEVEL * np.linalg.norm(normal, axis=1)
         building = has_category(graph, STRUCTURE)
         building[list(recognise_structure(graph).parts)] = True
-        low, high = triangles.min(axis=1), triangles.max(axis=1)
+        low, high = corner_ends(triangles)
         return SceneShapes(graph, triangles, owner, looks_up, building, object_rows(graph), low, high)
 
     def roofless(self, mine: Floats) -> bool:

@@ -9,6 +9,7 @@ import numpy as np
 
 from ...geometry.arrays import Bools, Floats, Ints
 from ...geometry.boxes import Boxes
+from ...geometry.corner_ends import corner_ends, meeting_ends
 from ...geometry.grouped_ends import grouped_ends
 from ...scene import SceneGraph
 from ...spatial.structure.doorways import doorways
@@ -29,7 +30,7 @@ class Surroundings:
     @cached_property
     def ends(self) -> tuple[Floats, Floats]:
         """Least and greatest coordinates (M, 3) of each triangle."""
-        return self.triangles.min(axis=1), self.triangles.max(axis=1)
+        return corner_ends(self.triangles)
 
     @cached_property
     def row_ends(self) -> tuple[Floats, Floats]:
@@ -38,11 +39,18 @@ class Surroundings:
 
     def near(self, low: Floats, high: Floats) -> Ints:
         """The numbers of the triangles that reach into a box, looked for among those of the rows that do."""
-        rows = np.flatnonzero((self.row_ends[0] <= high).all(axis=1) & (self.row_ends[1] >= low).all(axis=1))
-        starts, stops = np.searchsorted(self.row, rows), np.searchsorted(self.row, rows, side="right")
-        some = np.concatenate([np.arange(0), *(np.arange(*ends) for ends in zip(starts, stops, strict=True))])
-        least, most = (ends[some] for ends in self.ends)
-        return some[(least <= high).all(axis=1) & (most >= low).all(axis=1)]
+        some = self.of_rows(np.flatnonzero(meeting_ends(*self.row_ends, low, high)))
+        return some[meeting_ends(self.ends[0][some], self.ends[1][some], low, high)]
+
+    def of_rows(self, rows: Ints) -> Ints:
+        """The numbers of the triangles of some rows, which ascend."""
+        first = self._first
+        return np.concatenate([np.arange(0), *(np.arange(first[row], first[row + 1]) for row in rows.tolist())])
+
+    @cached_property
+    def _first(self) -> Ints:
+        """The number (N + 1,) of the first triangle of each row."""
+        return np.searchsorted(self.row, np.arange(len(self.graph) + 1))
 
     @staticmethod
     def of(graph: SceneGraph, before: SceneGraph) -> Surroundings:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -13,6 +14,8 @@ from ...spatial.objects import SceneObjects
 from ...spatial.support_surfaces import support_surfaces, surface_at
 from .placeable import Placeable
 from .room_shape import RoomShape
+
+Item = TypeVar("Item")
 
 
 @dataclass(eq=False)
@@ -41,9 +44,9 @@ class ObservedScene:
     yaw: Floats
     surface: Ints
     parts: Callable[[int], Boxes]
-    _room: RoomShape | None = None
     _surfaces: dict[int, Floats] = field(default_factory=dict)
     _placeables: dict[int, Placeable] = field(default_factory=dict)
+    _kept: dict[str, Any] = field(default_factory=dict)
 
     @staticmethod
     def of(objects: SceneObjects, world: Floats) -> ObservedScene:
@@ -68,10 +71,15 @@ class ObservedScene:
 
     @property
     def room(self) -> RoomShape:
-        """The room around the objects, found once until something is added."""
-        if self._room is None:
-            self._room = RoomShape.of(self.support, self.center, self.half, self.yaw)
-        return self._room
+        """The room around the objects."""
+        return self.kept("room", lambda: RoomShape.of(self.support, self.center, self.half, self.yaw))
+
+    def kept(self, name: str, make: Callable[[], Item]) -> Item:
+        """Something of the scene as it is, made once until something is added."""
+        if name not in self._kept:
+            self._kept[name] = make()
+        item: Item = self._kept[name]
+        return item
 
     @property
     def local(self) -> Floats:
@@ -93,7 +101,8 @@ class ObservedScene:
 
     def add(self, category: int, support: int, world: Floats, placeable: Placeable, place: Floats) -> int:
         """A further object at a place (4,); returns its number."""
-        number, self._room = len(self.category), None
+        number = len(self.category)
+        self._kept.clear()
         center = place[:3] + np.array([0, 0, placeable.half[2]])
         surface = self.surface_of(float(place[2]), support) if support >= 0 else -1
         self.category = np.append(self.category, category)

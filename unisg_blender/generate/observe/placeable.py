@@ -9,9 +9,9 @@ import numpy as np
 
 from ...dataset.assets.asset import Asset
 from ...geometry.arrays import Floats
-from ...geometry.boxes import SIGNS, Boxes, corners
+from ...geometry.boxes import Boxes, corners
 from ...geometry.planar import rotation, turn
-from ...scene import Mesh, SceneGraph, mesh_from_faces
+from ...scene import SceneGraph, box_mesh
 from ...spatial.part_boxes import part_boxes
 from ...spatial.support_surfaces import support_surfaces
 
@@ -80,9 +80,7 @@ class Placeable:
 
 def box_placeable(category: str, size: Floats) -> Placeable:
     """A plain box of a category's usual size, for where there is no mesh to show."""
-    half = np.asarray(size, np.float64) / 2
-    faces = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
-    mesh: Mesh = mesh_from_faces(category, SIGNS * half + (0, 0, half[2]), faces)
+    mesh = box_mesh(category, size)
     graph = SceneGraph(
         name=(category,),
         uid=("box",),

@@ -15,6 +15,7 @@ from ...scene import SceneGraph
 from ...scene.categories import FLOOR, STRUCTURE
 from ...spatial.object_rows import find_objects
 from ...spatial.structure import Structure, recognise_structure
+from ...spatial.structure.missing_floor import missing_floor
 from ...spatial.structure.room_things import things_in_rooms
 from ...words import SceneWords, VocabularyMatch, thing_table, understand
 from ...words.room_kinds import room_kind
@@ -91,8 +92,15 @@ class SceneReading:
 
     @cached_property
     def has_room(self) -> bool:
-        """Whether it has a floor, by its categories or by its geometry."""
-        return FLOOR in self.graph.vocabulary or bool(recognise_structure(self.graph).rooms)
+        """Whether it has a floor, by its categories or by its geometry, or walls that make a room with one."""
+        if FLOOR in self.graph.vocabulary or recognise_structure(self.graph).rooms:
+            return True
+        return self.missing_floor is not None
+
+    @cached_property
+    def missing_floor(self) -> Floats | None:
+        """The lowest and highest corner (2, 3) of the floor that walls here lack, None where they lack none."""
+        return None if FLOOR in self.graph.vocabulary else missing_floor(self.graph)
 
     @cached_property
     def kind(self) -> str:

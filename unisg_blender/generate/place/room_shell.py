@@ -1,4 +1,4 @@
-"""The shell of a new room: floor, walls, doors and windows of one of the rooms kept beside the model."""
+"""What is built before things come: the shell of a new room, of one kept beside the model, or a floor under walls."""
 
 from __future__ import annotations
 
@@ -10,8 +10,10 @@ import numpy as np
 
 from ...dataset.assets.asset import Asset
 from ...errors import UniSGError
+from ...geometry.arrays import Floats
 from ...scene import SceneGraph, subtree, take, world_matrices
-from ...scene.categories import STRUCTURE
+from ...scene.categories import FLOOR, STRUCTURE
+from ...spatial.structure.missing_floor import floor_plane
 from .growing_scene import GrowingScene
 from .placement_record import Placement
 from .scene_extension import Addition, Names, UidMaker, extend
@@ -32,7 +34,7 @@ def add_shell(
     """
     start = time.perf_counter()
     wanted = {name: int(counts[name]) for name in STRUCTURE if name in counts}
-    shells = library.shells()
+    shells = library.shells
     if not shells:
         raise UniSGError("the model has no room shells beside it: add to a scene that has a floor, or export again")
     missing = np.array([_difference(shell.graph, wanted) for shell in shells])
@@ -59,6 +61,19 @@ def add_shell(
     left = Counter(wanted) - Counter(item.category for item in additions.values())
     placements += [Placement(kind, note="the rooms beside the model have no more") for kind in left.elements()]
     return extend(scene, [*additions.values()], names, make_uid), placements
+
+
+def add_floor(
+    scene: SceneGraph, ends: Floats, names: Names, make_uid: UidMaker
+) -> tuple[SceneGraph, list[Placement]]:  # fmt: skip
+    """The scene with a floor between two corners (2, 3) under walls that have none, and what is told of it."""
+    start = time.perf_counter()
+    part = floor_plane(ends)
+    item = Addition(Asset(FLOOR, part), make_uid(FLOOR), names.new(FLOOR), "", part.local[0], FLOOR)
+    result = extend(scene, [item], names, make_uid)
+    spent = 1e3 * (time.perf_counter() - start)
+    note = "the walls had no floor: a plane was put under them"
+    return result, [Placement(FLOOR, item.name, item.uid, world=item.world, milliseconds=spent, note=note)]
 
 
 def _is_reached_across(graph: SceneGraph, spanning: Sequence[int], library: Library) -> bool:

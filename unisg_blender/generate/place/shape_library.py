@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from copy import copy
+from functools import cached_property
 
 import numpy as np
 
@@ -67,8 +68,9 @@ class Library:
         vocabulary = self.model.contract.vocabulary
         return self._of_scene(vocabulary.index(category), scene) if category in vocabulary else []
 
+    @cached_property
     def shells(self) -> list[Asset]:
-        """The room shells beside the model."""
+        """The room shells beside the model, read once: every room that begins with nothing looks at all of them."""
         file = self.model.assets
         return [] if file is None else [file.asset(number) for number in file.numbers("")]
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from ...geometry.arrays import Bools, Floats
@@ -29,6 +31,7 @@ class WaysKept:
         """``movable`` (K,) are the objects of the room that are no building."""
         self.ground, self.wanted = 0.0, True
         self.floors: list[FreeFloor] = []
+        self._asked: dict[tuple[Any, ...], FreeFloor] = {}  # what a thing would leave, until one is put
         if room.outline is None or room.structure is not None or not room.floor.any():
             return
         objects = room.objects
@@ -43,10 +46,22 @@ class WaysKept:
         self._put(placeable.half, place)
 
     def _put(self, half: Floats, place: Floats) -> None:
-        self.floors = [
-            floor.without(place[:2], half[:2], float(place[3])) if taken else floor
-            for floor, taken in zip(self.floors, self._is_in_the_way(half, place), strict=False)
+        self.floors = self._with(half, place)
+        self._asked.clear()
+
+    def _with(self, half: Floats, place: Floats) -> list[FreeFloor]:
+        """The floors with a thing on those on which it is in the way."""
+        taken = self._is_in_the_way(half, place)
+        return [
+            self._without(floor, half, place) if each else floor
+            for floor, each in zip(self.floors, taken, strict=False)
         ]
+
+    def _without(self, floor: FreeFloor, half: Floats, place: Floats) -> FreeFloor:
+        asked = floor, *half[:2].tolist(), *place[[0, 1, 3]].tolist()
+        if asked not in self._asked:
+            self._asked[asked] = floor.without(place[:2], half[:2], float(place[3]))
+        return self._asked[asked]
 
     def _is_in_the_way(self, half: Floats, place: Floats) -> tuple[bool, bool]:
         low = place[2] + half[2] - self.ground <= HEAD
@@ -54,10 +69,8 @@ class WaysKept:
 
     def kept(self, placeable: Placeable, place: Floats) -> int:
         """One of :data:`CUTS`, :data:`ROUND` and :data:`CLEAR` for a thing at a place (4,)."""
-        found = [
-            not taken or _whole(floor, floor.without(place[:2], placeable.half[:2], float(place[3])))
-            for floor, taken in zip(self.floors, self._is_in_the_way(placeable.half, place), strict=False)
-        ]
+        after = self._with(placeable.half, place)
+        found = [old is new or _whole(old, new) for old, new in zip(self.floors, after, strict=True)]
         return CLEAR if all(found) else ROUND if found[0] else CUTS
 
     def best(self, placeable: Placeable, places: Floats, good: Bools) -> int:

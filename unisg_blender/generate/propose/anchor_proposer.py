@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...geometry.arrays import Bools, Floats
 from ..observe.observed_scene import ObservedScene
@@ -79,8 +80,9 @@ class AnchorProposer(Proposer):
         self, scene: ObservedScene, category: int, half: Floats, allowed: Bools, coming: Mapping[int, int],
         load: SupportOccupancy, whole: bool = False,
     ) -> SupportChoice:  # fmt: skip
-        candidates = SupportCandidates.of(scene, np.flatnonzero(allowed))
-        near = Proximity.of(scene).by_kind(scene, np.ones(len(allowed), bool), self.unknown)
+        may_hold = np.flatnonzero(allowed)
+        candidates = scene.kept(f"candidates {may_hold.tolist()}", lambda: SupportCandidates.of(scene, may_hold))
+        near = scene.kept(f"near {self.unknown}", lambda: self._near(scene))
         inputs = {
             **_batch(support_arrays(scene, candidates, load, near, category, half, self.unknown)),
             "target_category": np.array([category], np.int64),
@@ -90,6 +92,10 @@ class AnchorProposer(Proposer):
         }
         score, weight, mean, sigma = self._run(inputs, *CHOSEN)
         return SupportChoice(candidates, score - np.logaddexp.reduce(score), weight, mean, sigma)
+
+    def _near(self, scene: ObservedScene) -> NDArray[np.float32]:
+        """How near things of each category are to each object, (K, C + 1)."""
+        return Proximity.of(scene).by_kind(scene, np.ones(len(scene.category), bool), self.unknown)
 
     def log_density(self, query: Query, support: int, place: Floats) -> float:
         """Log-density of position and heading of a place (4,) given its height on a support, nats (metres, radians).

@@ -17,6 +17,7 @@ import numpy as np
 
 from ...errors import MissingPackageError
 from ...geometry.arrays import Bools, Floats, Ints
+from ...geometry.corner_ends import corner_ends
 from ...scene.graph import SceneGraph
 from ...scene.hierarchy import world_matrices
 from ...spatial.bodies import RigidBody, convex_pieces, rigid_bodies
@@ -148,7 +149,7 @@ def _add_building(mujoco: Any, spec: Any, graph: SceneGraph, still: RigidBody, l
     """The triangles of what does not move that are near things."""
     triangles, owner = world_triangles(graph)
     triangles = triangles[np.isin(owner, still.meshes)]
-    least, most = triangles.min(axis=1), triangles.max(axis=1)
+    least, most = corner_ends(triangles)
     for number, triangle in enumerate(triangles):
         near = ((low - NEAR <= most[number]) & (high + NEAR >= least[number])).all(axis=1)
         prism = _prism(triangle, ((low + high) / 2)[near]) if near.any() else None

@@ -9,6 +9,7 @@ import numpy as np
 
 from ...geometry.arrays import Bools, Floats
 from ...geometry.boxes import Boxes, world_bounds
+from ...geometry.corner_ends import corner_ends
 from ...geometry.planar import rotation
 from ...geometry.polygon import inside, least_rectangle
 from ...scene.categories import FLOOR, STRUCTURE
@@ -243,7 +244,7 @@ def _held_by_room(objects: SceneObjects, obj: int, made: _Made, room: Room) -> i
 def _obstacles(graph: SceneGraph, objects: SceneObjects, building: Bools, room: Room) -> Boxes:
     """Flat boxes over the faces of the building that are in a room, over its floor."""
     triangles, row = world_triangles(graph)
-    low, high = triangles.min(axis=1), triangles.max(axis=1)
+    low, high = corner_ends(triangles)
     top = min(room.ceiling - OVER_FLOOR, room.floor + HIGH + LONG)
     mine = np.isin(row, objects.row[building]) & (high[:, 2] > room.floor + OVER_FLOOR) & (low[:, 2] < top)
     around = room.outline.min(axis=0), room.outline.max(axis=0)

@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from ...geometry.arrays import Bools, Floats
+from ...geometry.corner_ends import corner_ends, meeting_ends
 from ...geometry.triangle_crossings import crossings
 from ...scene.graph import SceneGraph
 from .scan import world_triangles
@@ -24,7 +25,7 @@ def best_seen(
     """
     triangles, _ = world_triangles(graph)
     low, high = points.min(axis=0) - FAR, points.max(axis=0) + FAR
-    near = (triangles.max(axis=1) >= low).all(axis=1) & (triangles.min(axis=1) <= high).all(axis=1)
+    near = meeting_ends(*corner_ends(triangles), low, high)
     triangles = triangles[near]
     middles = triangles.mean(axis=1)
     seen = []

@@ -11,6 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from ...geometry.column_raster import cells_on
+from ...geometry.corner_ends import corner_ends
 from ...geometry.grouped_ends import grouped_ends
 from ...geometry.mask_outline import grown
 from .region import Region
@@ -62,7 +63,7 @@ def is_stage(place: Region, scan: Scan, height: float) -> bool:
 
 def backdrop(scan: Scan) -> int:
     """The row of one thing that is vastly larger than all else together, -1 where there is none."""
-    low, high = scan.triangles.min(axis=1)[:, :2], scan.triangles.max(axis=1)[:, :2]
+    low, high = corner_ends(scan.triangles[:, :, :2])
     rows, place = np.unique(scan.row, return_inverse=True)
     if len(rows) < 2:
         return -1

@@ -6,6 +6,7 @@ import numpy as np
 
 from ...geometry.arrays import Floats
 from ...geometry.boxes import Boxes
+from ...geometry.corner_ends import corner_ends
 from ...geometry.surface_contact import Triangles
 
 SQUARE = 0.1
@@ -40,7 +41,7 @@ def triangle_boxes(triangles: Triangles) -> Boxes:
     along = one / np.linalg.norm(one, axis=1, keepdims=True)
     axes = np.stack([along, np.cross(normal, along), normal], axis=2)
     seen = np.einsum("mki,mij->mkj", corner - corner[:, :1], axes)
-    low, high = seen.min(axis=1), seen.max(axis=1)
+    low, high = corner_ends(seen)
     center = corner[:, 0] + np.einsum("mij,mj->mi", axes, (low + high) / 2)
     return Boxes(center, axes, (high - low) / 2, np.ones(len(center), bool))
 
