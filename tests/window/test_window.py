@@ -192,7 +192,7 @@ bpy.data.meshes.remove(mesh)
 
 
 def test_with_a_second_window_on_another_scene(window: BlenderWindow, room: int) -> None:
-    window.in_viewport("bpy.ops.wm.window_new()")
+    window.in_viewport("bpy.ops.wm.window_new_main()")
     window.run("""
 second = bpy.data.scenes.new("Second")
 bpy.context.window_manager.windows[1].scene = second
@@ -208,10 +208,11 @@ with bpy.context.temp_override(window=bpy.context.window_manager.windows[1]):
         assert window.run(f"result = bool({SESSION})"), "placing goes on in the other window"
         assert window.run("result = len(bpy.context.window_manager.windows[0].scene.objects)") == room
     finally:
-        window.key("Escape")
         window.run("""
 with bpy.context.temp_override(window=bpy.context.window_manager.windows[1]):
     bpy.ops.wm.window_close()
 bpy.data.scenes.remove(bpy.data.scenes["Second"])
 """)
+    window.move(500, 420)  # the keyboard is the window's under the mouse
+    window.key("Escape")
     window.wait(f"not {SESSION}")
