@@ -77,7 +77,8 @@ def check_version(version: Any, subject: str, newest: int) -> None:
 def to_record(item: Any) -> dict[str, Any]:
     """A dataclass as JSON-ready values, without what is at its default."""
     record: dict[str, Any] = dict(getattr(item, "extra", {}))
-    for name, required, default in _written(type(item)):
+    kind: Any = type(item)
+    for name, required, default in _written(kind):
         value = getattr(item, name)
         if required or value != default:
             record[name] = _plain(value)
@@ -85,9 +86,9 @@ def to_record(item: Any) -> dict[str, Any]:
 
 
 @cache
-def _written(kind: type) -> list[tuple[str, bool, Any]]:
+def _written(kind: Any) -> list[tuple[str, bool, Any]]:
     """The fields of a dataclass that its records have: name, whether each record has it, and the default."""
-    known = [each for each in fields(kind) if each.name != "extra"]  # type: ignore[arg-type]
+    known = [each for each in fields(kind) if each.name != "extra"]
     return [(each.name, _required(each), None if _required(each) else _default(each)) for each in known]
 
 
