@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import datetime
 import json
+import os
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -12,6 +15,9 @@ from tests.window.blender_window import BlenderWindow, missing_tools
 pytestmark = [pytest.mark.skipif(bool(missing_tools()), reason=missing_tools()), pytest.mark.slow]
 
 WATCH = (Path(__file__).parent / "main_loop_watch.py").read_text("utf-8")
+COMMAND = "pytest tests/window/test_main_loop.py"
+"""How docs/results/main_loop.json is made: it is written into the folder that window and test share."""
+
 MODULES = "__import__('sys').modules"
 SETTINGS = f"{MODULES}['bl_ext.user_default.unisg_blender.operators.making.generation_settings']"
 SESSION = f"{MODULES}['bl_ext.user_default.unisg_blender.operators.placing.placing_session'].placing()"
@@ -35,12 +41,12 @@ bpy.app.timers.register(draw)
 DRAWN = "'drawing' not in bpy.app.driver_namespace"
 
 
-def watched(window: BlenderWindow, name: str, begin: str, done: str) -> dict[str, object]:
+def watched(window: BlenderWindow, name: str, begin: str, done: str) -> dict[str, Any]:
     """What the main loop did from the beginning of some work until it is done."""
     window.run(WATCH)
     window.in_viewport(begin)
     window.wait(done)
-    told: dict[str, object] = window.run("result = bpy.app.driver_namespace.pop('main_loop_watch').end()")
+    told: dict[str, Any] = window.run("result = bpy.app.driver_namespace.pop('main_loop_watch').end()")
     told = {"name": name, **told}
     print(f"{name}: {told}")
     return told
@@ -57,7 +63,10 @@ def test_the_main_loop_goes_round_meanwhile(window: BlenderWindow, room: int) ->
     ]
     window.key("Escape")
     rows.append(watched(window, "what is open is exported", EXPORT.format(folder=out), IDLE))
-    (window.folder / "main-loop.json").write_text(json.dumps({"rows": rows}, indent=1), encoding="utf-8")
+    record = {"command": COMMAND, "date": datetime.date.today().isoformat(), "load": os.getloadavg()[0]}
+    for row in rows:
+        row |= {"stood_ms": max(row["gaps_ms"]), "longest_ms": max(row["ours_ms"]), "work_ms": max(row["ours_work_ms"])}
+    (window.folder / "main-loop.json").write_text(json.dumps({**record, "rows": rows}, indent=1), encoding="utf-8")
     for row in rows:
         assert row["rounds"] > 2, row
     assert (window.folder / "main-loop-export").is_dir()

@@ -189,3 +189,30 @@ bpy.data.meshes.remove(mesh)
     window.picture("shapes-of-a-library")
     kept = window.run(f"result = str({index}._folder(False))")
     assert "asset-libraries.json" in window.run(f"import os; result = os.listdir({kept!r})")
+
+
+def test_with_a_second_window_on_another_scene(window: BlenderWindow, room: int) -> None:
+    window.in_viewport("bpy.ops.wm.window_new_main()")
+    window.run("""
+second = bpy.data.scenes.new("Second")
+bpy.context.window_manager.windows[1].scene = second
+""")
+    try:
+        begin(window, "Chair")
+        window.wait(f"{SESSION}.scene == bpy.context.window_manager.windows[0].scene.name")
+        window.run("""
+with bpy.context.temp_override(window=bpy.context.window_manager.windows[1]):
+    assert bpy.ops.unisg.add_room(kind="living-room", seed=7, with_view=False) == {"FINISHED"}
+    assert bpy.ops.unisg.generate(add="Plant=1", model="living_room", seed=2) == {"FINISHED"}
+""")
+        assert window.run(f"result = bool({SESSION})"), "placing goes on in the other window"
+        assert window.run("result = len(bpy.context.window_manager.windows[0].scene.objects)") == room
+    finally:
+        window.run("""
+with bpy.context.temp_override(window=bpy.context.window_manager.windows[1]):
+    bpy.ops.wm.window_close()
+bpy.data.scenes.remove(bpy.data.scenes["Second"])
+""")
+    window.move(500, 420)  # the keyboard is the window's under the mouse
+    window.key("Escape")
+    window.wait(f"not {SESSION}")
