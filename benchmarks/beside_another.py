@@ -54,7 +54,7 @@ def main() -> None:
     for model, behaviour in KINDS:
         rows.append({"model": model, "behaviour": behaviour, **compared(args.other, model, behaviour, args.rooms)})
         print(rows[-1], flush=True)
-    write_results(args.out, {"load": os.getloadavg()[0], "rows": rows})
+        write_results(args.out, {"load": os.getloadavg()[0], "rows": rows})
 
 
 def compared(other: Path, model: str, behaviour: bool, rooms: int) -> dict[str, Any]:

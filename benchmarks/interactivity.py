@@ -3,9 +3,9 @@
     python benchmarks/interactivity.py [--rooms N] [--checked N] --out docs/results/interactivity.json
 
 Needs node, and the packages of packaging/player (`make test-web` gets them). Each room's rehearsal is fed to the engine
-tick by tick; milliseconds are the median of the ticks of one room, of which the table has the median. Contact in graphs
-is that of boxes by their axes: our player is asked with the same, and `exact_alike` says in how many rooms, and
-`moments_otherwise` at how many moments of all, it tells something else when it is asked for exact distances.
+tick by tick; milliseconds of processor time are the median of a room's ticks, of which the table has the median.
+Contact in graphs is that of boxes by their axes, of which our player is asked too; `exact_alike` says in how many rooms
+it tells the same when it is asked for exact distances, `moments_otherwise` at how many moments of all it does not.
 """
 
 from __future__ import annotations

@@ -6,7 +6,7 @@ import { offerHeadset } from "./headset.js";
 import { Panel } from "./panel.js";
 import { Recorder } from "./record.js";
 import { place } from "./nodes.js";
-import { goalOf, middleOf, openRoom } from "./room.js";
+import { goalOf, lookAt, middleOf, openRoom } from "./room.js";
 
 const STATUS = { started: "open", performed: "done", skipped: "skipped" };
 const wait = (seconds) => new Promise((done) => setTimeout(done, seconds * 1000));
@@ -30,7 +30,7 @@ async function start() {
   const isOpen = (task) => status[task.leaf] === "open";
   const send = (event, values) => room.coordinator?.notifyCustomEvent(`unisg:${event}`, values, false);
   const ghosts = new Ghosts(room);
-  const panel = new Panel(sheet, movable, { perform, answer, move, press, turnThing, save });
+  const panel = new Panel(sheet, movable, { perform, answer, move, press, turnThing, save, look });
 
   function listen(event, told) {
     room.coordinator?.getCustomEventObservable(`unisg:${event}`).add((values) => told(values));
@@ -42,7 +42,7 @@ async function start() {
       status[at] = STATUS[event];
       const { kind, name } = sheet.parts[at];
       if (kind === "action" || at === 0) recorder.event(event, name);
-      if (kind === "action" && event === "performed") panel.tell(`Done: ${name}`);
+      if (kind === "action" && event === "performed") panel.tell(`Done: ${name}`, "good");
       panel.show(status, recorder);
       ghosts.show(tasks.filter((task) => task.type === "Insert" && isOpen(task)));
     });
@@ -51,7 +51,7 @@ async function start() {
   listen("failed", (values) => tell("failed", tasks[number(values.task)].name, "not the right answer"));
   function tell(kind, name, text) {
     recorder.event(kind, name);
-    panel.tell(`${name}: ${text}`);
+    panel.tell(`${name}: ${text}`, "bad");
   }
 
   function trigger(entity, pressed) {
@@ -73,6 +73,12 @@ async function start() {
     const task = tasks[at];
     if (task.reference && task.type !== "Remove") place(room.nodes[thing], goalOf(room, task));
     else bring(room.nodes[thing], room.nodes[task.targets[0]]);
+  }
+  function look(at) {
+    const task = tasks[at];
+    const node = room.nodes[task.type === "Use" || task.type === "Tool" ? task.tools[0] : task.targets[0]];
+    lookAt(room, node);
+    ghosts.blink(node);
   }
   function turnThing(thing) {
     turn(room.nodes[thing], Vector3.Up());

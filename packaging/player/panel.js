@@ -4,7 +4,7 @@ const make = (tag, text, more = {}) => Object.assign(document.createElement(tag)
 
 export class Panel {
   constructor(sheet, movable, acts) {
-    Object.assign(this, { sheet, acts });
+    Object.assign(this, { sheet, acts, cards: new Map() });
     this.get = (id) => document.getElementById(id);
     this.get("title").textContent = sheet.title;
     document.title = sheet.title;
@@ -25,22 +25,39 @@ export class Panel {
     this.get("rest").hidden = !sheet.parts;
   }
 
-  tell(text) {
-    this.get("message").textContent = text;
+  tell(text, kind) {
+    this.get("message").textContent = `${{ good: "✓ ", bad: "✗ " }[kind]}${text}`;
+    this.get("message").dataset.kind = kind;
   }
 
   show(status, recorder) {
     const { parts, tasks } = this.sheet;
     if (!parts) return;
     this.get("tree").replaceChildren(...parts.slice(1).map((part, k) => this.line(part, status[k + 1])));
-    const open = tasks.map((task, at) => [task, at]).filter(([task]) => status[task.leaf] === "open");
-    this.get("now").replaceChildren(...open.flatMap(([task, at]) => this.card(task, at)));
+    this.offer(tasks.map((task, at) => [task, at]).filter(([task]) => status[task.leaf] === "open" && task.type !== "Parallel"));
     if (status[0] === "done") {
       const count = (kind) => recorder.events.filter((event) => event.kind === kind).length;
       const seconds = Math.round(recorder.last);
-      this.get("message").textContent =
-        `Finished in ${seconds} s. Too early: ${count("early")}. Wrong answers: ${count("failed")}.`;
+      this.tell(`Finished in ${seconds} s. Too early: ${count("early")}. Wrong answers: ${count("failed")}.`, "good");
     }
+  }
+
+  // A card stays as long as its action is open, with what was ticked in it; the keyboard goes on at the next one.
+  offer(open) {
+    const now = this.get("now"), left = now.contains(document.activeElement);
+    const wanted = new Set(open.map(([, at]) => at));
+    for (const [at, card] of this.cards) {
+      if (wanted.has(at)) continue;
+      card.remove();
+      this.cards.delete(at);
+    }
+    for (const [task, at] of open) {
+      if (!this.cards.has(at)) this.cards.set(at, this.card(task, at));
+      this.cards.get(at).dataset.task = at;
+      if (this.cards.get(at).parentNode !== now) now.append(this.cards.get(at));
+    }
+    if (left && !now.contains(document.activeElement)) (now.querySelector("button, input") ?? this.get("again")).focus();
+    this.get("doing").hidden = !open.length;
   }
 
   line(part, status) {
@@ -53,8 +70,13 @@ export class Panel {
   }
 
   card(task, at) {
-    if (task.type === "Parallel") return [];
-    if (task.type !== "Question") return [make("button", task.name, { onclick: () => this.acts.perform(at) })];
+    const show = make("button", "Show", { className: "show", onclick: () => this.acts.look(at) });
+    show.setAttribute("aria-label", `Show: ${task.name}`);
+    if (task.type !== "Question") {
+      const line = make("div");
+      line.append(make("button", task.name, { className: "do", onclick: () => this.acts.perform(at) }), ...(task.targets.length ? [show] : []));
+      return line;
+    }
     const set = make("fieldset");
     set.append(make("legend", task.name));
     const boxes = task.answers.map((text, k) => {
@@ -64,8 +86,8 @@ export class Panel {
       return box;
     });
     const chosen = () => boxes.flatMap((box, k) => (box.checked ? [k] : []));
-    set.append(make("button", "Answer", { onclick: () => this.acts.answer(at, chosen()) }));
-    return [set];
+    set.append(make("button", "Answer", { className: "answer", onclick: () => this.acts.answer(at, chosen()) }), ...(task.targets.length ? [show] : []));
+    return set;
   }
 
   download(kind) {

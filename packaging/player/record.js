@@ -2,6 +2,10 @@
 import { worldOf } from "./nodes.js";
 
 const PLACES = [0, 2, 1], SIGNS = [1, -1, 1, 1]; // glTF's y is our z
+const ADL = "http://adlnet.gov/expapi/verbs/";
+const VERBS = {
+  performed: `${ADL}completed`, early: `${ADL}attempted`, failed: `${ADL}failed`, skipped: "http://id.tincanapi.com/verb/skipped",
+};
 const STEP = 1e-3; // seconds in which a thing goes from one place to the next
 
 function rows(matrix) {
@@ -49,10 +53,9 @@ export class Recorder {
   }
 
   statements(start) {
-    const verbs = { performed: "completed", early: "attempted", failed: "failed", skipped: "skipped" };
-    return this.events.filter((event) => verbs[event.kind]).map((event) => ({
+    return this.events.filter((event) => VERBS[event.kind]).map((event) => ({
       actor: { objectType: "Agent", account: { homePage: "https://localhost", name: "learner" } },
-      verb: { id: `http://adlnet.gov/expapi/verbs/${verbs[event.kind]}`, display: { en: event.kind } },
+      verb: { id: VERBS[event.kind], display: { en: event.kind } },
       object: { id: `urn:unisg:${encodeURIComponent(event.name)}`, definition: { name: { en: event.name } } },
       timestamp: new Date(start + event.time * 1000).toISOString(),
     }));

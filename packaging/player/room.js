@@ -1,5 +1,6 @@
 // The room: what the file shows, where its nodes are, and its graph that judges the lesson.
 import { ArcRotateCamera } from "@babylonjs/core/Cameras/arcRotateCamera.js";
+import { Ray } from "@babylonjs/core/Culling/ray.js";
 import { Engine } from "@babylonjs/core/Engines/engine.js";
 import { FlowGraphCoordinator } from "@babylonjs/core/FlowGraph/flowGraphCoordinator.js";
 import { HemisphericLight } from "@babylonjs/core/Lights/hemisphericLight.js";
@@ -7,7 +8,6 @@ import { LoadAssetContainerAsync } from "@babylonjs/core/Loading/sceneLoader.js"
 import { Matrix, Vector3 } from "@babylonjs/core/Maths/math.vector.js";
 import { Scene } from "@babylonjs/core/scene.js";
 import { byNumber, worldOf } from "./nodes.js";
-import "@babylonjs/core/Culling/ray.js";
 import "@babylonjs/loaders/glTF/glTFFileLoader.js";
 import "@babylonjs/loaders/glTF/2.0/glTFLoader.js";
 import "@babylonjs/loaders/glTF/2.0/Extensions/KHR_interactivity.js";
@@ -40,6 +40,21 @@ function lookAround(scene, canvas, { min, max }) {
   camera.lowerRadiusLimit = 0.3;
   camera.attachControl(canvas, true);
   return camera;
+}
+
+// Turn the eye to a thing, from a side on which nothing hides it, as little turned as can be.
+export function lookAt({ scene, camera, extent }, node) {
+  const middle = middleOf(node), away = Math.max(Vector3.Distance(extent.min, extent.max) * 0.22, 1);
+  const radius = Math.min(camera.radius, away), { alpha, beta } = camera;
+  const sides = [0, 1, -1, 2, -2, 3, -3, 4].flatMap((k) => [beta, 1.1, 0.5].map((down) => [alpha + (k * Math.PI) / 4, down]));
+  const found = sides.find(([turn, down]) => {
+    const way = new Vector3(Math.cos(turn) * Math.sin(down), Math.cos(down), Math.sin(turn) * Math.sin(down));
+    let hit = scene.pickWithRay(new Ray(middle.add(way.scale(radius)), way.scale(-1), 2 * radius))?.pickedMesh;
+    while (hit && hit !== node) hit = hit.parent;
+    return hit === node;
+  });
+  camera.setTarget(middle);
+  Object.assign(camera, { radius, alpha: (found ?? [alpha])[0], beta: (found ?? [0, beta])[1] });
 }
 
 // Where an action wants a thing: its reference pose, in the frame that it moves with.

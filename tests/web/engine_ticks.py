@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import subprocess
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -48,14 +48,30 @@ def ticks_of(compiled: LessonGraph, moments: Iterable[Moment]) -> list[dict[str,
 
 def told_by_engine(compiled: LessonGraph, ticks: list[dict[str, Any]], player: str, folder: Path) -> tuple[Told, float]:
     """The events of each tick, as id and node of the outline, and the median of milliseconds that one takes."""
-    write_gltf(compiled.lesson.graph, folder / "room.glb", whole=False)
-    (folder / "ticks.json").write_text(json.dumps(ticks))
-    words = ["node", "engine_test.mjs", str(folder / "room.glb"), str(folder / "ticks.json")]
-    run = subprocess.run(words, cwd=player, capture_output=True, text=True, timeout=240, check=False)
+    return all_told_by_engine([(compiled, ticks)], player, folder)[0]
+
+
+def all_told_by_engine(
+    played: Sequence[tuple[LessonGraph, list[dict[str, Any]]]], player: str, folder: Path
+) -> list[tuple[Told, float]]:
+    """The same of several rooms, in one run of the engine."""
+    words = ["node", "engine_test.mjs"]
+    for number, (compiled, ticks) in enumerate(played):
+        room, moves = folder / f"room {number}.glb", folder / f"ticks {number}.json"
+        write_gltf(compiled.lesson.graph, room, whole=False)
+        moves.write_text(json.dumps(ticks))
+        words += [str(room), str(moves)]
+    run = subprocess.run(words, cwd=player, capture_output=True, text=True, timeout=600, check=False)
     assert run.returncode == 0, run.stderr
-    record = json.loads(run.stdout.splitlines()[-1])
-    told = [
-        [(f"unisg:{event}", value if name == "node" else compiled.leaf_of(value)) for event, name, value in each]
-        for each in record["told"]
+    records = [json.loads(line) for line in run.stdout.splitlines() if line.startswith("{")]
+    return [
+        (_told(compiled, record["told"]), record["milliseconds"])
+        for (compiled, _), record in zip(played, records, strict=True)
     ]
-    return told, record["milliseconds"]
+
+
+def _told(compiled: LessonGraph, told: list[list[tuple[str, str, int]]]) -> Told:
+    return [
+        [(f"unisg:{event}", value if name == "node" else compiled.leaf_of(value)) for event, name, value in each]
+        for each in told
+    ]
