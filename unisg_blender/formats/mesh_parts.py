@@ -13,6 +13,7 @@ import numpy as np
 from ..errors import UniSGError
 from ..runtime.atomic_files import check_plain
 from ..runtime.guarded_work import reading_part
+from ..runtime.large_file_pointer import refuse_pointer
 from ..scene import Mesh, mesh_from_faces
 from .axes import Y_UP, Array, pose
 from .collada import Part, collada_parts
@@ -41,6 +42,7 @@ def mesh_parts(path: Path, upright: bool = True) -> tuple[Part, ...]:
     UniSGError
         If it cannot be read, or has no geometry.
     """
+    refuse_pointer(path)
     reading_part(path)
     try:
         check_plain(path)

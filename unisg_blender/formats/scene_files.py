@@ -16,6 +16,7 @@ from typing import Any
 from ..errors import UniSGError
 from ..runtime.file_endings import BLENDER, GLTF, JSON, LAYOUTS, MESHES, READABLE, SCENE_STATE, USD, WRITABLE, is_of
 from ..runtime.guarded_work import reading, still_reading
+from ..runtime.large_file_pointer import refuse_pointer
 from ..runtime.output_capture import captured_output, heard
 from ..runtime.read_report import Loss, ReadReport
 from ..scene.graph import SceneGraph
@@ -77,6 +78,7 @@ def read_scene_file(
         If the file cannot be read.
     """
     path = Path(path)
+    refuse_pointer(path)
     own = read_own_gltf(path) if is_of(path, GLTF) and not scene else None
     if own is not None:
         return own, ReadReport()
@@ -124,6 +126,7 @@ class AllScenes:
 
 def read_all_scenes(path: Path, assets: Path | None = None) -> AllScenes:
     """As :func:`read_scene_file`, all scenes of a file."""
+    refuse_pointer(path)
     if is_layout(path):
         return _all_layouts(path, assets)
     own = read_own_gltf(path) if is_of(path, GLTF) else None

@@ -10,6 +10,7 @@ from xml.etree.ElementTree import Element
 import numpy as np
 
 from ...errors import UniSGError
+from ...runtime.large_file_pointer import is_pointer
 from ..axes import Array, pose
 from ..layout_file import LayoutFile
 from ..mesh_parts import KINDS, mesh_parts
@@ -67,7 +68,8 @@ class RobotShapes:
         try:
             parts = mesh_parts(path, upright=False)
         except UniSGError:
-            self.file.report.add(uri, "this mesh cannot be read: it is left out")
+            why = "is only a pointer of Git LFS" if is_pointer(path) else "cannot be read"
+            self.file.report.add(uri, f"this mesh {why}: it is left out")
             return
         sized = local @ np.diag([*scale, 1.0])
         for part, matrix, mesh in parts:
