@@ -33,7 +33,7 @@ def generated_room(settings: Mapping[str, Any], task: Mapping[str, Any]) -> Made
     """
     generator = _generator(settings["model"])
     scene = _scene(task["path"], task["sha256"], settings)
-    how = settings["how"] | {"sampling": Sampling(**settings["how"]["sampling"])}
+    how = settings["how"] | {"sampling": Sampling(**settings["how"].get("sampling", {}))}
     seed = task["seed"]
     base, label = Path(task["path"]) if task["path"] else None, Path(settings["model"]).stem
     if settings["variation"] is None:
