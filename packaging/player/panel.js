@@ -56,7 +56,7 @@ export class Panel {
       this.cards.get(at).dataset.task = at;
       if (this.cards.get(at).parentNode !== now) now.append(this.cards.get(at));
     }
-    if (left && !now.contains(document.activeElement)) (now.querySelector("button, input") ?? this.get("again")).focus();
+    if (left && !now.contains(document.activeElement)) (now.querySelector("button, input") ?? this.get("message")).focus(); // no button: a second Enter would press it
     this.get("doing").hidden = !open.length;
   }
 
