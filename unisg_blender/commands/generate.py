@@ -15,7 +15,7 @@ from ..errors import DONE, SOME_FAILED, UniSGError
 from ..formats.scene_files import check_kinds, load_blender, write_scene_file
 from ..runtime.atomic_files import replacing
 from ..runtime.file_endings import WRITABLE, is_of
-from .argument_types import PATH, SEED, named
+from .argument_types import PATH, SEED, named, number, whole
 from .batch_options import add_batch_options, batch_reason
 from .common import add_limit, add_mapping, print_report, read_shown, shown_lines, words_of
 from .outputs import check_file
@@ -29,6 +29,8 @@ HELP = "Add objects to an empty or an existing scene with a trained model."
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """What the verb takes."""
+    from ..generate.propose.place_sampling import MOST_CANDIDATES
+
     parser.add_argument(
         "--model", metavar="M", type=PATH, help="trained model, or name of a shipped one (default: operating_room)"
     )
@@ -56,11 +58,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     mode.add_argument("--sequential", action="store_true", help="one by one, each sees the ones before (default)")
     mode.add_argument("--bulk", action="store_true", help="propose places for all at once")
     parser.add_argument(
-        "--variety", metavar="V", type=float, default=1.0,
+        "--variety", metavar="V", type=number(0, 1000), default=1.0,
         help="1 draws places as the model learned (default), 0 takes the likeliest, more draws unlikely ones as well",
     )  # fmt: skip
     parser.add_argument(
-        "--candidates", metavar="N", type=int, default=0,
+        "--candidates", metavar="N", type=whole(0, MOST_CANDIDATES), default=0,
         help="places drawn for each thing, of which those to be tried are chosen (default: as is usual for the model)",
     )  # fmt: skip
     parser.add_argument("--raw", action="store_true", help="take the model's first proposals without settling them")
