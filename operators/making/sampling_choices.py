@@ -9,9 +9,6 @@ import bpy
 if TYPE_CHECKING:
     from ...unisg_blender.generate import Sampling
 
-MOST = 4096
-"""Candidates at most."""
-
 
 class VarietyChoice:
     """How much of it is chance. ``SKIP_SAVE``: an operator must not take what a button leaves out from before."""
@@ -19,7 +16,7 @@ class VarietyChoice:
     variety: bpy.props.FloatProperty(
         name="Variety",
         description="1 draws places as the model learned, 0 takes the likeliest, more draws unlikely ones more often",
-        default=1.0, min=0.0, max=10.0, soft_max=2.0, step=10, precision=2, options={"SKIP_SAVE"},
+        default=1.0, min=0.0, soft_max=2.0, step=10, precision=2, options={"SKIP_SAVE"},
     )  # fmt: skip
 
 
@@ -30,7 +27,7 @@ class SamplingChoices(VarietyChoice):
         name="Candidates",
         description="Places that are drawn for each thing, of which those to be tried are chosen: more takes longer. "
         "0: as many as is usual for the model",
-        default=0, min=0, max=MOST, soft_max=512, options={"SKIP_SAVE"},
+        default=0, min=0, soft_max=512, options={"SKIP_SAVE"},
     )  # fmt: skip
 
     def sampling(self) -> Sampling:

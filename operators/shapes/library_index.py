@@ -119,7 +119,7 @@ def _load() -> None:
         kept = json.loads((folder / FILE).read_text("utf-8")) if folder is not None else {}
     except (OSError, ValueError):
         return  # not looked through yet, or damaged: to be looked through again
-    if kept.get("version") == VERSION:
+    if isinstance(kept, dict) and kept.get("version") == VERSION:
         _files.update(kept["files"])
 
 

@@ -29,7 +29,7 @@ HELP = "Add objects to an empty or an existing scene with a trained model."
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """What the verb takes."""
-    from ..generate.propose.place_sampling import MOST_CANDIDATES
+    from ..generate.propose.place_sampling import MOST_CANDIDATES, MOST_VARIETY
 
     parser.add_argument(
         "--model", metavar="M", type=PATH, help="trained model, or name of a shipped one (default: operating_room)"
@@ -58,7 +58,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     mode.add_argument("--sequential", action="store_true", help="one by one, each sees the ones before (default)")
     mode.add_argument("--bulk", action="store_true", help="propose places for all at once")
     parser.add_argument(
-        "--variety", metavar="V", type=number(0, 1000), default=1.0,
+        "--variety", metavar="V", type=number(0, MOST_VARIETY), default=1.0,
         help="1 draws places as the model learned (default), 0 takes the likeliest, more draws unlikely ones as well",
     )  # fmt: skip
     parser.add_argument(

@@ -158,6 +158,7 @@ def _skippable(outline: Outline, first: list[int]) -> set[int]:
     found = {*first, *(other for place in places for other in _missed(outline, place))}
 
     def follows(place: int) -> bool:
+        """Whether a node can be skipped since its parts, what it waits for, or what it is in can be."""
         mandatory = [child for child in outline.children[place] if outline.mandatory[child]]
         part = place > 0 and outline.nodes[place].kind != "action"
         empty = part and not outline.mandatory[place] and not mandatory

@@ -10,6 +10,7 @@ import numpy as np
 from ...errors import UniSGError
 from ...geometry.arrays import Bools, Floats, Ints
 from ...geometry.camera_view import CameraView
+from ...geometry.corner_ends import corner_ends
 from ...geometry.polygon import inside, to_edges
 from ...scene import SceneGraph
 from ...scene.categories import STRUCTURE
@@ -135,7 +136,7 @@ class Surround:
         """The places (P, 2) where a person is in no face of the objects of some rows."""
         triangles, row = world_triangles(self.graph)
         owner = self.objects.rows[self.objects.of_row[row]]
-        low, high = triangles.min(axis=1), triangles.max(axis=1)
+        low, high = corner_ends(triangles)
         near = np.isin(owner, rows) & (high[:, 2] > self.floor) & (low[:, 2] < self.floor + 2 * EYE_HEIGHT)
         faces = triangle_boxes(triangles[near])
         kept = np.ones(len(places), bool)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,8 +12,8 @@ from ...geometry.arrays import Floats
 LEAST = 0.01
 """Variety under which the likeliest of what was drawn is taken in any case."""
 
-MOST_CANDIDATES = 4096
-"""Candidates that are drawn at a time at most."""
+MOST_VARIETY, MOST_CANDIDATES = 100.0, 4096
+"""Of either at most: a hundred draws as good as evenly, and so many candidates at a time are enough."""
 
 
 @dataclass(frozen=True)
@@ -40,8 +39,8 @@ class Sampling:
     candidates: int = 0
 
     def __post_init__(self) -> None:
-        if not math.isfinite(self.variety) or self.variety < 0:
-            raise UniSGError(f"the variety must be a number from 0 on, not {self.variety!r}")
+        if not 0 <= self.variety <= MOST_VARIETY:  # false for nan, too
+            raise UniSGError(f"the variety must be a number from 0 to {MOST_VARIETY:g}, not {self.variety!r}")
         if not 0 <= self.candidates <= MOST_CANDIDATES:
             raise UniSGError(f"the number of candidates must be from 0 to {MOST_CANDIDATES}, not {self.candidates!r}")
 

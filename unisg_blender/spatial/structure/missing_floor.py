@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...geometry.arrays import Floats
+from ...geometry.corner_ends import corner_ends
 from ...geometry.grouped_ends import grouped_ends
 from ...scene.builder import SceneBuilder
 from ...scene.categories import FLOOR
@@ -35,7 +36,7 @@ def missing_floor(graph: SceneGraph) -> Floats | None:
         return None
     rows, place = np.unique(scan.row[upright], return_inverse=True)
     corners = scan.triangles[upright]
-    low, high = grouped_ends(place, len(rows), corners.min(axis=1), corners.max(axis=1))
+    low, high = grouped_ends(place, len(rows), *corner_ends(corners))
     walls = (np.ptp([low[:, 2], high[:, 2]], axis=0) >= HEADROOM) & ((high - low)[:, :2].max(axis=1) >= LONG)
     if not walls.any():
         return None

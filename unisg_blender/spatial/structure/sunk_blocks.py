@@ -6,6 +6,7 @@ import numpy as np
 
 from ...geometry.arrays import Bools, Floats, Ints
 from ...geometry.column_raster import Crossings
+from ...geometry.corner_ends import corner_ends
 from ...geometry.grouped_ends import grouped_ends
 from .scan import HEADROOM, SAME, FreeSpans, Scan
 
@@ -52,5 +53,5 @@ def _solid(scan: Scan) -> tuple[Ints, Floats, Floats, Ints]:
 def _sizes(scan: Scan) -> Floats:
     """Square metres of the rectangle around each entity, seen from above."""
     corners = scan.triangles[:, :, :2]
-    low, high = grouped_ends(scan.row, int(scan.row.max()) + 1, corners.min(axis=1), corners.max(axis=1))
+    low, high = grouped_ends(scan.row, int(scan.row.max()) + 1, *corner_ends(corners))
     return np.asarray(np.prod(np.maximum(high - low, 0.0), axis=1))
