@@ -13,6 +13,7 @@ from tests.spatial.built_rooms import SQUARE, joined, room, slab
 from unisg_blender import UniSGError
 from unisg_blender.blender import RoomView, render_picture
 from unisg_blender.blender.render.picture import category_colors
+from unisg_blender.blender.render.room_view import _whole_patches
 
 
 def pixels(path: Path) -> np.ndarray:
@@ -163,3 +164,17 @@ def test_colors_are_distinct() -> None:
     values = np.array(list(colors.values()))
     gaps = np.abs(values[:, None] - values[None]).max(axis=2) + np.eye(len(values))
     assert gaps.min() > 0.02
+
+
+def test_flat_patches_are_left_out_whole_and_furniture_of_the_same_mesh_stays() -> None:
+    """A wall of two triangles of which one hides, a board that hides and is low, a wall that hides nothing."""
+    wall = [(0, 0, 0), (4, 0, 0), (4, 0, 2.5), (0, 0, 2.5)]
+    board = [(1, 1, 0.4), (2, 1, 0.4), (2, 2, 0.4), (1, 2, 0.4)]
+    other = [(0, 4, 0), (4, 4, 0), (4, 4, 2.5), (0, 4, 2.5)]
+    split = [(x, y, z) for quad in (wall, board, other) for x, y, z in (*quad[:3], quad[0], *quad[2:])]
+    mesh = bpy.data.meshes.new("House")
+    mesh.from_pydata(split, [], [range(at, at + 3) for at in range(0, len(split), 3)])
+    hiding = np.array([True, False, True, True, False, False])
+    found = _whole_patches(mesh, np.array(split, float), hiding, 1.2)
+    assert found.tolist() == [True, True, False, False, False, False]
+    assert not _whole_patches(mesh, np.array(split, float), np.zeros(6, bool), 1.2).any()

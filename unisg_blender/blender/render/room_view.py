@@ -27,6 +27,10 @@ WITH_WALLS = 1.06
 AT_WALL, AROUND = 0.15, 0.5
 """Metres inside the outline up to which faces are those of a wall; and around it where things are shown."""
 
+LOW, MUCH = 1.2, 0.25
+"""Metres over the floor: a flat patch of a mesh that ends below that is no wall; and the share of one that hides a room
+from which on it is left out as a whole."""
+
 FROM_THE_RIGHT = (-0.55, 0.75, -0.75)
 """The way a camera looks from the front right corner, above."""
 
@@ -127,6 +131,8 @@ def _without_hiding(item: bpy.types.Object, room: RoomView, toward: Points, metr
     work.faces.ensure_lookup_table()
     middles = np.array([face.calc_center_median() for face in work.faces]).reshape(-1, 3)
     hiding = room.hides((middles @ world[:3, :3].T + world[:3, 3]) * metres, toward)
+    places = np.array([vertex.co for vertex in work.verts]).reshape(-1, 3) @ world[:3, :3].T + world[:3, 3]
+    hiding = _whole_patches(mesh, places * metres, hiding, room.floor + LOW)
     bmesh.ops.delete(work, geom=[work.faces[int(face)] for face in np.flatnonzero(hiding)], context="FACES")
     work.to_mesh(mesh)
     work.free()
@@ -134,3 +140,40 @@ def _without_hiding(item: bpy.types.Object, room: RoomView, toward: Points, metr
     copy.matrix_world = item.matrix_world.copy()
     copy[CATEGORY] = BUILDING
     return copy
+
+
+def _whole_patches(mesh: bpy.types.Mesh, points: Points, hiding: NDArray[np.bool_], low: float) -> NDArray[np.bool_]:
+    """Which faces (F,) are left out where flat patches of them are left out whole, where much of one hides.
+
+    So no half of a wall stays; and nothing goes that ends below the height ``low``: furniture that is of one mesh with
+    its room. ``points`` (V, 3) are those of the mesh; in the very same place they are one: importers split them.
+    """
+    if not hiding.any():
+        return hiding
+    patch, corner, face = _flat_patches(mesh, points)
+    area = np.empty(len(patch), np.float32)
+    mesh.polygons.foreach_get("area", area)
+    much = np.bincount(patch, area * hiding) > np.bincount(patch, area) * MUCH
+    top = np.full(len(much), -np.inf)
+    np.maximum.at(top, patch[face], points[corner, 2])
+    return np.asarray((much & (top > low))[patch])
+
+
+def _flat_patches(mesh: bpy.types.Mesh, points: Points) -> tuple[NDArray[np.integer], ...]:
+    """The patch (F,) that each face is in with those beside it of the same normal; point and face of each corner."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    count = len(mesh.polygons)
+    corner, sides = np.empty(len(mesh.loops), np.int32), np.empty(count, np.int32)
+    normal = np.empty((count, 3), np.float32)
+    mesh.loops.foreach_get("vertex_index", corner)
+    mesh.polygons.foreach_get("loop_total", sides)
+    mesh.polygons.foreach_get("normal", normal.reshape(-1))
+    face = np.repeat(np.arange(count), sides)
+    met = np.column_stack([points[corner].round(4), normal[face].round(2) + 0.0])
+    knot = np.unique(met, axis=0, return_inverse=True)[1].reshape(-1)
+    size = count + int(knot.max(initial=-1)) + 1
+    links = coo_array((np.ones(len(face), bool), (face, count + knot)), shape=(size, size))
+    _, patch = connected_components(links, directed=False)
+    return np.unique(patch[:count], return_inverse=True)[1].reshape(-1), corner, face
