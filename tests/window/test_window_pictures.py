@@ -127,7 +127,7 @@ LOOKING = "__import__('sys').modules['bl_ext.user_default.unisg_blender.operator
 
 def scroll(window: BlenderWindow, times: int) -> None:
     """Turn the wheel over the sidebar, down or (less than nothing) up."""
-    window.move(650, 300)
+    window.move(751, 300)  # beside the lists, which would turn instead
     for _ in range(abs(times)):
         window.click(5 if times > 0 else 4)
     window.move(300, 650)
